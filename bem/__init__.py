@@ -1,0 +1,1 @@
+"""Free-boundary boundary element solver for adhesive line contact."""

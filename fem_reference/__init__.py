@@ -1,0 +1,1 @@
+"""Finite element reference: a plane-strain periodic layer with JKR closure."""

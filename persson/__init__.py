@@ -1,0 +1,1 @@
+"""Persson's contact theory for one-dimensional roughness."""

@@ -1,0 +1,1 @@
+"""The harness that compares solver, finite elements and theory."""
