@@ -1,0 +1,141 @@
+"""The contact domain: patches [a_i, b_i] in order on the circle [0, 2 pi), and the pressure they carry.
+
+Edges are kept as two arrays, `left` in [0, 2 pi) increasing and `right` > `left`, where the last patch may
+reach beyond 2 pi.  Edge vectors have length 2 L and list all left edges, then all right edges; the outward
+direction is -x on the left, +x on the right.  Lengths are dimensionless (scaled by 1/q0).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+TWO_PI = 2 * np.pi
+
+
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """Contact patches in order on the circle.
+
+    Parameters
+    ----------
+    left, right : (L,) arrays
+        Edges, dimensionless.
+    """
+
+    left: FloatArray
+    right: FloatArray
+
+    @property
+    def count(self) -> int:
+        """Number of patches L."""
+        return int(self.left.size)
+
+    @property
+    def center(self) -> FloatArray:
+        """Midpoints, (L,)."""
+        return (self.left + self.right) / 2
+
+    @property
+    def half_width(self) -> FloatArray:
+        """Half widths, (L,)."""
+        return (self.right - self.left) / 2
+
+    @property
+    def width(self) -> FloatArray:
+        """Widths, (L,)."""
+        return self.right - self.left
+
+    @property
+    def gap_after(self) -> FloatArray:
+        """Width of the gap behind each patch, up to the next one on the circle, (L,)."""
+        return np.append(self.left[1:], self.left[:1] + TWO_PI) - self.right
+
+    @property
+    def gap_before(self) -> FloatArray:
+        """Width of the gap before each patch, (L,)."""
+        return np.roll(self.gap_after, 1)
+
+    @property
+    def contact_fraction(self) -> float:
+        """Projected contact length over the period."""
+        return float(np.sum(self.width)) / TWO_PI
+
+    @property
+    def edge_room(self) -> FloatArray:
+        """min(patch width, adjacent gap) of each edge, (2 L,): the length in which an edge may move."""
+        return np.concatenate(
+            [np.minimum(self.width, self.gap_before), np.minimum(self.width, self.gap_after)]
+        )
+
+    @property
+    def is_ordered(self) -> bool:
+        """Whether all widths and gaps are positive."""
+        return bool(np.all(self.width > 0) and np.all(self.gap_after > 0))
+
+    def moved(self, outward: FloatArray) -> Patches:
+        """Patches after each edge moved outward by the given (2 L,) amounts."""
+        count = self.count
+        return Patches(self.left - outward[:count], self.right + outward[count:])
+
+    def with_patch(self, left: float, right: float) -> Patches:
+        """Patches with one more, inserted in order."""
+        return ordered(np.append(self.left, left), np.append(self.right, right))
+
+    def without_patch(self, index: int) -> Patches:
+        """Patches less the one with this index."""
+        return Patches(np.delete(self.left, index), np.delete(self.right, index))
+
+    def merged_after(self, index: int) -> Patches:
+        """Patches with the gap behind patch `index` closed; ValueError for the only patch."""
+        if self.count == 1:
+            raise ValueError("the gap of a single patch closes to complete contact, which has no edges")
+        following = (index + 1) % self.count
+        right = self.right.copy()
+        right[index] = self.right[following] + (TWO_PI if following == 0 else 0.0)
+        return ordered(np.delete(self.left, following), np.delete(right, following))
+
+    def canonical(self) -> Patches:
+        """The same patches with every left edge in [0, 2 pi), in order."""
+        return ordered(self.left, self.right)
+
+
+def ordered(left: FloatArray, right: FloatArray) -> Patches:
+    """Patches sorted by their left edge, which is brought into [0, 2 pi).
+
+    Examples
+    --------
+    >>> ordered(np.array([7.0, 1.0]), np.array([7.5, 2.0])).left.round(3).tolist()
+    [0.717, 1.0]
+    """
+    shift = np.floor(left / TWO_PI) * TWO_PI
+    start, stop = left - shift, right - shift
+    order = np.argsort(start)
+    return Patches(start[order], stop[order])
+
+
+@dataclass(frozen=True, eq=False)
+class PatchPressure:
+    """Pressure as a Chebyshev series with square-root edges on each patch.
+
+    sigma(x) = sum_n charges[i][n] T_n(t) / (r_i sqrt(1 - t^2)),  x = c_i + r_i t.
+
+    Parameters
+    ----------
+    left, right : (L,) arrays
+        Edges of the patches, dimensionless.
+    charges : tuple of L arrays (N_i,)
+        Chebyshev coefficients, in units of force per length.
+    """
+
+    left: FloatArray
+    right: FloatArray
+    charges: tuple[FloatArray, ...]
+
+    @property
+    def load(self) -> float:
+        """Force per period, int sigma dx."""
+        return float(np.pi * sum(charge[0] for charge in self.charges))

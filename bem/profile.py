@@ -1,0 +1,219 @@
+"""Periodic rough profile h(x) = sum_m h_m cos(m q0 x + phi_m), q0 = 2 pi / period, and its derivatives.
+
+Values at arbitrary points come from a Taylor table: the profile and its derivatives are sampled by FFT on
+a grid of at least 16 points per shortest wavelength, and the 14-term expansion about the nearest grid point
+is exact to rounding (truncation below 1e-15 of the amplitude for h, 1e-14 for h'' in its own scale).  The
+cost per point then does not depend on the number of harmonics.
+
+Heights and positions may be in any unit; `Profile.scaled` gives the dimensionless profile of the solver.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_POINTS_PER_WAVELENGTH = 16
+_TAYLOR_TERMS = 14
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A zero-mean periodic profile given by its harmonics.
+
+    Parameters
+    ----------
+    period : float
+        Wavelength of the periodic cell, in m (or any unit of length).
+    orders : (n_harmonics,) int array
+        Distinct harmonic orders m >= 1.
+    amplitudes, phases : (n_harmonics,) float arrays
+        h_m in m (or any unit of height) and phi_m in radians.
+
+    Examples
+    --------
+    >>> wave = Profile(1.0, np.array([1]), np.array([2.0]), np.array([0.0]))
+    >>> float(round(wave.height(0.25), 12)), wave.max_height
+    (0.0, 2.0)
+    """
+
+    period: float
+    orders: IntArray
+    amplitudes: FloatArray
+    phases: FloatArray
+
+    @classmethod
+    def from_harmonics(
+        cls, period: float, orders: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None = None
+    ) -> Profile:
+        """Profile from lists of orders, amplitudes and phases (default 0)."""
+        m = np.asarray(orders, dtype=np.int64)
+        h = np.asarray(amplitudes, dtype=np.float64)
+        phi = np.zeros_like(h) if phases is None else np.asarray(phases, dtype=np.float64)
+        if not m.shape == h.shape == phi.shape or m.ndim != 1:
+            raise ValueError(
+                f"orders, amplitudes, phases: shapes {m.shape}, {h.shape}, {phi.shape} must agree"
+            )
+        if m.size == 0 or m.min() < 1 or np.unique(m).size != m.size:
+            raise ValueError(f"orders: {m.tolist()[:8]} must be distinct integers >= 1")
+        return cls(float(period), m, h, phi)
+
+    @classmethod
+    def self_affine(
+        cls, period: float, hurst: float, rms_height: float, harmonics: int, seed: int
+    ) -> Profile:
+        """Self-affine profile, h_m ~ m^-(hurst + 1/2), orders 1..harmonics, uniform random phases.
+
+        Parameters
+        ----------
+        period, rms_height : float
+            In m; sum_m h_m^2 / 2 = rms_height^2.
+        hurst : float
+            Hurst exponent in (0, 1).
+        harmonics, seed : int
+            Number of harmonics; phases are `default_rng(seed).uniform(-pi, pi, harmonics)`.
+        """
+        m = np.arange(1, harmonics + 1)
+        h = m ** -(hurst + 0.5)
+        h *= rms_height / np.sqrt(np.sum(h**2) / 2)
+        return cls(float(period), m, h, np.random.default_rng(seed).uniform(-np.pi, np.pi, harmonics))
+
+    @classmethod
+    def from_samples(
+        cls, x: ArrayLike, h: ArrayLike, harmonics: int, detrend: str = "mean", period: float | None = None
+    ) -> Profile:
+        """Trigonometric interpolant of uniform samples, cut at `harmonics`.
+
+        Parameters
+        ----------
+        x, h : (n,) array
+            Uniform increasing positions (end point of the period excluded) and heights, in m.
+        harmonics : int
+            Highest order kept, below n/2.
+        detrend : {"mean", "line"}
+            What is subtracted first.
+        period : float, optional
+            Replaces n times the sample distance.
+        """
+        position, height = np.asarray(x, dtype=np.float64), np.asarray(h, dtype=np.float64)
+        n = position.size
+        if not 1 <= harmonics <= (n - 1) // 2:
+            raise ValueError(f"harmonics: {harmonics} must lie in 1..{(n - 1) // 2} for {n} samples")
+        if detrend == "line":
+            height = height - np.polyval(
+                np.polyfit(position - position[0], height, 1), position - position[0]
+            )
+        spectrum = np.fft.rfft(height)[1 : harmonics + 1] * (2 / n)
+        length = (position[-1] - position[0]) * n / (n - 1) if period is None else period
+        m = np.arange(1, harmonics + 1)
+        shift = 2 * np.pi * m * position[0] / length
+        return cls(float(length), m, np.abs(spectrum), np.angle(spectrum) - shift)
+
+    @property
+    def q0(self) -> float:
+        """Fundamental wavenumber 2 pi / period."""
+        return 2 * np.pi / self.period
+
+    @property
+    def max_order(self) -> int:
+        """Highest harmonic order."""
+        return int(self.orders.max())
+
+    @property
+    def rms_height(self) -> float:
+        """Root mean square height, sqrt(sum h_m^2 / 2)."""
+        return float(np.sqrt(np.sum(self.amplitudes**2) / 2))
+
+    @property
+    def rms_slope(self) -> float:
+        """Root mean square slope (unit of height per unit of length)."""
+        return float(np.sqrt(np.sum((self.q0 * self.orders * self.amplitudes) ** 2) / 2))
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether every amplitude is zero."""
+        return not np.any(self.amplitudes)
+
+    @cached_property
+    def max_height(self) -> float:
+        """Height of the highest crest."""
+        return float(self.crests[1].max())
+
+    def scaled(self) -> Profile:
+        """The same profile with period 2 pi and unit rms height; ValueError when flat."""
+        if self.is_flat:
+            raise ValueError("amplitudes: all zero; a flat profile has no height scale")
+        return Profile(2 * np.pi, self.orders, self.amplitudes / self.rms_height, self.phases)
+
+    def height(self, x: ArrayLike) -> FloatArray:
+        """h(x), same shape as x."""
+        return self._expand(x, 0)[0]
+
+    def slope(self, x: ArrayLike) -> FloatArray:
+        """h'(x), same shape as x."""
+        return self._expand(x, 1)[1]
+
+    def curvature(self, x: ArrayLike) -> FloatArray:
+        """h''(x), same shape as x."""
+        return self._expand(x, 2)[2]
+
+    def height_slope_curvature(self, x: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """h, h' and h'' at once, each of the shape of x."""
+        values = self._expand(x, 2)
+        return values[0], values[1], values[2]
+
+    @cached_property
+    def grid(self) -> tuple[FloatArray, FloatArray]:
+        """Positions and heights of the table, (n_grid,) each: at least 16 points per shortest wavelength."""
+        n = self._table.shape[0]
+        return np.arange(n) * (self.period / n), np.ascontiguousarray(self._table[:, 0])
+
+    @cached_property
+    def crests(self) -> tuple[FloatArray, FloatArray]:
+        """Positions in [0, period) and heights of all local maxima, (n_crests,) each."""
+        if self.is_flat:
+            return np.zeros(1), np.zeros(1)
+        x, h = self.grid
+        top = np.flatnonzero((h >= np.roll(h, 1)) & (h > np.roll(h, -1)))
+        position = x[top]
+        spacing = self.period / x.size
+        for _ in range(6):
+            _, slope, curvature = self.height_slope_curvature(position)
+            safe = np.where(curvature < 0, curvature, -np.inf)
+            position = position + np.clip(-slope / safe, -spacing, spacing)
+        return position % self.period, self.height(position)
+
+    @cached_property
+    def _table(self) -> FloatArray:
+        """Taylor coefficients h^(k)(x_j) delta^k / k! on the grid, (n_grid, n_terms)."""
+        n = max(64, 1 << int(np.ceil(np.log2(_POINTS_PER_WAVELENGTH * self.max_order))))
+        spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)
+        spectrum[self.orders] = self.amplitudes * np.exp(1j * self.phases) * (n / 2)
+        factor = 1j * np.arange(n // 2 + 1) * (2 * np.pi / n)
+        table = np.empty((n, _TAYLOR_TERMS))
+        for k in range(_TAYLOR_TERMS):
+            table[:, k] = np.fft.irfft(spectrum, n)
+            spectrum = spectrum * factor / (k + 1)
+        return table
+
+    def _expand(self, x: ArrayLike, derivatives: int) -> list[FloatArray]:
+        """[h, h', ...] up to the given derivative, by Horner's rule about the nearest grid point."""
+        table = self._table
+        n = table.shape[0]
+        position = np.asarray(x, dtype=np.float64) * (n / self.period)
+        nearest = np.rint(position)
+        tau = position - nearest
+        rows = table[nearest.astype(np.int64) % n]
+        result = []
+        for order in range(derivatives + 1):
+            value = np.zeros_like(tau)
+            for k in range(_TAYLOR_TERMS - 1, order - 1, -1):
+                value = value * tau + rows[..., k] * float(np.prod(np.arange(k - order + 1, k + 1)))
+            result.append(value * (n / self.period) ** order)
+        return result
