@@ -67,9 +67,7 @@ class Patches:
     @property
     def edge_room(self) -> FloatArray:
         """min(patch width, adjacent gap) of each edge, (2 L,): the length in which an edge may move."""
-        return np.concatenate(
-            [np.minimum(self.width, self.gap_before), np.minimum(self.width, self.gap_after)]
-        )
+        return np.concatenate([np.minimum(self.width, self.gap_before), np.minimum(self.width, self.gap_after)])
 
     @property
     def is_ordered(self) -> bool:

@@ -57,17 +57,13 @@ class Profile:
         h = np.asarray(amplitudes, dtype=np.float64)
         phi = np.zeros_like(h) if phases is None else np.asarray(phases, dtype=np.float64)
         if not m.shape == h.shape == phi.shape or m.ndim != 1:
-            raise ValueError(
-                f"orders, amplitudes, phases: shapes {m.shape}, {h.shape}, {phi.shape} must agree"
-            )
+            raise ValueError(f"orders, amplitudes, phases: shapes {m.shape}, {h.shape}, {phi.shape} must agree")
         if m.size == 0 or m.min() < 1 or np.unique(m).size != m.size:
             raise ValueError(f"orders: {m.tolist()[:8]} must be distinct integers >= 1")
         return cls(float(period), m, h, phi)
 
     @classmethod
-    def self_affine(
-        cls, period: float, hurst: float, rms_height: float, harmonics: int, seed: int
-    ) -> Profile:
+    def self_affine(cls, period: float, hurst: float, rms_height: float, harmonics: int, seed: int) -> Profile:
         """Self-affine profile, h_m ~ m^-(hurst + 1/2), orders 1..harmonics, uniform random phases.
 
         Parameters
@@ -80,7 +76,7 @@ class Profile:
             Number of harmonics; phases are `default_rng(seed).uniform(-pi, pi, harmonics)`.
         """
         m = np.arange(1, harmonics + 1)
-        h = m ** -(hurst + 0.5)
+        h: FloatArray = np.asarray(m ** -(hurst + 0.5), dtype=np.float64)
         h *= rms_height / np.sqrt(np.sum(h**2) / 2)
         return cls(float(period), m, h, np.random.default_rng(seed).uniform(-np.pi, np.pi, harmonics))
 
@@ -106,9 +102,7 @@ class Profile:
         if not 1 <= harmonics <= (n - 1) // 2:
             raise ValueError(f"harmonics: {harmonics} must lie in 1..{(n - 1) // 2} for {n} samples")
         if detrend == "line":
-            height = height - np.polyval(
-                np.polyfit(position - position[0], height, 1), position - position[0]
-            )
+            height = height - np.polyval(np.polyfit(position - position[0], height, 1), position - position[0])
         spectrum = np.fft.rfft(height)[1 : harmonics + 1] * (2 / n)
         length = (position[-1] - position[0]) * n / (n - 1) if period is None else period
         m = np.arange(1, harmonics + 1)
@@ -193,13 +187,13 @@ class Profile:
     def _table(self) -> FloatArray:
         """Taylor coefficients h^(k)(x_j) delta^k / k! on the grid, (n_grid, n_terms)."""
         n = max(64, 1 << int(np.ceil(np.log2(_POINTS_PER_WAVELENGTH * self.max_order))))
-        spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)
+        spectrum: NDArray[np.complex128] = np.zeros(n // 2 + 1, dtype=np.complex128)
         spectrum[self.orders] = self.amplitudes * np.exp(1j * self.phases) * (n / 2)
         factor = 1j * np.arange(n // 2 + 1) * (2 * np.pi / n)
         table = np.empty((n, _TAYLOR_TERMS))
         for k in range(_TAYLOR_TERMS):
             table[:, k] = np.fft.irfft(spectrum, n)
-            spectrum = spectrum * factor / (k + 1)
+            spectrum *= factor / (k + 1)
         return table
 
     def _expand(self, x: ArrayLike, derivatives: int) -> list[FloatArray]:

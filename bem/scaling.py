@@ -6,7 +6,7 @@ With q0 = 2 pi / period, a = rms height and E* = E / (1 - nu^2), the solver work
     force per length / (s* / q0),   energy per length and period / (E* a^2 / 2),   energy release rate and
     work of adhesion / (E* a^2 q0 / 2),
 
-so that the half-space relation reads u(x) = -(1/pi) int log|2 sin((x - x')/2)| sigma(x') dx', complete contact
+so that the half-space relation is u(x) = -(1/pi) int log|2 sin((x - x')/2)| sigma(x') dx', complete contact
 has sigma_m = m u_m, and G = K^2 / 4.  Limits: a > 0 (a flat profile has no such scale), -1 < nu <= 1/2.
 """
 

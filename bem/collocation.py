@@ -1,0 +1,249 @@
+"""Pressure, load, stress intensities and elastic energy of given contact patches: the compressed evaluation.
+
+The equation int log|2 sin((x - x')/2)| sigma(x') dx' = pi (h_max - Delta - h(x)) =: R(x) on the patches is solved in
+Chebyshev series.  What other patches contribute is smooth, so only the lowest p_i modes of a patch couple to
+the rest (a skeleton of p_i nodes); every higher mode obeys the diagonal Q_n = -n C_n / pi, where C_n are the
+coefficients of R.  The negated skeleton matrix is symmetric positive definite; with its Cholesky factor U,
+Y = U^-T [edge vectors | R on the skeleton | 1] and G = Y^T Y,
+
+    q_e = -G_eR - sum_{n >= p} (n/pi) C_n (+-1)^n,   K_e = -q_e sqrt(pi/r),   dK_e/dDelta = -pi G_e1 sqrt(pi/r),
+    load = -G_R1,   dload/dDelta = pi G_11,   U_el = (G_RR + 1/2 sum_{n >= p} n C_n^2) / (2 pi).
+
+Source of the discretisation: physics.md 3 of the design, Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30
+(2009) 65 for the problem.  Dimensionless (see scaling.py).  Limits: patches ordered and disjoint, contact not
+complete; resolution set by `tolerance` (relative error of K about 3e-2 times it).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lapack
+
+from bem import chebyshev, half_space
+from bem.patches import Patches, PatchPressure
+from bem.profile import Profile
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+KernelMatrix = Callable[[FloatArray], FloatArray]
+
+
+class IllConditionedSystemError(ArithmeticError):
+    """The skeleton matrix is not positive definite to rounding: too few modes, or contact almost complete."""
+
+
+@dataclass(frozen=True, eq=False)
+class Elastic:
+    """What is elastic in a scene: the profile and smooth corrections to the half-space kernel.
+
+    Parameters
+    ----------
+    profile : Profile
+        Dimensionless (period 2 pi, unit rms height).
+    corrections : tuple of callables
+        Each maps node positions (n,) to a symmetric matrix (n, n) to be added to log|2 sin|; a half-space has
+        none.
+    decay_length : float
+        Shortest length over which the corrections vary; infinity without any.
+    """
+
+    profile: Profile
+    corrections: tuple[KernelMatrix, ...] = ()
+    decay_length: float = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Resolution:
+    """Nodes for the profile and coupled modes, per patch, (L,) each."""
+
+    nodes: IntArray
+    modes: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """State of given patches at given penetration, dimensionless; edge arrays list left edges, then right ones.
+
+    Attributes
+    ----------
+    stress_intensity, stress_intensity_rate : (2 L,) arrays
+        K and dK/dDelta at the edges.
+    load, load_rate, elastic_energy : float
+        int sigma dx, its derivative by Delta, and U_el.
+    edge_compliance : (2 L, 2 L) array
+        G_ee of the skeleton, from which the edge sensitivities follow.
+    edge_slope : (2 L,) array
+        Outward derivative by t of the regular factor f = q / r at the edges.
+    resolution : Resolution
+        Nodes and modes used.
+    unknowns : int
+        Size of the factorised matrix.
+    """
+
+    patches: Patches
+    penetration: float
+    stress_intensity: FloatArray
+    stress_intensity_rate: FloatArray
+    load: float
+    load_rate: float
+    elastic_energy: float
+    edge_compliance: FloatArray
+    edge_slope: FloatArray
+    resolution: Resolution
+    unknowns: int
+    series: tuple[FloatArray, ...]
+    skeleton: FloatArray
+
+    def pressure(self) -> PatchPressure:
+        """The pressure as Chebyshev series on the patches."""
+        charges, start = [], 0
+        for series, modes in zip(self.series, self.resolution.modes, strict=True):
+            table = chebyshev.basis(int(modes))
+            nodal = self.skeleton[start : start + modes] * (modes / np.pi)
+            charge = series * (-np.arange(series.size) / np.pi)
+            charge[:modes] = chebyshev.coefficients(nodal[None, :])[0]
+            charges.append(charge)
+            start += table.nodes.size
+        return PatchPressure(self.patches.left, self.patches.right, tuple(charges))
+
+
+def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
+    """Nodes and modes per patch for a relative tolerance of the coupling."""
+    width = patches.width
+    clearance = np.minimum(np.minimum(patches.gap_before, patches.gap_after), elastic.decay_length)
+    modes = chebyshev.rounded_up(chebyshev.coupling_modes(width, clearance, tolerance))
+    wanted = np.maximum(chebyshev.profile_nodes(width, elastic.profile.max_order), modes + 4)
+    return Resolution(chebyshev.rounded_up(wanted), modes)
+
+
+def evaluate(
+    elastic: Elastic,
+    patches: Patches,
+    penetration: float,
+    tolerance: float,
+    resolution: Resolution | None = None,
+) -> Evaluation:
+    """Solve for the pressure of given patches at given penetration.
+
+    Parameters
+    ----------
+    elastic : Elastic
+        Profile and kernel corrections, dimensionless.
+    patches : Patches
+        Ordered, disjoint, not complete.
+    penetration : float
+        Delta, dimensionless.
+    tolerance : float
+        Of the coupling between patches.
+    resolution : Resolution, optional
+        Nodes and modes to use instead of those that `tolerance` asks for.
+
+    Raises
+    ------
+    IllConditionedSystemError
+        The skeleton matrix is not positive definite.
+    """
+    resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
+    count = patches.count
+    center, half_width = patches.center, patches.half_width
+    series = _right_hand_sides(elastic.profile, patches, penetration, resolution.nodes)
+
+    offsets = np.concatenate([[0], np.cumsum(resolution.modes)])
+    unknowns = int(offsets[-1])
+    x = np.empty(unknowns)
+    rhs = np.zeros((unknowns, 2 * count + 2), order="F")
+    rhs[:, -1] = 1.0
+    classes = [(int(modes), np.flatnonzero(resolution.modes == modes)) for modes in np.unique(resolution.modes)]
+    for modes, members in classes:
+        table = chebyshev.basis(modes)
+        rows = offsets[members, None] + np.arange(modes)
+        x[rows] = center[members, None] + half_width[members, None] * table.nodes
+        rhs[rows, members[:, None]] = table.at_edges[0]
+        rhs[rows, count + members[:, None]] = table.at_edges[1]
+        rhs[rows, -2] = np.stack([series[i][:modes] for i in members]) @ table.values.T
+
+    matrix = half_space.between_nodes(x)
+    for modes, members in classes:
+        rows = offsets[members, None] + np.arange(modes)
+        block = half_space.within_patch(half_width[members], chebyshev.basis(modes))
+        matrix[rows[:, :, None], rows[:, None, :]] = block
+    for correction in elastic.corrections:
+        matrix += correction(x)
+
+    np.negative(matrix, out=matrix)
+    factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
+    if info != 0:
+        raise IllConditionedSystemErrorError(f"skeleton matrix of {unknowns} unknowns is not positive definite")
+    solved, _ = lapack.dtrtrs(factor, rhs, lower=0, trans=1, overwrite_b=1)
+    gram = solved.T @ solved
+    skeleton, _ = lapack.dtrtrs(factor, solved[:, -2:-1], lower=0, trans=0)
+
+    tail_edge, edge_slope, tail_energy = _uncoupled_sums(series, resolution.modes)
+    _add_skeleton_slope(edge_slope, skeleton[:, 0], classes, offsets)
+    radius = np.concatenate([half_width, half_width])
+    to_intensity = np.sqrt(np.pi / radius)
+    edges = slice(0, 2 * count)
+    return Evaluation(
+        patches=patches,
+        penetration=penetration,
+        stress_intensity=(gram[edges, -2] + tail_edge) * to_intensity,
+        stress_intensity_rate=-np.pi * gram[edges, -1] * to_intensity,
+        load=-float(gram[-2, -1]),
+        load_rate=np.pi * float(gram[-1, -1]),
+        elastic_energy=(float(gram[-2, -2]) + 0.5 * tail_energy) / (2 * np.pi),
+        edge_compliance=gram[edges, edges],
+        edge_slope=edge_slope / radius,
+        resolution=resolution,
+        unknowns=unknowns,
+        series=series,
+        skeleton=-skeleton[:, 0],
+    )
+
+
+def _right_hand_sides(
+    profile: Profile, patches: Patches, penetration: float, nodes: IntArray
+) -> tuple[FloatArray, ...]:
+    """Chebyshev coefficients of R = pi (h_max - Delta - h) on every patch."""
+    center, half_width = patches.center, patches.half_width
+    result: list[FloatArray] = [np.empty(0)] * patches.count
+    for size in np.unique(nodes):
+        members = np.flatnonzero(nodes == size)
+        x = center[members, None] + half_width[members, None] * chebyshev.basis_nodes(int(size))
+        height = profile.height(x)
+        for i, row in zip(members, chebyshev.coefficients(-np.pi * height), strict=True):
+            row[0] += np.pi * (profile.max_height - penetration)
+            result[i] = row
+    return tuple(result)
+
+
+def _uncoupled_sums(series: tuple[FloatArray, ...], modes: IntArray) -> tuple[FloatArray, FloatArray, float]:
+    """Sums over n >= p: (n/pi) C_n (+-1)^n, -(n/pi) C_n n^2 (+-1)^n (both (2 L,)), and n C_n^2."""
+    count = len(series)
+    at_edge, slope, energy = np.zeros(2 * count), np.zeros(2 * count), 0.0
+    for i, (row, low) in enumerate(zip(series, modes, strict=True)):
+        order = np.arange(low, row.size, dtype=np.float64)
+        term = order * row[low:]
+        energy += float(term @ row[low:])
+        first = 1 if low % 2 == 0 else -1
+        even, odd = term[0::2].sum() / np.pi, term[1::2].sum() / np.pi
+        at_edge[i], at_edge[count + i] = first * (even - odd), even + odd
+        term *= order * order
+        even, odd = term[0::2].sum() / np.pi, term[1::2].sum() / np.pi
+        slope[i], slope[count + i] = -first * (even - odd), -(even + odd)
+    return at_edge, slope, energy
+
+
+def _add_skeleton_slope(
+    slope: FloatArray, negated_charges: FloatArray, classes: list[tuple[int, IntArray]], offsets: IntArray
+) -> None:
+    """Add sum_{n < p} n^2 (+-1)^n Q_n of the skeleton to the edge slopes, in place."""
+    count = slope.size // 2
+    for modes, members in classes:
+        nodal = -negated_charges[offsets[members, None] + np.arange(modes)] * (modes / np.pi)
+        weighted = chebyshev.coefficients(nodal) * np.arange(modes) ** 2
+        slope[members] += weighted @ (-1.0) ** np.arange(modes)
+        slope[count + members] += weighted.sum(axis=1)

@@ -1,0 +1,42 @@
+"""Exact derivatives of the stress intensities with respect to outward motion of the edges.
+
+An edge moved outward by delta adds the homogeneous solution whose singularity there is -K_e / (2 r^(3/2)); its
+values at the other edges are the edge compliance G_ee of the skeleton (collocation.py), completed by the modes
+that the skeleton does not carry:
+
+    Z = -pi^2 G_ee + p (p - 1) [same edge] + (2 sum_{1 <= n < p} n (-1)^n + 1/2) [other edge of the same patch],
+    dK_i/d out_e = -Z_ie K_e / (2 sqrt(r_i r_e)) - delta_ie (K_e / (4 r) + sqrt(pi/r) f'_e / 2),
+
+f' = sum n^2 (+-1)^n Q_n / r the outward derivative by t of f = q / r at the edge.  The last term is the regular
+part of the pressure, which the moving edge brings to the tip.
+
+and the Hessian of U = U_el + U_ad is H_ef = (K_e/2) dK_e/d out_f - delta_ef dw_e/d out_e (dimensionless, G = K^2/4),
+which is symmetric and, at an equilibrium, positive definite exactly where it is a minimum.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.collocation import Evaluation
+
+FloatArray = NDArray[np.float64]
+
+
+def stress_intensity_jacobian(state: Evaluation) -> FloatArray:
+    """dK_i / d(outward motion of edge e), (2 L, 2 L), dimensionless."""
+    count = state.patches.count
+    modes = state.resolution.modes
+    radius = np.tile(state.patches.half_width, 2)
+    coupling = -(np.pi**2) * state.edge_compliance
+    same = np.arange(2 * count)
+    other = np.roll(same, count)
+    coupling[same, same] += np.tile(modes * (modes - 1.0), 2)
+    alternating = np.where(modes % 2 == 0, -modes / 2, (modes - 1) / 2)
+    coupling[same, other] += np.tile(2 * alternating + 0.5, 2)
+    root = np.sqrt(radius)
+    intensity = state.stress_intensity
+    jacobian = -coupling * (intensity / (2 * root)) / root[:, None]
+    jacobian[same, same] -= intensity / (4 * radius) + np.sqrt(np.pi / radius) * state.edge_slope / 2
+    return np.asarray(jacobian)
