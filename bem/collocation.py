@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +30,23 @@ from bem.profile import Profile
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-KernelMatrix = Callable[[FloatArray], FloatArray]
+Field = Callable[[FloatArray], FloatArray]
 
 
 class IllConditionedSystemError(ArithmeticError):
     """The skeleton matrix is not positive definite to rounding: too few modes, or contact almost complete."""
+
+
+class KernelCorrection(Protocol):
+    """A smooth periodic function of x - x' to be added to log|2 sin((x - x')/2)|."""
+
+    def matrix(self, x: FloatArray) -> FloatArray:
+        """Values between all pairs of x, (n, n)."""
+        ...
+
+    def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
+        """Sum over the sources of value times charge, at x, (n,)."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,16 +57,18 @@ class Elastic:
     ----------
     profile : Profile
         Dimensionless (period 2 pi, unit rms height).
-    corrections : tuple of callables
-        Each maps node positions (n,) to a symmetric matrix (n, n) to be added to log|2 sin|; a half-space has
-        none.
+    corrections : tuple of KernelCorrection
+        Smooth additions to log|2 sin|; a half-space has none.
     decay_length : float
         Shortest length over which the corrections vary; infinity without any.
+    backgrounds : tuple of callables
+        Smooth fields int log|2 sin| sigma dx' of pressure outside these patches, (n,) positions to (n,) values.
     """
 
     profile: Profile
-    corrections: tuple[KernelMatrix, ...] = ()
+    corrections: tuple[KernelCorrection, ...] = ()
     decay_length: float = np.inf
+    backgrounds: tuple[Field, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +91,16 @@ class Evaluation:
         int sigma dx, its derivative by Delta, and U_el.
     edge_compliance : (2 L, 2 L) array
         G_ee of the skeleton, from which the edge sensitivities follow.
-    edge_slope : (2 L,) array
-        Outward derivative by t of the regular factor f = q / r at the edges.
+    edge_slope, edge_slope_rate : (2 L,) arrays
+        Outward derivative by t of the regular factor f = q / r at the edges, and its derivative by Delta.
     resolution : Resolution
         Nodes and modes used.
     unknowns : int
         Size of the factorised matrix.
+    series : tuple of L arrays (N_i,)
+        Chebyshev coefficients of R on the patches.
+    skeleton, skeleton_rate : (unknowns,) arrays
+        Nodal charges (pi/p) q of the coupled modes, and their derivative by Delta.
     """
 
     patches: Patches
@@ -93,10 +112,22 @@ class Evaluation:
     elastic_energy: float
     edge_compliance: FloatArray
     edge_slope: FloatArray
+    edge_slope_rate: FloatArray
     resolution: Resolution
     unknowns: int
     series: tuple[FloatArray, ...]
     skeleton: FloatArray
+    skeleton_rate: FloatArray
+
+    def skeleton_nodes(self) -> FloatArray:
+        """Positions of the skeleton charges, (unknowns,)."""
+        center, half_width = self.patches.center, self.patches.half_width
+        return np.concatenate(
+            [
+                c + r * chebyshev.basis_nodes(int(p))
+                for c, r, p in zip(center, half_width, self.resolution.modes, strict=True)
+            ]
+        )
 
     def pressure(self) -> PatchPressure:
         """The pressure as Chebyshev series on the patches."""
@@ -166,24 +197,29 @@ def evaluate(
         rhs[rows, count + members[:, None]] = table.at_edges[1]
         rhs[rows, -2] = np.stack([series[i][:modes] for i in members]) @ table.values.T
 
+    for background in elastic.backgrounds:
+        rhs[:, -2] -= background(x)
+
     matrix = half_space.between_nodes(x)
     for modes, members in classes:
         rows = offsets[members, None] + np.arange(modes)
         block = half_space.within_patch(half_width[members], chebyshev.basis(modes))
         matrix[rows[:, :, None], rows[:, None, :]] = block
     for correction in elastic.corrections:
-        matrix += correction(x)
+        matrix += correction.matrix(x)
 
     np.negative(matrix, out=matrix)
     factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
     if info != 0:
-        raise IllConditionedSystemErrorError(f"skeleton matrix of {unknowns} unknowns is not positive definite")
+        raise IllConditionedSystemError(f"skeleton matrix of {unknowns} unknowns is not positive definite")
     solved, _ = lapack.dtrtrs(factor, rhs, lower=0, trans=1, overwrite_b=1)
     gram = solved.T @ solved
-    skeleton, _ = lapack.dtrtrs(factor, solved[:, -2:-1], lower=0, trans=0)
+    charges, _ = lapack.dtrtrs(factor, solved[:, -2:], lower=0, trans=0)
+    skeleton, skeleton_rate = -charges[:, 0], np.pi * charges[:, 1]
 
     tail_edge, edge_slope, tail_energy = _uncoupled_sums(series, resolution.modes)
-    _add_skeleton_slope(edge_slope, skeleton[:, 0], classes, offsets)
+    edge_slope += _skeleton_slope(skeleton, count, classes, offsets)
+    edge_slope_rate = _skeleton_slope(skeleton_rate, count, classes, offsets)
     radius = np.concatenate([half_width, half_width])
     to_intensity = np.sqrt(np.pi / radius)
     edges = slice(0, 2 * count)
@@ -197,10 +233,12 @@ def evaluate(
         elastic_energy=(float(gram[-2, -2]) + 0.5 * tail_energy) / (2 * np.pi),
         edge_compliance=gram[edges, edges],
         edge_slope=edge_slope / radius,
+        edge_slope_rate=edge_slope_rate / radius,
         resolution=resolution,
         unknowns=unknowns,
         series=series,
-        skeleton=-skeleton[:, 0],
+        skeleton=skeleton,
+        skeleton_rate=skeleton_rate,
     )
 
 
@@ -237,13 +275,14 @@ def _uncoupled_sums(series: tuple[FloatArray, ...], modes: IntArray) -> tuple[Fl
     return at_edge, slope, energy
 
 
-def _add_skeleton_slope(
-    slope: FloatArray, negated_charges: FloatArray, classes: list[tuple[int, IntArray]], offsets: IntArray
-) -> None:
-    """Add sum_{n < p} n^2 (+-1)^n Q_n of the skeleton to the edge slopes, in place."""
-    count = slope.size // 2
+def _skeleton_slope(
+    charges: FloatArray, count: int, classes: list[tuple[int, IntArray]], offsets: IntArray
+) -> FloatArray:
+    """sum_{n < p} n^2 (+-1)^n Q_n of the skeleton at the edges, (2 L,)."""
+    slope = np.empty(2 * count)
     for modes, members in classes:
-        nodal = -negated_charges[offsets[members, None] + np.arange(modes)] * (modes / np.pi)
+        nodal = charges[offsets[members, None] + np.arange(modes)] * (modes / np.pi)
         weighted = chebyshev.coefficients(nodal) * np.arange(modes) ** 2
-        slope[members] += weighted @ (-1.0) ** np.arange(modes)
-        slope[count + members] += weighted.sum(axis=1)
+        slope[members] = weighted @ (-1.0) ** np.arange(modes)
+        slope[count + members] = weighted.sum(axis=1)
+    return slope

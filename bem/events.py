@@ -1,0 +1,178 @@
+"""What happens where a branch ends: new contacts, coalescence, detachment, and the jump to the nearest minimum.
+
+An event is resolved at fixed target, first where it happens and then everywhere: the patches concerned and two
+neighbours each side move in the frozen field of all others (small trust-region steps, cheap evaluations), then
+all edges descend together.  Interpenetration found in the equilibrium is a new contact, and the loop goes on
+until none is left.  The energy that the avalanche releases is the difference of the potential.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.collocation import Evaluation, IllConditionedSystemError, Resolution, evaluate, resolve
+from bem.control import PenetrationControl
+from bem.equilibrium import Balance, Change, System, descend, pull_off_half_width
+from bem.gap import GapMinima, gap_field, low_minima
+from bem.patches import TWO_PI, Patches, ordered
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+LOCAL_STEP = 0.1
+GLOBAL_STEP = 0.4
+NEIGHBOURS = 2
+AVALANCHE_ROUNDS = 200
+
+SettledStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """Outcome of an event.
+
+    Attributes
+    ----------
+    status : str
+        As of a descent.
+    balance : Balance or None
+        The new equilibrium, if there are edges in it.
+    changes : tuple of (kind, position)
+        In the order in which they happened.
+    evaluations, local_evaluations : int
+        Evaluations of all patches, and of a few in the field of the others.
+    """
+
+    status: SettledStatus
+    balance: Balance | None
+    changes: tuple[tuple[str, float], ...]
+    evaluations: int
+    local_evaluations: int
+
+
+def interpenetration(system: System, state: Evaluation, allowed: float) -> GapMinima:
+    """Minima of the gap below -allowed (dimensionless), each a new contact."""
+    low = low_minima(gap_field(system.elastic, state))
+    bad = low.depth < -allowed
+    return GapMinima(low.position[bad], low.depth[bad], low.gap[bad])
+
+
+def settle(
+    system: System,
+    patches: Patches,
+    penetration: float,
+    target: float,
+    tolerance: float,
+    closure: float,
+    allowed: float,
+    unstable: IntArray | None = None,
+) -> Settled:
+    """Resolve an event at fixed target, starting from the given edges.
+
+    Parameters
+    ----------
+    system, patches, penetration, target
+        Where the last equilibrium ended; `penetration` is its Delta.
+    tolerance, closure : float
+        As of a descent.
+    allowed : float
+        Interpenetration that is not yet a contact, dimensionless.
+    unstable : int array, optional
+        Patches that are about to jump; they move first.
+    """
+    changes: list[tuple[str, float]] = []
+    evaluations = local_evaluations = 0
+    active = unstable
+    for _ in range(AVALANCHE_ROUNDS):
+        if active is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
+            patches, local, count = _settled_locally(system, patches, penetration, target, tolerance, active)
+            changes += [(change.kind, change.position) for change in local]
+            local_evaluations += count
+        end = descend(system, patches, penetration, target, tolerance, closure, GLOBAL_STEP)
+        evaluations += end.evaluations
+        changes += [(change.kind, change.position) for change in end.changes]
+        if end.status != "converged" or end.balance is None:
+            return Settled(end.status, end.balance, tuple(changes), evaluations, local_evaluations)
+        patches, penetration = end.patches, end.balance.state.penetration
+        found = interpenetration(system, end.balance.state, allowed)
+        if found.position.size == 0:
+            return Settled("converged", end.balance, tuple(changes), evaluations, local_evaluations)
+        deepest = int(np.argmin(found.depth))
+        position = float(found.position[deepest])
+        changes.append(("new_contact", position))
+        patches, index = _with_new_contact(system, patches, position, float(found.depth[deepest]))
+        active = np.array([index])
+    return Settled("not_converged", None, tuple(changes), evaluations, local_evaluations)
+
+
+def first_contact(system: System, position: float) -> Patches:
+    """A small patch on a crest that has just been touched, wide enough for its edges to be tensile."""
+    half_width = min(float(1.5 * pull_off_half_width(system, np.array([position]))[0]), 0.25 * np.pi)
+    return ordered(np.array([position - half_width]), np.array([position + half_width]))
+
+
+def _with_new_contact(system: System, patches: Patches, position: float, depth: float) -> tuple[Patches, int]:
+    """Patches with a new one around a point that interpenetrates by -depth, and its index."""
+    at = np.array([position])
+    curvature = max(float(-system.elastic.profile.curvature(at)[0]), 1e-12)
+    geometric = np.sqrt(-2 * depth / curvature)
+    lone = 1.5 * float(pull_off_half_width(system, at)[0])
+    to_right = np.min((patches.left - position) % TWO_PI)
+    to_left = np.min((position - patches.right) % TWO_PI)
+    half_width = min(max(lone, float(geometric)), 0.25 * float(to_right), 0.25 * float(to_left))
+    wider = patches.with_patch(position - half_width, position + half_width)
+    distance = np.abs((wider.center - position + np.pi) % TWO_PI - np.pi)
+    return wider, int(np.argmin(distance))
+
+
+def _settled_locally(
+    system: System, patches: Patches, penetration: float, target: float, tolerance: float, active: IntArray
+) -> tuple[Patches, tuple[Change, ...], int]:
+    """Descend near the active patches in the frozen field of the others; the patches come back joined."""
+    count = patches.count
+    reach = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
+    members = np.unique((active[:, None] + reach) % count)
+    if members.size > count // 2:
+        return patches, (), 0
+    far = np.setdiff1d(np.arange(count), members)
+    try:
+        at = system.control.guess(penetration, target)
+        state = system.control.reach(evaluate(system.elastic, patches, at, tolerance), target)
+    except IllConditionedSystemError:
+        return patches, (), 1
+    starts = np.concatenate([[0], np.cumsum(state.resolution.modes)])
+    keep = np.concatenate([np.arange(starts[i], starts[i + 1]) for i in far])
+    nodes, charges = state.skeleton_nodes()[keep], state.skeleton[keep]
+    corrections = system.elastic.corrections
+
+    def field(x: FloatArray) -> FloatArray:
+        distance = np.abs(np.exp(1j * x)[:, None] - np.exp(1j * nodes))
+        total = np.log(distance) @ charges
+        for correction in corrections:
+            total = total + correction.field(x, nodes, charges)
+        return np.asarray(total)
+
+    local = System(replace(system.elastic, backgrounds=(field,)), system.law, PenetrationControl())
+    inner = Patches(patches.left[members], patches.right[members])
+    whole = resolve(system.elastic, patches, tolerance)
+    floor = Resolution(whole.nodes[members], whole.modes[members])
+
+    def at_least(trial: Patches) -> Resolution:
+        return floor if trial.count == inner.count else resolve(local.elastic, trial, tolerance)
+
+    end = descend(local, inner, state.penetration, state.penetration, tolerance, 1e-2, LOCAL_STEP, at_least)
+    if end.status == "complete_contact":
+        return patches, (), end.evaluations
+    if end.status == "separated":
+        return Patches(patches.left[far], patches.right[far]), end.changes, end.evaluations
+    joined = ordered(
+        np.concatenate([patches.left[far], end.patches.left]),
+        np.concatenate([patches.right[far], end.patches.right]),
+    )
+    if not joined.is_ordered:
+        return patches, (), end.evaluations
+    return joined, end.changes, end.evaluations

@@ -1,0 +1,323 @@
+"""The quasi-static path of an adhesive contact: increments, events, and the states asked for.
+
+Between events the equilibrium edges are a smooth function of the control value tau (penetration, load or total
+displacement) and are followed by a second-order predictor and Newton.  An increment is accepted only when Newton
+stays on its branch (K > 0, positive definite Hessian, small steps) and no gap interpenetrates.  Otherwise the event
+in between is bracketed down to the smallest increment: new contacts by the secant of their gap, ends of branches by
+bisection.  Only there is it resolved (events.py).  The path is unique; that the result does not depend on the
+smallest increment is a property to verify, not to assume.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct, edge_positions
+from bem.events import Settled, first_contact, interpenetration, settle
+from bem.gap import GapMinima, gap_field
+from bem.patches import Patches
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
+
+
+@dataclass(frozen=True)
+class Increments:
+    """Sizes of the increments in units of the control value, and accuracies.
+
+    Parameters
+    ----------
+    largest, smallest : float
+        Increments; an event is resolved within the smallest.
+    tolerance, closure : float
+        Of the evaluations, and of max |G/w - 1|, between targets.
+    fine_tolerance, fine_closure : float
+        The same at targets.
+    allowed : float
+        Interpenetration that is not a contact, in units of the rms height.
+    """
+
+    largest: float
+    smallest: float
+    tolerance: float = 1e-3
+    closure: float = 1e-4
+    fine_tolerance: float = 1e-8
+    fine_closure: float = 1e-9
+    allowed: float = 1e-10
+
+
+@dataclass
+class Effort:
+    """Counts of work along a path."""
+
+    evaluations: int = 0
+    local_evaluations: int = 0
+    unknowns: int = 0
+    accepted: int = 0
+    rejected: int = 0
+
+    def book(self, settled: Settled) -> None:
+        """Add what an event cost."""
+        self.evaluations += settled.evaluations
+        self.local_evaluations += settled.local_evaluations
+
+
+@dataclass(frozen=True)
+class PathEvent:
+    """A discontinuity of the path; the energy of an avalanche is booked on its first event."""
+
+    kind: str
+    value: float
+    penetration: float
+    load: float
+    position: float
+    energy_released: float
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A state on the path: an equilibrium, or none where the surfaces are apart or fully joined."""
+
+    status: PathStatus
+    value: float
+    balance: Balance | None = None
+    events: tuple[PathEvent, ...] = ()
+    rate: FloatArray | None = None  # d(edges outward)/dtau
+    curvature: FloatArray | None = None  # half of its derivative
+
+
+@dataclass
+class Path:
+    """Follows the equilibrium of a system from point to point.
+
+    Parameters
+    ----------
+    system : System
+    increments : Increments
+    crest : float
+        Position of the highest crest, where first touch happens.
+    """
+
+    system: System
+    increments: Increments
+    crest: float
+    effort: Effort = field(default_factory=Effort)
+    step: float = 0.0
+
+    def advance(self, point: Point, goal: float) -> Iterator[Point]:
+        """Yield every accepted point from `point` to the goal; the last one is at the goal or has failed."""
+        self.step = self.step or self.increments.largest / 4
+        direction = np.sign(goal - point.value)
+        blocked: float | None = None
+        while point.value != goal:
+            if point.balance is None:
+                point = self._advance_without_edges(point, goal)
+                yield point
+                if point.balance is None:
+                    return
+                continue
+            step = min(self.step, self.increments.largest, self._step_within_reach(point))
+            if blocked is not None:
+                if direction * (blocked - point.value) <= 0:
+                    blocked = None
+                else:
+                    step = min(step, max(abs(blocked - point.value) / 2, self.increments.smallest))
+            step = max(step, self.increments.smallest)
+            if step >= abs(goal - point.value) * (1 - 1e-12):
+                step, value = abs(goal - point.value), goal
+            else:
+                value = point.value + direction * step
+            accepted, found = self._attempt(point, value)
+            if accepted is not None and found is None:
+                self.effort.accepted += 1
+                self.step = min(2 * step, self.increments.largest)
+                point = accepted
+                yield point
+                continue
+            self.effort.rejected += 1
+            overshoot, shorter = self._bracket(point, found, step)
+            if overshoot > 1.05 * self.increments.smallest:
+                if found is None:
+                    blocked = value
+                self.step = shorter
+                continue
+            start = point if accepted is None else accepted
+            point = self._resolve(start, value, found is None)
+            self.step = max(step, self.increments.largest / 8)
+            blocked = None
+            yield point
+            if point.status in ("not_converged", "ill_conditioned"):
+                return
+
+    def polish(self, point: Point) -> Point:
+        """The point at the accuracy of a target; an event within the coarse accuracy is resolved here."""
+        if point.balance is None:
+            return point
+        inc, state = self.increments, point.balance.state
+        fine = correct(self.system, state.patches, state.penetration, point.value, inc.fine_tolerance, inc.fine_closure)
+        self.effort.evaluations += fine.evaluations
+        if fine.balance is not None:
+            if interpenetration(self.system, fine.balance.state, inc.allowed).position.size == 0:
+                return Point("converged", point.value, fine.balance, (), point.rate, point.curvature)
+            point = Point("converged", point.value, fine.balance, (), point.rate, point.curvature)
+        return self._resolve(point, point.value, fine.balance is None, fine=True)
+
+    def _advance_without_edges(self, point: Point, goal: float) -> Point:
+        """From separated surfaces to first touch (at value 0), or on to the goal."""
+        if point.status != "separated" or goal <= 0:
+            return Point(point.status, goal)
+        inc = self.increments
+        touch = max(point.value, 0.0)
+        settled = settle(
+            self.system, first_contact(self.system, self.crest), touch, touch, inc.tolerance, inc.closure, inc.allowed
+        )
+        self.effort.book(settled)
+        if settled.balance is None:
+            return Point(settled.status, touch)
+        changes = (("first_touch", self.crest), *settled.changes)
+        return self._point_after(settled, touch, changes, -settled.balance.potential)
+
+    def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:
+        """Newton from the predicted edges; the new point (None: left the branch) and its interpenetrations."""
+        assert point.balance is not None and point.rate is not None
+        inc, here = self.increments, point.balance.state
+        change = value - point.value
+        outward = change * point.rate
+        if point.curvature is not None:
+            outward = outward + change**2 * point.curvature
+        predicted = here.patches.moved(outward)
+        if not predicted.is_ordered:
+            return None, None
+        corrected = correct(self.system, predicted, here.penetration, value, inc.tolerance, inc.closure)
+        self.effort.evaluations += corrected.evaluations
+        if corrected.balance is None:
+            return None, None
+        self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
+        rate = self._tangent(corrected.balance)
+        ahead = Point("converged", value, corrected.balance, (), rate, (rate - point.rate) / (2 * change))
+        found = interpenetration(self.system, corrected.balance.state, inc.allowed)
+        return ahead, (found if found.position.size else None)
+
+    def _bracket(self, point: Point, found: GapMinima | None, step: float) -> tuple[float, float]:
+        """How far a failed increment went beyond its event at most, and the increment to try instead."""
+        assert point.balance is not None
+        shortest = self.increments.smallest
+        if found is None:
+            return step, max(step / 4, shortest)
+        state = point.balance.state
+        patches = state.patches
+        behind = patches.right[found.gap]
+        inside = (found.position > behind) & (found.position < behind + patches.gap_after[found.gap])
+        if not np.all(inside):
+            return step, max(step / 4, shortest)
+        before = gap_field(self.system.elastic, state)(found.position, found.gap)
+        fraction = float(np.min(np.maximum(before, 0.0) / (np.maximum(before, 0.0) - found.depth)))
+        return step * (1 - fraction), max(min(step * fraction + shortest / 2, 0.9 * step), shortest)
+
+    def _resolve(self, start: Point, value: float, branch_ends: bool, fine: bool = False) -> Point:
+        """Settle an event at `value`: from the last good edges, or from an equilibrium that interpenetrates."""
+        assert start.balance is not None
+        inc = self.increments
+        tolerance, closure = (inc.fine_tolerance, inc.fine_closure) if fine else (inc.tolerance, inc.closure)
+        settled = settle(
+            self.system,
+            start.balance.state.patches,
+            start.balance.state.penetration,
+            value,
+            tolerance,
+            closure,
+            inc.allowed,
+            unstable_patches(start.balance) if branch_ends else None,
+        )
+        self.effort.book(settled)
+        before = start.balance.potential + self.system.control.work(start.balance.state, value - start.value)
+        if settled.balance is None:
+            changes = settled.changes
+            if settled.status == "separated":
+                changes = (*changes[:-1], ("pull_off", changes[-1][1]))
+            released = before if settled.status == "separated" else np.nan
+            penetration = self.system.control.guess(start.balance.state.penetration, value)
+            return Point(settled.status, value, None, _events(changes, value, penetration, 0.0, released))
+        return self._point_after(settled, value, settled.changes, before - settled.balance.potential)
+
+    def _point_after(
+        self, settled: Settled, value: float, changes: tuple[tuple[str, float], ...], released: float
+    ) -> Point:
+        """The equilibrium after an event, with its events."""
+        assert settled.balance is not None
+        state = settled.balance.state
+        events = _events(changes, value, state.penetration, state.load, released)
+        return Point(settled.status, value, settled.balance, events, self._tangent(settled.balance))
+
+    def _tangent(self, here: Balance) -> FloatArray:
+        """d(outward motion of the edges) / dtau along the branch, (2 L,)."""
+        room = here.state.patches.edge_room
+        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
+        pull = here.load_gradient * room * self.system.control.rate(here.state)
+        return np.asarray(-room * np.linalg.solve(hessian, pull))
+
+    def _step_within_reach(self, point: Point) -> float:
+        """The increment whose predicted motion uses half of what Newton may travel."""
+        assert point.balance is not None and point.rate is not None
+        speed = float(np.max(np.abs(point.rate) / point.balance.state.patches.edge_room))
+        return 0.5 * LARGEST_NEWTON_STEP / speed if speed > 0 else np.inf
+
+
+def unstable_patches(here: Balance) -> IntArray:
+    """Patches that move most in the softest mode of the Hessian."""
+    patches = here.state.patches
+    room = patches.edge_room
+    hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
+    _, mode = eigh(hessian, subset_by_index=[0, 0])
+    size = np.abs(mode[:, 0])
+    return np.unique(np.flatnonzero(size > 0.3 * size.max()) % patches.count)
+
+
+def restart(path: Path, patches: Patches, penetration: float, value: float) -> Point:
+    """The point of a path at given equilibrium edges; status `not_converged` when they are none."""
+    inc = path.increments
+    found = correct(path.system, patches, penetration, value, inc.fine_tolerance, inc.fine_closure)
+    path.effort.evaluations += found.evaluations
+    if found.balance is None:
+        return Point("not_converged", value)
+    return Point("converged", value, found.balance, (), path._tangent(found.balance))
+
+
+def reevaluated(path: Path, point: Point, tolerance: float) -> Balance:
+    """The forces at the same edges with another resolution, for error estimates."""
+    assert point.balance is not None
+    state = point.balance.state
+    path.effort.evaluations += 1
+    return balance(path.system, state.patches, state.penetration, point.value, tolerance)
+
+
+def edge_error(refined: Balance) -> tuple[float, float]:
+    """Errors of contact length and load that the forces left by a finer evaluation would still remove."""
+    step = -np.linalg.solve(refined.hessian, refined.gradient)
+    length = float(np.abs(np.sum(step)))
+    load = float(np.abs(refined.load_gradient @ step))
+    return length, load
+
+
+def _events(
+    changes: tuple[tuple[str, float], ...], value: float, penetration: float, load: float, released: float
+) -> tuple[PathEvent, ...]:
+    """Events of an avalanche; a jump of the edges alone is a (saddle-node) bifurcation."""
+    named = changes or (("bifurcation", np.nan),)
+    return tuple(
+        PathEvent(kind, value, penetration, load, position % (2 * np.pi), released if i == 0 else 0.0)
+        for i, (kind, position) in enumerate(named)
+    )
+
+
+def largest_travel(first: Patches, second: Patches) -> float:
+    """Largest motion of an edge between two states with equal patches, in units of its room."""
+    return float(np.max(np.abs(edge_positions(second) - edge_positions(first)) / first.edge_room))
