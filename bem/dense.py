@@ -1,0 +1,253 @@
+"""The plain dense evaluation of given contact patches: the reference that the compressed one is measured against.
+
+On every patch x = c + r t and sigma(x) = q(t) / (r sqrt(1 - t^2)), so that with charges y_k = (pi/N) q(t_k) at N
+Gauss-Chebyshev nodes per patch the equation u = h - h_max + Delta becomes A y = b,
+
+    A_kj = -(1/pi) log|2 sin((x_k - x_j)/2)|,       between different patches,
+    A_kj = -(1/pi) [log(r sinc(r (t_k - t_j)/2)) + M_kj],   within a patch, sinc(y) = sin(y)/y,
+
+where M takes int log|t - t'| T_n(t')/sqrt(1 - t'^2) dt' = -pi log 2 (n = 0), -(pi/n) T_n(t) (n >= 1) on the N
+interpolating polynomials (Mason and Handscomb, Chebyshev Polynomials, 2003, section 9.2).  One factorisation serves
+y and all derivatives: an edge moves the nodes by dx, and
+
+    (dA y)_k = -(1/pi) sum_j 1/2 cot((x_k - x_j)/2) (dx_k - dx_j) y_j,    db_k = h'(x_k) dx_k,
+
+with the limit dr/r on the diagonal.  These are derivatives of the discrete system itself, hence exact to rounding.
+K at t = +-1 is -sqrt(pi/r) q(+-1).
+
+Source of the problem: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
+Dimensionless (scaling.py).  Limits: time n^3, memory two n x n matrices for n nodes in all (3000: 0.8 s, 0.2 GB);
+contact not complete.  Nodes, moments and kernels are this file's own, nothing is shared with the compressed route.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+from bem.patches import PatchPressure
+from bem.profile import Profile
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothKernel:
+    """An even, smooth, 2 pi-periodic addition S(x) to the kernel log|2 sin(x/2)|.
+
+    Parameters
+    ----------
+    value, derivative : callables
+        S and dS/dx, elementwise on arrays of any shape.
+    """
+
+    value: Callable[[FloatArray], FloatArray]
+    derivative: Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class DenseState:
+    """Elastic state of given patches, dimensionless; edge arrays list all left edges, then all right ones.
+
+    Attributes
+    ----------
+    pressure : PatchPressure
+        Chebyshev series of the pressure.
+    penetration : float
+        Delta.
+    stress_intensity, stress_intensity_rate : (2 L,) arrays
+        K and dK/dDelta.
+    stress_intensity_jacobian : (2 L, 2 L) array
+        dK_e / d(outward motion of edge f) at [e, f].
+    load, load_rate, elastic_energy : float
+        int sigma dx, its derivative by Delta, and U_el.
+    load_jacobian : (2 L,) array
+        dload / d(outward motion of an edge).
+    """
+
+    pressure: PatchPressure
+    penetration: float
+    stress_intensity: FloatArray
+    stress_intensity_rate: FloatArray
+    stress_intensity_jacobian: FloatArray
+    load: float
+    load_rate: float
+    load_jacobian: FloatArray
+    elastic_energy: float
+
+    @property
+    def elastic_hessian(self) -> FloatArray:
+        """d2 U_el / d out_e d out_f = (K_e/2) dK_e/d out_f, (2 L, 2 L), symmetric up to truncation."""
+        return self.stress_intensity[:, None] / 2 * self.stress_intensity_jacobian
+
+    @property
+    def truncation(self) -> float:
+        """Largest of the last three coefficients of any patch over the largest of that patch."""
+        return max(float(np.max(np.abs(q[-3:])) / np.max(np.abs(q))) for q in self.pressure.charges)
+
+
+def dense_nodes(
+    profile: Profile, left: FloatArray, right: FloatArray, tolerance: float = 1e-13, margin: float = 1.3
+) -> IntArray:
+    """Nodes per patch that resolve the profile and the nearest gap, (L,).
+
+    `margin` times Nyquist's kappa = width max_order / 2 in the middle of a Chebyshev grid, plus 20 and 3 kappa^(1/3)
+    (the transition of Bessel functions J_n(kappa)); at least log(1/tolerance) / log rho with the Bernstein
+    ellipse rho = z + sqrt(z^2 - 1), z = 1 + 2 gap/width, that touches the next patch.
+
+    Examples
+    --------
+    >>> from bem.profile import Profile
+    >>> wave = Profile.from_harmonics(2 * np.pi, [10], [1.0])
+    >>> dense_nodes(wave, np.array([0.0]), np.array([2.0])).tolist()
+    [40]
+    """
+    width = right - left
+    behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
+    z = 1 + 2 * np.minimum(behind, np.roll(behind, 1)) / width
+    kappa = width * profile.max_order / 2
+    for_profile = margin * kappa + 3 * np.cbrt(kappa) + 20
+    for_gap = -np.log(tolerance) / np.log(z + np.sqrt(z * z - 1))
+    return np.asarray(np.ceil(np.maximum(for_profile, for_gap)), dtype=np.int64)
+
+
+def evaluate_dense(
+    profile: Profile,
+    left: FloatArray,
+    right: FloatArray,
+    penetration: float,
+    nodes: IntArray | None = None,
+    smooth_kernel: SmoothKernel | None = None,
+) -> DenseState:
+    """Solve for the pressure of given patches at given penetration, with all first derivatives.
+
+    Parameters
+    ----------
+    profile : Profile
+        Dimensionless (period 2 pi, unit rms height).
+    left, right : (L,) arrays
+        Edges in order on the circle, disjoint; the last patch may reach beyond 2 pi.
+    penetration : float
+        Delta, dimensionless.
+    nodes : (L,) int array, optional
+        Nodes per patch instead of `dense_nodes`; hold them fixed between states whose energies are compared.
+    smooth_kernel : SmoothKernel, optional
+        What a layer adds to log|2 sin(x/2)|.
+
+    Raises
+    ------
+    ValueError
+        Patches overlap, or are not in order.
+
+    Examples
+    --------
+    Half a period of a sinusoid in contact without adhesion carries the load 2 pi sin^2(pi/4) (Westergaard):
+
+    >>> from bem.profile import Profile
+    >>> wave = Profile.from_harmonics(2 * np.pi, [1], [1.0])
+    >>> state = evaluate_dense(wave, np.array([-np.pi / 2]), np.array([np.pi / 2]), 0.5 * (1 + np.log(2)))
+    >>> round(state.load / np.pi, 12)
+    1.0
+    """
+    behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
+    if not (np.all(right > left) and np.all(behind > 0)):
+        raise ValueError("left, right: patches must have positive widths and gaps, in order on the circle")
+    nodes = dense_nodes(profile, left, right) if nodes is None else nodes
+    count = left.size
+    radius = (right - left) / 2
+    blocks = [slice(stop - n, stop) for n, stop in zip(nodes, np.cumsum(nodes), strict=True)]
+    grids = [np.cos((np.arange(n) + 0.5) * np.pi / n) for n in nodes]
+    x = np.concatenate([(a + b) / 2 + r * t for a, b, r, t in zip(left, right, radius, grids, strict=True)])
+
+    kernel, slope = _kernel_and_slope(x, blocks, grids, radius)
+    if smooth_kernel is not None:
+        difference = np.subtract.outer(x, x)
+        kernel += smooth_kernel.value(difference)
+        slope += smooth_kernel.derivative(difference)
+    factor = lu_factor(kernel, overwrite_a=True, check_finite=False)
+
+    height, height_slope = profile.height(x), profile.slope(x)
+    target = height - profile.max_height + penetration
+    charges = lu_solve(factor, -np.pi * target, check_finite=False)
+
+    motion = np.zeros((x.size, 2 * count))  # dx of every node as an edge moves outward by one
+    stretch = np.zeros((x.size, 2 * count))  # dr/r, the limit of the slope term on the diagonal
+    at_edge = np.zeros((2 * count, x.size))  # q(-1), q(+1) from charges
+    for i, (block, t, r) in enumerate(zip(blocks, grids, radius, strict=True)):
+        motion[block, i], motion[block, count + i] = (t - 1) / 2, (t + 1) / 2
+        stretch[block, [i, count + i]] = 0.5 / r
+        at_edge[i, block], at_edge[count + i, block] = _edge_rows(t.size)
+
+    # the matrix is the kernel itself, kernel y = -pi target, hence the factors -pi
+    moved = motion * (slope @ charges)[:, None] - slope @ (motion * charges[:, None]) + stretch * charges[:, None]
+    rhs = -np.pi * motion * height_slope[:, None] - moved
+    solved = lu_solve(factor, np.column_stack([rhs, np.full(x.size, -np.pi)]), check_finite=False)
+
+    scale = -np.sqrt(np.pi / np.tile(radius, 2))
+    stress_intensity = scale * (at_edge @ charges)
+    rates = scale[:, None] * (at_edge @ solved)
+    jacobian = rates[:, :-1]
+    same_patch = np.tile(np.eye(count), (2, 2))
+    jacobian -= same_patch * (stress_intensity / (4 * np.tile(radius, 2)))[:, None]
+    totals = solved.sum(axis=0)
+    series = tuple(_coefficients(charges[block] * (block.stop - block.start) / np.pi) for block in blocks)
+    return DenseState(
+        pressure=PatchPressure(left, right, series),
+        penetration=penetration,
+        stress_intensity=stress_intensity,
+        stress_intensity_rate=rates[:, -1],
+        stress_intensity_jacobian=jacobian,
+        load=float(charges.sum()),
+        load_rate=float(totals[-1]),
+        load_jacobian=totals[:-1],
+        elastic_energy=float(charges @ target) / 2,
+    )
+
+
+def _kernel_and_slope(
+    x: FloatArray, blocks: list[slice], grids: list[FloatArray], radius: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """log|2 sin((x_k - x_j)/2)| acting on charges, and 1/2 cot((x_k - x_j)/2) with a zero diagonal, (n, n) each."""
+    half = np.subtract.outer(x, x) / 2
+    np.fill_diagonal(half, np.pi / 2)
+    slope = 0.5 / np.tan(half)
+    kernel = np.log(np.abs(2 * np.sin(half)))
+    np.fill_diagonal(slope, 0.0)
+    for block, t, r in zip(blocks, grids, radius, strict=True):
+        smooth = np.sinc(r * np.subtract.outer(t, t) / (2 * np.pi))
+        kernel[block, block] = np.log(r * smooth) + _log_moments(t.size)
+    return kernel, slope
+
+
+def _log_moments(n: int) -> FloatArray:
+    """int log|t_k - t'| (interpolant of charges) dt', (n, n): Chebyshev moments -pi log 2, -pi/m."""
+    order = np.arange(n)
+    values = np.cos(np.outer((order + 0.5) * np.pi / n, order))
+    moment = np.full(n, -np.log(2.0))
+    moment[1:] = -2.0 / order[1:]
+    return np.asarray((values * moment) @ values.T)
+
+
+def _coefficients(samples: FloatArray) -> FloatArray:
+    """Chebyshev coefficients of samples at the n nodes, (n,), by the discrete orthogonality sum."""
+    n = samples.size
+    series = np.cos(np.outer(np.arange(n), (np.arange(n) + 0.5) * np.pi / n)) @ samples * (2 / n)
+    series[0] /= 2
+    return np.asarray(series)
+
+
+def _edge_rows(n: int) -> FloatArray:
+    """q(-1) and q(+1) of the interpolating polynomial from charges at n nodes, (2, n).
+
+    Barycentric form: q(1) = (1/n) sum_k (-1)^k cot(theta_k / 2) q(t_k), charges are pi/n times q.
+    """
+    theta = (np.arange(n) + 0.5) * np.pi / n
+    sign = (-1.0) ** np.arange(n)
+    plus = sign / np.tan(theta / 2) / np.pi
+    minus = plus[::-1]
+    return np.stack([minus, plus])

@@ -1,0 +1,281 @@
+"""The dense reference evaluation against closed forms, its own energy, and exact invariances."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
+from bem.profile import Profile
+
+AMPLITUDE = 1.3
+
+
+@dataclass(frozen=True)
+class Sinusoid:
+    """Johnson (1995): one patch of half width 2 psi on D cos(x - crest), psi = pi/2 contact fraction.
+
+    In units of the solver p* = pi E* D / period is D, and alpha = sqrt(2 E* gamma / period) / p* gives the work of
+    adhesion w = pi alpha^2 D^2 / 2; without alpha this is Westergaard's solution.
+    """
+
+    fraction: float
+    alpha: float = 0.0
+    crest: float = 0.0
+
+    @property
+    def profile(self):
+        return Profile.from_harmonics(2 * np.pi, [1], [AMPLITUDE], [-self.crest])
+
+    @property
+    def edges(self):
+        half = np.pi * self.fraction
+        return np.array([self.crest - half]), np.array([self.crest + half])
+
+    @property
+    def mean_pressure(self):
+        psi = np.pi * self.fraction / 2
+        return AMPLITUDE * (np.sin(psi) ** 2 - self.alpha * np.sqrt(np.tan(psi)))
+
+    @property
+    def penetration(self):
+        psi = np.pi * self.fraction / 2
+        S = np.sin(psi) ** 2
+        return AMPLITUDE * (S * (1 - np.log(S)) + self.alpha * np.sqrt(np.tan(psi)) * np.log(S))
+
+    @property
+    def work_of_adhesion(self):
+        return np.pi * (self.alpha * AMPLITUDE) ** 2 / 2
+
+    def solve(self):
+        return evaluate_dense(self.profile, *self.edges, self.penetration)
+
+
+SINUSOIDS = [
+    Sinusoid(fraction, alpha, crest)
+    for fraction, crest in [(0.02, 0.0), (0.3, 1.7), (0.53, 0.0), (0.95, -0.4)]
+    for alpha in (0.0, 0.1, 0.5)
+]
+by_sinusoid = pytest.mark.parametrize("case", SINUSOIDS, ids=lambda c: f"fraction={c.fraction}-alpha={c.alpha}")
+
+
+def rough(harmonics=40, seed=0):
+    return Profile.self_affine(2 * np.pi, 0.7, 1.0, harmonics, seed).scaled()
+
+
+def short_waved(first=60, last=250, seed=0):
+    """Only short waves, so that a cut at half height has many patches."""
+    m = np.arange(first, last + 1)
+    phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, m.size)
+    return Profile.from_harmonics(2 * np.pi, m, m**-1.2, phases).scaled()
+
+
+def bearing_cut(profile, fraction):
+    """Edges of the parts of the profile above a level: any patches will do to test an evaluation."""
+    x, h = profile.grid
+    above = h > np.quantile(h, 1 - fraction)
+    left = x[np.flatnonzero(above & ~np.roll(above, 1))] - x[1] / 2
+    right = x[np.flatnonzero(above & ~np.roll(above, -1))] + x[1] / 2
+    right = right if right[0] > left[0] else np.append(right[1:], right[0] + 2 * np.pi)
+    return left, right, profile.max_height - float(np.quantile(h, 1 - fraction))
+
+
+def edge_moved(left, right, edge, amount):
+    left, right = left.copy(), right.copy()
+    if edge < left.size:
+        left[edge] -= amount
+    else:
+        right[edge - left.size] += amount
+    return left, right
+
+
+def central_difference(function, step):
+    """Fourth-order central difference at zero."""
+    near, far = function(step) - function(-step), function(2 * step) - function(-2 * step)
+    return (8 * near - far) / (12 * step)
+
+
+def step_of(state, edge):
+    """2e-4 of the length in which the edge may move: of its patch or of the gap beside it."""
+    left, right = state.pressure.left, state.pressure.right
+    gap = np.append(left[1:], left[0] + 2 * np.pi) - right
+    return 2e-4 * np.minimum(np.tile(right - left, 2), np.append(np.roll(gap, 1), gap))[edge]
+
+
+@pytest.fixture(scope="module")
+def rough_state():
+    profile = rough()
+    left, right, penetration = bearing_cut(profile, 0.4)
+    nodes = dense_nodes(profile, left, right) + 10
+    state = evaluate_dense(profile, left, right, penetration, nodes)
+
+    def at(edge=0, amount=0.0, penetration=penetration):
+        return evaluate_dense(profile, *edge_moved(left, right, edge, amount), penetration, nodes)
+
+    return state, at
+
+
+@by_sinusoid
+def test_mean_pressure_is_johnsons(case):
+    # measured 5e-14 at fraction 0.95, below 4e-16 up to 0.53
+    assert abs(case.solve().load / (2 * np.pi) - case.mean_pressure) <= 2e-13 * AMPLITUDE
+
+
+@by_sinusoid
+def test_stress_intensity_is_critical(case):
+    # measured 9e-14
+    critical = 2 * np.sqrt(case.work_of_adhesion)
+    np.testing.assert_allclose(case.solve().stress_intensity, critical, rtol=0, atol=2.5e-13 * AMPLITUDE)
+
+
+def test_complete_contact_is_the_limit():
+    # near complete contact 1 - p/D = cos^2(psi); measured 6e-13
+    state = Sinusoid(0.99).solve()
+    psi = np.pi * 0.99 / 2
+    assert abs(1 - state.load / (2 * np.pi * AMPLITUDE) - np.cos(psi) ** 2) <= 2e-12
+
+
+def test_inner_pressure_of_nearly_complete_contact_is_that_of_complete_contact():
+    # sigma = sigma_0 + D cos x but for Westergaard's sqrt(1 - cos^2(psi) / cos^2(x/2)), here 0.9997 at x = pi/6
+    case = Sinusoid(0.99)
+    charge = case.solve().pressure.charges[0]
+    x, half = np.pi / 6, np.pi * 0.99
+    t = x / half
+    sigma = np.polynomial.chebyshev.chebval(t, charge) / (half * np.sqrt(1 - t * t))
+    psi = half / 2
+    exact = 2 * AMPLITUDE * np.cos(x / 2) * np.sqrt(np.sin(psi) ** 2 - np.sin(x / 2) ** 2)
+    assert abs(sigma / exact - 1) <= 1e-12  # measured 4e-14
+    assert abs(exact / (AMPLITUDE * (1 + np.cos(x))) - 1) < 2e-4
+
+
+@pytest.mark.parametrize("edge", range(8), ids=lambda e: f"edge{e}")
+def test_energy_derivative_is_the_release_rate(rough_state, edge):
+    state, at = rough_state
+    slope = central_difference(lambda d: at(edge, d).elastic_energy, step_of(state, edge))
+    # measured 1e-11
+    assert abs(slope - state.stress_intensity[edge] ** 2 / 4) <= 3e-11 * np.max(state.stress_intensity**2)
+
+
+@pytest.mark.parametrize("edge", range(8), ids=lambda e: f"edge{e}")
+def test_stress_intensity_jacobian_is_the_derivative(rough_state, edge):
+    state, at = rough_state
+    slope = central_difference(lambda d: at(edge, d).stress_intensity, step_of(state, edge))
+    exact = state.stress_intensity_jacobian[:, edge]
+    assert np.max(np.abs(slope - exact)) <= 2e-9 * np.max(np.abs(exact))  # measured 9e-10
+
+
+@pytest.mark.parametrize("edge", range(8), ids=lambda e: f"edge{e}")
+def test_load_jacobian_is_the_derivative(rough_state, edge):
+    state, at = rough_state
+    slope = central_difference(lambda d: at(edge, d).load, step_of(state, edge))
+    assert abs(slope - state.load_jacobian[edge]) <= 3e-11 * np.max(np.abs(state.load_jacobian))  # measured 1e-11
+
+
+def test_energy_derivative_by_penetration_is_the_load(rough_state):
+    state, at = rough_state
+    slope = central_difference(lambda d: at(penetration=state.penetration + d).elastic_energy, 0.1)
+    assert slope == pytest.approx(state.load, rel=1e-13)
+
+
+def test_rates_by_penetration_are_the_differences(rough_state):
+    state, at = rough_state
+    other = at(penetration=state.penetration + 1)  # linear in the penetration
+    np.testing.assert_allclose(other.load - state.load, state.load_rate, rtol=1e-13)
+    difference = other.stress_intensity - state.stress_intensity
+    np.testing.assert_allclose(difference, state.stress_intensity_rate, rtol=1e-11)
+
+
+def test_mixed_derivatives_agree(rough_state):
+    # d2 U / d edge d Delta from either side; measured 1e-13
+    state, _ = rough_state
+    release = state.stress_intensity / 2 * state.stress_intensity_rate
+    np.testing.assert_allclose(release, state.load_jacobian, rtol=0, atol=1e-12 * np.max(np.abs(release)))
+
+
+def test_hessian_is_symmetric_on_many_patches():
+    profile = short_waved()
+    left, right, penetration = bearing_cut(profile, 0.4)
+    assert left.size >= 60
+    hessian = evaluate_dense(profile, left, right, penetration).elastic_hessian
+    scale = np.sqrt(np.abs(np.outer(np.diag(hessian), np.diag(hessian))))
+    assert np.max(np.abs(hessian - hessian.T) / scale) <= 1e-10  # measured 3e-11
+
+
+def test_mirror_exchanges_the_edges(rough_state):
+    state, _ = rough_state
+    profile = rough()
+    mirrored = Profile.from_harmonics(2 * np.pi, profile.orders, profile.amplitudes, -profile.phases)
+    left, right = -state.pressure.right[::-1] + 2 * np.pi, -state.pressure.left[::-1] + 2 * np.pi
+    other = evaluate_dense(mirrored, left, right, state.penetration)
+    expected = state.stress_intensity.reshape(2, -1)[::-1, ::-1].ravel()
+    np.testing.assert_allclose(other.stress_intensity, expected, rtol=0, atol=1e-11)
+
+
+def test_shift_changes_nothing(rough_state):
+    state, _ = rough_state
+    profile, shift = rough(), 2.1
+    moved = Profile.from_harmonics(
+        2 * np.pi, profile.orders, profile.amplitudes, profile.phases - profile.orders * shift
+    )
+    other = evaluate_dense(moved, state.pressure.left + shift, state.pressure.right + shift, state.penetration)
+    np.testing.assert_allclose(other.stress_intensity, state.stress_intensity, rtol=0, atol=1e-11)
+
+
+def test_more_nodes_change_nothing(rough_state):
+    state, _ = rough_state
+    left, right = state.pressure.left, state.pressure.right
+    other = evaluate_dense(rough(), left, right, state.penetration, dense_nodes(rough(), left, right) * 2)
+    np.testing.assert_allclose(other.stress_intensity, state.stress_intensity, rtol=0, atol=1e-11)
+
+
+def test_coefficients_decay_to_rounding(rough_state):
+    assert rough_state[0].truncation <= 1e-12
+
+
+def test_too_few_nodes_show_in_the_coefficients(rough_state):
+    state, _ = rough_state
+    left, right = state.pressure.left, state.pressure.right
+    nodes = dense_nodes(rough(), left, right, margin=0.5) - 16
+    assert evaluate_dense(rough(), left, right, state.penetration, nodes).truncation >= 1e-6
+
+
+def test_smooth_kernel_of_one_mode_softens_that_mode():
+    """S = -2 (c - 1) cos x scales the compliance of mode 1 by c; near complete contact D cos x takes sigma_1 = D/c."""
+    ratio = 0.8
+    kernel = SmoothKernel(lambda x: -(ratio - 1) * np.cos(x), lambda x: (ratio - 1) * np.sin(x))
+    half = np.pi * 0.4
+    left, right = np.array([-half]), np.array([half])
+    case = Sinusoid(0.4)
+    with_kernel = evaluate_dense(case.profile, left, right, case.penetration, smooth_kernel=kernel)
+    # the first mode of the pressure times 1 - c is what the profile seems to gain
+    charge = with_kernel.pressure.charges[0]
+    nodes = np.cos((np.arange(200) + 0.5) * np.pi / 200)
+    first = np.mean(np.polynomial.chebyshev.chebval(nodes, charge) * np.cos(half * nodes))
+    seeming = Profile.from_harmonics(2 * np.pi, [1], [AMPLITUDE + (1 - ratio) * first])
+    penetration = case.penetration + seeming.max_height - case.profile.max_height
+    plain = evaluate_dense(seeming, left, right, penetration)
+    np.testing.assert_allclose(with_kernel.stress_intensity, plain.stress_intensity, rtol=1e-12)
+
+
+def test_smooth_kernel_derivatives_are_exact():
+    kernel = SmoothKernel(lambda x: 0.2 * np.cos(2 * x), lambda x: -0.4 * np.sin(2 * x))
+    profile = rough()
+    left, right, penetration = bearing_cut(profile, 0.4)
+    nodes = dense_nodes(profile, left, right)
+    state = evaluate_dense(profile, left, right, penetration, nodes, kernel)
+    slope = central_difference(
+        lambda d: evaluate_dense(profile, *edge_moved(left, right, 1, d), penetration, nodes, kernel).stress_intensity,
+        1e-3 * (right[1] - left[1]),
+    )
+    exact = state.stress_intensity_jacobian[:, 1]
+    assert np.max(np.abs(slope - exact)) <= 2e-9 * np.max(np.abs(exact))  # measured 9e-10
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [([0.0, 1.0], [1.5, 2.0]), ([1.0, 0.0], [1.5, 0.5]), ([0.0], [6.5])],
+    ids=["overlap", "out of order", "more than a period"],
+)
+def test_bad_patches_are_refused(left, right):
+    with pytest.raises(ValueError, match="in order on the circle"):
+        evaluate_dense(rough(), np.array(left), np.array(right), 1.0)
