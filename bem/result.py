@@ -1,0 +1,333 @@
+"""States, events and results of a loading path, and the two files that hold them.
+
+`result.json` holds everything but arrays; `fields.npz` the fields asked for.  Both are written under a
+temporary name, flushed to disk and renamed, so that a reader finds the old or the new file, never a part.
+`checksum` is the SHA-256 of `json.dumps(content, sort_keys=True)` of the content without that field; the digest of
+fields.npz stands in the provenance.  JSON knows neither NaN nor infinity: they become null, and null reads as
+None where a value may be missing, as NaN elsewhere.  All other numbers come back bit for bit.
+
+Units: m, Pa, J/m^2 of nominal area, Pa m^1/2, Pa/m, s.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import math
+import os
+import platform
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+SCHEMA = "linecontact-result/1"
+RESULT_FILE, FIELDS_FILE = "result.json", "fields.npz"
+FINAL_STATUSES = ("converged", "separated", "complete_contact")
+STATUSES = (*FINAL_STATUSES, "unreachable", "not_converged", "interrupted")
+
+
+class CorruptResultError(ValueError):
+    """A stored result that cannot be trusted: damaged, incomplete or of another schema."""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An effect of the vocabulary, whether a scene calls for it, why, and its predicted cost in s."""
+
+    name: str
+    active: bool
+    reason: str
+    seconds: float
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Estimated absolute errors: mean pressure in Pa, contact fraction dimensionless; None when not estimated."""
+
+    mean_pressure: float | None
+    contact_fraction: float | None
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """A-posteriori checks of a state; `min_gap` in m, the rest dimensionless, None where it has no meaning."""
+
+    closure: float | None
+    min_gap: float | None
+    min_eigenvalue: float | None
+    truncation: float | None
+    hessian_asymmetry: float | None
+    ok: bool
+
+
+@dataclass(frozen=True)
+class State:
+    """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m."""
+
+    branch: str
+    penetration: float
+    separation: float
+    total_displacement: float | None
+    mean_pressure: float
+    contact_fraction: float
+    n_patches: int
+    edges: tuple[tuple[float, float], ...]
+    elastic_energy: float
+    adhesion_energy: float
+    total_energy: float
+    stress_intensity_max: float | None
+    contact_stiffness: float | None
+    stable_at_fixed_load: bool | None
+    error_estimate: ErrorEstimate
+    certificate: Certificate
+    unknowns: int
+    evaluations: int
+    cpu_seconds: float
+    status: str
+    target: bool
+
+
+@dataclass(frozen=True)
+class Event:
+    """A change of topology or stability; `position` in m, `energy_released` in J/m^2."""
+
+    kind: str
+    penetration: float
+    mean_pressure: float
+    position: float | None
+    energy_released: float | None
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a running solution stands; pressure in Pa, `target_index` counts from 0."""
+
+    mean_pressure: float
+    contact_fraction: float
+    n_patches: int
+    increments_accepted: int
+    increments_rejected: int
+    evaluations: int
+    target_index: int
+    n_targets: int
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """All states and events of a path.
+
+    Parameters
+    ----------
+    scene : dict
+        The resolved scene, `Scene.resolved()`.
+    effects : tuple of Effect
+    provenance : dict
+        See `provenance`.
+    states : tuple of State
+        In the order visited.
+    events : tuple of Event
+    status : str
+        One of `STATUSES`.
+    fields : dict of arrays
+        Contents of fields.npz.
+    """
+
+    scene: dict[str, Any]
+    effects: tuple[Effect, ...]
+    provenance: dict[str, Any]
+    states: tuple[State, ...]
+    events: tuple[Event, ...]
+    status: str
+    fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    @property
+    def targets(self) -> tuple[State, ...]:
+        """The states at targets."""
+        return tuple(state for state in self.states if state.target)
+
+
+def digest(content: Mapping[str, Any]) -> str:
+    """SHA-256 of a mapping as JSON with sorted keys.
+
+    Examples
+    --------
+    >>> digest({"a": 1, "b": 0.1}) == digest({"b": 0.1, "a": 1})
+    True
+    """
+    return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=False).encode()).hexdigest()
+
+
+def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
+    """Versions, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
+    try:
+        version = metadata.version("linecontact")
+    except metadata.PackageNotFoundError:
+        version = "not installed"
+    return {
+        "linecontact": version,
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        "numpy": np.__version__,
+        "scipy": metadata.version("scipy"),
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "scene_sha256": digest(resolved_scene),
+    }
+
+
+def write_result(result: Result, folder: Path) -> None:
+    """Write result.json and, when there are fields, fields.npz; make the folder if need be.
+
+    Raises
+    ------
+    OSError
+        Disk full or folder not writable; what was there before stays as it was.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    arrays = b""
+    if result.fields:
+        buffer = io.BytesIO()
+        np.savez(buffer, allow_pickle=False, **result.fields)
+        arrays = buffer.getvalue()
+    content = _plain(
+        {
+            "schema": SCHEMA,
+            "scene": result.scene,
+            "effects": [asdict(effect) for effect in result.effects],
+            "provenance": result.provenance | {"fields_sha256": hashlib.sha256(arrays).hexdigest() if arrays else None},
+            "states": [asdict(state) for state in result.states],
+            "events": [asdict(event) for event in result.events],
+            "status": result.status,
+        }
+    )
+    content["checksum"] = digest(content)
+    if arrays:
+        _replace(folder / FIELDS_FILE, arrays)
+    _replace(folder / RESULT_FILE, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
+    if not arrays:
+        (folder / FIELDS_FILE).unlink(missing_ok=True)
+
+
+def read_result(folder: Path) -> Result:
+    """Read what `write_result` wrote, and verify it.
+
+    Raises
+    ------
+    FileNotFoundError
+        No result.json there.
+    CorruptResultError
+        Not JSON, another schema, wrong checksum, fields.npz missing or not the one written with it.
+    """
+    path = folder / RESULT_FILE
+    try:
+        content = json.loads(path.read_bytes())
+    except ValueError as error:
+        raise CorruptResultError(f"{path}: corrupt, not JSON ({error})") from error
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        found = content.get("schema") if isinstance(content, dict) else type(content).__name__
+        raise CorruptResultError(f"{path}: schema {found!r} is not {SCHEMA!r}")
+    stored = content.pop("checksum", None)
+    if stored != _digest_or_none(content):
+        raise CorruptResultError(f"{path}: corrupt, its checksum does not match its content")
+    try:
+        fields_sha256 = content["provenance"].pop("fields_sha256")
+        return Result(
+            scene=content["scene"],
+            effects=tuple(Effect(**effect) for effect in content["effects"]),
+            provenance=content["provenance"],
+            states=tuple(_state(state) for state in content["states"]),
+            events=tuple(_event(event) for event in content["events"]),
+            status=content["status"],
+            fields=_read_fields(folder / FIELDS_FILE, fields_sha256),
+        )
+    except (KeyError, TypeError, AttributeError) as error:
+        raise CorruptResultError(f"{path}: incomplete ({error!r})") from error
+
+
+def _read_fields(path: Path, sha256: str | None) -> dict[str, NDArray[Any]]:
+    if sha256 is None:
+        return {}
+    try:
+        raw = path.read_bytes()
+    except FileNotFoundError as error:
+        raise CorruptResultError(f"{path}: missing, but result.json was written with it") from error
+    if hashlib.sha256(raw).hexdigest() != sha256:
+        raise CorruptResultError(f"{path}: corrupt, or not the file written with result.json")
+    try:
+        with np.load(io.BytesIO(raw), allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
+    except (ValueError, zipfile.BadZipFile) as error:
+        raise CorruptResultError(f"{path}: corrupt ({error})") from error
+
+
+def _digest_or_none(content: dict[str, Any]) -> str | None:
+    """The digest; None for content with NaN, which this module never writes."""
+    try:
+        return digest(content)
+    except ValueError:
+        return None
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write under a temporary name, flush to disk, rename."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with temporary.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _plain(value: Any) -> Any:
+    """The same value in types of JSON, NaN and infinity as null."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _float(value: float | None) -> float:
+    return math.nan if value is None else float(value)
+
+
+def _optional(value: float | None) -> float | None:
+    return None if value is None else float(value)
+
+
+def _state(stored: dict[str, Any]) -> State:
+    content = dict(stored)
+    for name in ("total_displacement", "stress_intensity_max", "contact_stiffness"):
+        content[name] = _optional(stored[name])
+    for name in ("penetration", "separation", "mean_pressure", "contact_fraction", "cpu_seconds"):
+        content[name] = _float(stored[name])
+    for name in ("elastic_energy", "adhesion_energy", "total_energy"):
+        content[name] = _float(stored[name])
+    content["edges"] = tuple((float(a), float(b)) for a, b in stored["edges"])
+    content["error_estimate"] = ErrorEstimate(**stored["error_estimate"])
+    content["certificate"] = Certificate(**stored["certificate"])
+    return State(**content)
+
+
+def _event(stored: dict[str, Any]) -> Event:
+    return Event(
+        kind=stored["kind"],
+        penetration=_float(stored["penetration"]),
+        mean_pressure=_float(stored["mean_pressure"]),
+        position=_optional(stored["position"]),
+        energy_released=_optional(stored["energy_released"]),
+    )

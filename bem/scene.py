@@ -1,0 +1,423 @@
+"""The scene file: what is solved, in SI units, checked in full before anything runs.
+
+A scene is TOML with the tables [solid], [profile], [layer], [adhesion], [loading], [accuracy], [output].
+`parse_scene` checks types and ranges (pydantic, strict: no text or truth value passes for a number), then what
+depends on more than one key, and reports every mistake at once.  The `Scene` it returns is frozen and resolved:
+defaults filled in, start/stop/count expanded, shapes merged into the targets, the scan read.
+
+Values of the targets, of `output.shapes` and of the lists in [output] are those of the controlled quantity
+(m, or Pa for mean_pressure); with penetration control shapes are separations.  A path start/stop/count visits
+linspace(start, stop, count); `then_back_to` appends the way back with the same count, the turning point once.
+A separation of exactly 0 asks for complete contact.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from bem.profile import Profile
+from bem.result import FINAL_STATUSES, CorruptResultError, State, read_result
+from bem.scan_file import Scan, ScanFileError, read_scan
+from bem.scene_rules import (
+    RANGE,
+    SAMPLED_HARMONICS,
+    Mistake,
+    SceneError,
+    loading_mistakes,
+    profile_mistakes,
+    scan_mistakes,
+    shown,
+    surface_of,
+    unknown_key,
+)
+from bem.targets import expanded, found, merged, origin
+
+MOST_HARMONICS = 10_000_000
+
+Numbers = Annotated[tuple[float, ...], Field(strict=False)]
+Order = Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
+Length = Annotated[float, Field(gt=0)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class SolidTable(_Table):
+    """[solid]."""
+
+    youngs_modulus: float = Field(gt=0, description="a finite number > 0 (Pa)")
+    poisson_ratio: float = Field(gt=-1, le=0.5, description="a number > -1 and <= 0.5")
+
+
+class ProfileTable(_Table):
+    """[profile]; keys the kind does not use are None."""
+
+    kind: Literal["self_affine", "harmonics", "samples"] = Field(description='"self_affine", "harmonics" or "samples"')
+    period: Length | None = Field(None, description="a finite number > 0 (m)")
+    hurst: float | None = Field(None, gt=0, lt=1, description="a number > 0 and < 1")
+    rms_height: Length | None = Field(None, description="a finite number > 0 (m)")
+    harmonics: Order | None = Field(None, description=f"an integer from 1 to {MOST_HARMONICS}")
+    seed: int | None = Field(None, ge=0, description="an integer >= 0")
+    orders: Annotated[tuple[Order, ...], Field(strict=False, min_length=1)] | None = Field(
+        None, description=f"a list of distinct integers from 1 to {MOST_HARMONICS}"
+    )
+    amplitudes: Numbers | None = Field(None, description="a list of finite numbers (m), as many as orders")
+    phases: Numbers | None = Field(None, description="a list of finite numbers (radians), as many as orders")
+    file: str | None = Field(None, min_length=1, description="the name of a text file with two columns x, h (m)")
+    detrend: Literal["mean", "line"] | None = Field(None, description='"mean" or "line"')
+
+
+class LayerTable(_Table):
+    """[layer]."""
+
+    thickness: float = Field(gt=0, description="a finite number > 0 (m)")
+
+
+class AdhesionTable(_Table):
+    """[adhesion]."""
+
+    work_of_adhesion: float = Field(gt=0, description="a finite number > 0 (J/m^2)")
+    slope_term: bool = Field(False, description="true or false")
+
+
+class StoredStart(_Table):
+    """State `state` (counted from 0) of the result in the folder `result`."""
+
+    result: str = Field(min_length=1)
+    state: int = Field(ge=0)
+
+
+class LoadingTable(_Table):
+    """[loading]; `targets` holds all of them once resolved."""
+
+    control: Literal["separation", "penetration", "mean_pressure", "total_displacement"] = Field(
+        description='"separation", "penetration", "mean_pressure" or, with [layer], "total_displacement"'
+    )
+    targets: Annotated[tuple[float, ...], Field(strict=False, min_length=1)] = Field(
+        (), description="a list of at least one finite number (m, or Pa with mean_pressure control)"
+    )
+    start: float | None = Field(None, description="a finite number (m or Pa)")
+    stop: float | None = Field(None, description="a finite number (m or Pa) other than start")
+    count: int | None = Field(None, ge=2, le=1_000_000, description="an integer >= 2")
+    then_back_to: float | None = Field(None, description="a finite number (m or Pa) on the side of stop start lies on")
+    stop_at_mean_pressure: float | None = Field(None, description="a finite number (Pa)")
+    at_mean_pressures: Numbers = Field((), description="a list of finite numbers (Pa)")
+    initial: Literal["separated", "complete_contact"] | StoredStart = Field(
+        "separated", description='"separated", "complete_contact" or {result = "folder", state = integer >= 0}'
+    )
+    flaw: Length | None = Field(None, description="a finite number > 0 (m), below profile.period")
+
+
+class AccuracyTable(_Table):
+    """[accuracy]."""
+
+    tolerance: float = Field(1e-6, ge=1e-12, le=1e-2, description="a number from 1e-12 to 1e-2")
+    max_increment: float = Field(0.05, gt=0, description="a finite number > 0")
+
+
+class OutputTable(_Table):
+    """[output]."""
+
+    shapes: Numbers = Field((), description="a list of finite numbers (separations in m, or Pa)")
+    spectra: bool | Numbers = Field(False, description="true, false or a list of targets")
+    pressure_distribution: bool | Numbers = Field(False, description="true, false or a list of targets")
+    width_distributions: bool | Numbers = Field(False, description="true, false or a list of targets")
+
+
+TABLES: dict[str, type[_Table]] = {
+    "solid": SolidTable,
+    "profile": ProfileTable,
+    "layer": LayerTable,
+    "adhesion": AdhesionTable,
+    "loading": LoadingTable,
+    "accuracy": AccuracyTable,
+    "output": OutputTable,
+}
+REQUIRED_TABLES = ("solid", "profile", "loading")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A checked and resolved scene; tables absent from the file are None.
+
+    Parameters
+    ----------
+    title : str
+    solid, profile, layer, adhesion, loading, accuracy, output
+        The tables, SI units; `loading.targets` holds all targets, those of the shapes included.
+    origin : float
+        Value of the controlled quantity where the path begins, possibly infinite.
+    shape_targets : tuple of float
+        Targets at which shapes are stored.
+    scan : Scan, optional
+        Samples of profile.file.
+    start_state : State, optional
+        The stored state of loading.initial.
+    """
+
+    title: str
+    solid: SolidTable
+    profile: ProfileTable
+    layer: LayerTable | None
+    adhesion: AdhesionTable | None
+    loading: LoadingTable
+    accuracy: AccuracyTable
+    output: OutputTable
+    origin: float
+    shape_targets: tuple[float, ...] = ()
+    scan: Scan | None = field(default=None, compare=False)
+    start_state: State | None = None
+
+    def surface(self) -> Profile:
+        """The profile, SI units."""
+        return surface_of(self.profile.model_dump(), self.scan)
+
+    def wants(self, output: str, target: float) -> bool:
+        """Whether `output` ("shapes", "spectra", ...) is asked for at this target."""
+        asked = self.shape_targets if output == "shapes" else getattr(self.output, output)
+        return asked if isinstance(asked, bool) else found(target, asked) is not None
+
+    def resolved(self) -> dict[str, Any]:
+        """Everything as plain values, defaults included; a file is told by its name and digest."""
+        content: dict[str, Any] = {"title": self.title}
+        for name in TABLES:
+            table = getattr(self, name)
+            content[name] = None if table is None else table.model_dump(mode="json", exclude_none=True)
+        if self.scan is not None:
+            content["profile"] |= {"file": Path(str(self.profile.file)).name, "sha256": self.scan.sha256}
+        if self.start_state is not None and isinstance(self.loading.initial, StoredStart):
+            content["loading"]["initial"]["result"] = Path(self.loading.initial.result).name
+            content["loading"]["initial"]["penetration"] = self.start_state.penetration
+        return content
+
+
+class _Start(NamedTuple):
+    """A stored state and the resolved scene it was computed with."""
+
+    state: State
+    scene: dict[str, Any]
+
+
+def load_scene(path: Path | str) -> Scene:
+    """Read a scene file; file names in it are relative to its folder.
+
+    Raises
+    ------
+    SceneError
+        With every mistake, or because the file cannot be read or is not TOML.
+    """
+    path = Path(path)
+    try:
+        data = tomllib.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
+    except ValueError as error:
+        raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
+    return parse_scene(data, path.parent)
+
+
+def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
+    """Check the contents of a scene file and resolve them.
+
+    Parameters
+    ----------
+    data : mapping
+        The tables, as `tomllib` returns them.
+    base_dir : Path or str
+        Folder relative file names start from.
+
+    Raises
+    ------
+    SceneError
+        With every mistake.
+
+    Examples
+    --------
+    >>> scene = parse_scene({
+    ...     "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+    ...     "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-5], "phases": [0.0]},
+    ...     "loading": {"control": "separation", "start": 2e-6, "stop": 1e-6, "count": 2},
+    ... })
+    >>> scene.loading.targets, scene.adhesion
+    ((2e-06, 1e-06), None)
+    """
+    base_dir = Path(base_dir)
+    mistakes: list[Mistake] = []
+    values: dict[str, dict[str, Any]] = {}
+    for name in data:
+        if name not in TABLES and name != "title":
+            mistakes.append(Mistake(name, f"= {shown(data[name])} is unknown", unknown_key(name, ["title", *TABLES])))
+    if not isinstance(data.get("title", ""), str):
+        mistakes.append(Mistake("title", f"= {shown(data['title'])}", "a text"))
+    for name, model in TABLES.items():
+        values[name], wrong = _checked(name, model, data.get(name))
+        mistakes += wrong
+
+    profile, loading = values["profile"], values["loading"]
+    given = {name: set(table) if isinstance(table := data.get(name), Mapping) else set() for name in TABLES}
+    if "profile" in data:
+        mistakes += profile_mistakes(profile, given["profile"])
+    if "loading" in data:
+        tables = [name for name in TABLES if data.get(name) is not None]
+        shapes = values["output"].get("shapes", ())
+        mistakes += loading_mistakes(loading, given["loading"], tables, shapes, profile.get("period"))
+    scan, wrong = _scan(profile, base_dir)
+    mistakes += wrong
+    start, wrong = _stored_start(loading.get("initial"), loading.get("control"), base_dir)
+    mistakes += wrong
+    if mistakes:
+        raise SceneError(mistakes)
+    return _resolved(data, values, scan, start)
+
+
+def _checked(name: str, model: type[_Table], raw: Any) -> tuple[dict[str, Any], list[Mistake]]:
+    """The valid keys of one table, and the mistakes of the others."""
+    if raw is None:
+        needs = ", ".join(key for key, item in model.model_fields.items() if item.is_required())
+        missing = Mistake(f"[{name}]", "is missing", f"a table with {needs}")
+        return {}, [missing] if name in REQUIRED_TABLES else []
+    if not isinstance(raw, Mapping):
+        return {}, [Mistake(name, f"= {shown(raw)}", f"a table [{name}]")]
+    try:
+        model.model_validate(raw)
+        return dict(raw), []
+    except ValidationError as error:
+        return _split(name, model, raw, [(item["type"], item["loc"]) for item in error.errors()])
+
+
+def _split(
+    name: str, model: type[_Table], raw: Mapping[str, Any], errors: list[tuple[str, tuple[int | str, ...]]]
+) -> tuple[dict[str, Any], list[Mistake]]:
+    """Valid keys and mistakes, one for each wrong key or item of a list."""
+    items: dict[str, list[int]] = {}
+    for _, location in errors:
+        items.setdefault(str(location[0]), []).extend(part for part in location[1:] if isinstance(part, int))
+    mistakes = []
+    for key, wrong in items.items():
+        path = f"{name}.{key}"
+        if key not in model.model_fields:
+            mistakes.append(Mistake(path, f"= {shown(raw[key])} is unknown", unknown_key(key, model.model_fields)))
+            continue
+        allowed = str(model.model_fields[key].description)
+        if key not in raw:
+            mistakes.append(Mistake(path, "is missing", allowed))
+        elif wrong:
+            mistakes += [Mistake(f"{path}[{k}]", f"= {shown(raw[key][k])}", allowed) for k in sorted(set(wrong))]
+        else:
+            mistakes.append(Mistake(path, f"= {shown(raw[key])}", allowed))
+    return {key: value for key, value in raw.items() if key not in items}, mistakes
+
+
+def _scan(profile: Mapping[str, Any], base_dir: Path) -> tuple[Scan | None, list[Mistake]]:
+    """The samples of profile.file, if the profile has any."""
+    if profile.get("kind") != "samples" or "file" not in profile:
+        return None, []
+    name = profile["file"]
+    try:
+        scan = read_scan(base_dir / name)
+    except ScanFileError as error:
+        allowed = str(ProfileTable.model_fields["file"].description)
+        return None, [Mistake("profile.file", f"= {shown(name)}: {text}", allowed) for text in error.mistakes]
+    return scan, list(scan_mistakes(profile, scan))
+
+
+def _stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[_Start | None, list[Mistake]]:
+    """The stored state loading.initial names, if it names one."""
+    if not isinstance(initial, Mapping):
+        return None, []
+    folder, index = base_dir / initial["result"], initial["state"]
+    try:
+        result = read_result(folder)
+    except FileNotFoundError:
+        return None, [Mistake("loading.initial.result", f"= {shown(initial['result'])}", "a folder with a result.json")]
+    except (OSError, CorruptResultError) as error:
+        return None, [Mistake("loading.initial.result", f"= {shown(initial['result'])}: {error}", "a sound result")]
+    if index >= len(result.states):
+        return None, [Mistake("loading.initial.state", f"= {index}", f"an integer from 0 to {len(result.states) - 1}")]
+    state = result.states[index]
+    if state.status not in FINAL_STATUSES:
+        return None, [Mistake("loading.initial.state", f"= {index} has status {state.status}", "a converged state")]
+    if control is not None and getattr(state, control) is None:
+        return None, [Mistake("loading.initial.state", f"= {index} has no {control}", "a state of a layer")]
+    return _Start(state, result.scene), []
+
+
+def _resolved(
+    data: Mapping[str, Any], values: Mapping[str, dict[str, Any]], scan: Scan | None, start: _Start | None
+) -> Scene:
+    """The scene of data without mistakes of their own: defaults, targets, shapes; SceneError for what these show."""
+    profile = _profile(values["profile"], scan)
+    loading = LoadingTable.model_validate(values["loading"])
+    output = OutputTable.model_validate(values["output"])
+    targets = loading.targets
+    if loading.start is not None and loading.stop is not None and loading.count is not None:
+        targets = expanded(loading.start, loading.stop, loading.count, loading.then_back_to)
+    shapes = output.shapes
+    if shapes and loading.control == "penetration":
+        highest = surface_of(profile.model_dump(), scan).max_height
+        shapes = tuple(highest - separation for separation in shapes)
+    if isinstance(loading.initial, StoredStart) and start is not None:
+        begin = float(getattr(start.state, loading.control))
+    else:
+        begin = origin(loading.control, str(loading.initial), targets[0])
+    path, missed = merged(targets, shapes, begin)
+    ranged = dict.fromkeys((*RANGE, "then_back_to"))
+    scene = Scene(
+        title=data.get("title", ""),
+        solid=SolidTable.model_validate(values["solid"]),
+        profile=profile,
+        layer=LayerTable.model_validate(values["layer"]) if data.get("layer") is not None else None,
+        adhesion=AdhesionTable.model_validate(values["adhesion"]) if data.get("adhesion") is not None else None,
+        loading=loading.model_copy(update={**ranged, "targets": path}),
+        accuracy=AccuracyTable.model_validate(values["accuracy"]),
+        output=output,
+        origin=begin,
+        shape_targets=tuple(dict.fromkeys(hit for shape in shapes if (hit := found(shape, path)) is not None)),
+        scan=scan,
+        start_state=None if start is None else start.state,
+    )
+    mistakes = [*_output_mistakes(scene, shapes, missed), *_other_problem(scene, start)]
+    if mistakes:
+        raise SceneError(mistakes)
+    return scene
+
+
+def _profile(values: Mapping[str, Any], scan: Scan | None) -> ProfileTable:
+    """[profile] with the defaults of its kind."""
+    profile = ProfileTable.model_validate(values)
+    if profile.kind == "self_affine" and profile.seed is None:
+        return profile.model_copy(update={"seed": 0})
+    if scan is None:
+        return profile
+    defaults = {"detrend": "mean", "period": scan.period, "harmonics": min(scan.max_harmonics, SAMPLED_HARMONICS)}
+    return profile.model_copy(update={key: value for key, value in defaults.items() if key not in values})
+
+
+def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[float, ...]) -> Iterator[Mistake]:
+    """Shapes the path never meets, spectra and distributions at what is no target."""
+    for k, shape in enumerate(shapes):
+        if shape in missed:
+            value = scene.output.shapes[k]
+            yield Mistake(f"output.shapes[{k}]", f"= {value:g} is never met", "a value the loading path passes")
+    for name in ("spectra", "pressure_distribution", "width_distributions"):
+        asked = getattr(scene.output, name)
+        for k, value in enumerate(() if isinstance(asked, bool) else asked):
+            if found(value, scene.loading.targets) is None:
+                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is no target", "true, false or a list of targets")
+
+
+def _other_problem(scene: Scene, start: _Start | None) -> Iterator[Mistake]:
+    """A stored start of another solid, profile, layer or adhesion."""
+    if start is None:
+        return
+    here = scene.resolved()
+    for name in ("solid", "profile", "layer", "adhesion"):
+        if here[name] != start.scene.get(name):
+            yield Mistake("loading.initial.result", f"was computed with another [{name}]", "a result of the same one")

@@ -1,0 +1,207 @@
+"""What a scene must satisfy beyond the type and range of each key: keys that need, exclude or bound one another.
+
+Works on plain values of the keys that are valid by themselves (`values`), and on the names of all keys present
+(`given`), so that one mistake does not hide another.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bem.profile import Profile
+from bem.scan_file import Scan
+
+SAMPLED_HARMONICS = 1000  # default cut of a scan
+REQUIRED = {
+    "self_affine": ("period", "hurst", "rms_height", "harmonics"),
+    "harmonics": ("period", "orders", "amplitudes", "phases"),
+    "samples": ("file",),
+}
+OPTIONAL = {"self_affine": ("seed",), "harmonics": (), "samples": ("period", "harmonics", "detrend")}
+RANGE = ("start", "stop", "count")
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One mistake: where, what was found, what is allowed.
+
+    Examples
+    --------
+    >>> print(Mistake("layer.thickness", "= -1.0", "a finite number > 0 (m)"))
+    layer.thickness = -1.0; allowed: a finite number > 0 (m)
+    """
+
+    path: str
+    found: str
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.path} {self.found}; allowed: {self.allowed}"
+
+
+class SceneError(ValueError):
+    """A scene that cannot be solved; `mistakes` lists all that is wrong with it."""
+
+    def __init__(self, mistakes: Iterable[Mistake]) -> None:
+        self.mistakes = tuple(mistakes)
+        count = f"{len(self.mistakes)} mistake{'s' * (len(self.mistakes) != 1)} in the scene"
+        super().__init__("\n  ".join([f"{count}:", *map(str, self.mistakes)]))
+
+
+def shown(value: Any) -> str:
+    """A value as in the scene file, shortened."""
+    try:
+        text = json.dumps(value, default=str, ensure_ascii=False)
+    except ValueError:
+        text = "a value too long to show"
+    return text if len(text) <= 60 else f"{text[:56]} ..."
+
+
+def unknown_key(name: str, known: Collection[str]) -> str:
+    """What is allowed instead of an unknown key: the closest one, or all."""
+    close = difflib.get_close_matches(name, known, n=1)
+    return f'did you mean "{close[0]}"?' if close else "one of " + ", ".join(known)
+
+
+def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:
+    """Keys the kind of profile needs and does not use; lists that do not match."""
+    kind = values.get("kind")
+    if kind is None:
+        return
+    for key in REQUIRED[kind]:
+        if key not in given:
+            yield Mistake(f"profile.{key}", "is missing", f'kind = "{kind}" needs it')
+    used = ("kind", *REQUIRED[kind], *OPTIONAL[kind])
+    for key in given:
+        if key in values and key not in used:
+            yield Mistake(f"profile.{key}", f"= {shown(values[key])}", f'kind = "{kind}" uses {", ".join(used)} only')
+    if kind != "harmonics":
+        return
+    lengths = {key: len(values[key]) for key in ("orders", "amplitudes", "phases") if key in values}
+    if len(set(lengths.values())) > 1:
+        counted = ", ".join(f"{count} {key}" for key, count in lengths.items())
+        yield Mistake("profile.orders", f"and its companions differ in length ({counted})", "lists of equal length")
+    repeated = [order for order, count in _counts(values.get("orders", ())).items() if count > 1]
+    if repeated:
+        yield Mistake("profile.orders", f"repeats {shown(repeated)}", "distinct integers >= 1")
+
+
+def scan_mistakes(values: Mapping[str, Any], scan: Scan) -> Iterator[Mistake]:
+    """Period and cut of a profile that do not fit its samples."""
+    period, harmonics = values.get("period"), values.get("harmonics")
+    if period is not None and abs(period - scan.period) > 0.5 * scan.spacing:
+        yield Mistake(
+            "profile.period",
+            f"= {period:g} does not fit {scan.x.size} samples at distance {scan.spacing:g}",
+            f"{scan.period:g} m within half a sample distance (the end point of the period is excluded)",
+        )
+    if harmonics is not None and harmonics > scan.max_harmonics:
+        yield Mistake(
+            "profile.harmonics",
+            f"= {harmonics}",
+            f"an integer from 1 to {scan.max_harmonics} for {scan.x.size} samples",
+        )
+
+
+def loading_mistakes(
+    values: Mapping[str, Any],
+    given: Collection[str],
+    tables: Collection[str],
+    shapes: Sequence[float],
+    period: float | None,
+) -> Iterator[Mistake]:
+    """How the path is given, signs of separations, what the control and the initial state need.
+
+    Parameters
+    ----------
+    values, given
+        Of [loading].
+    tables
+        Names of the tables present.
+    shapes
+        Values of output.shapes.
+    period
+        profile.period, if known.
+    """
+    yield from _path_mistakes(values, given)
+    control = values.get("control")
+    if control == "separation":
+        for key in ("targets", "start", "stop", "then_back_to"):
+            yield from _negative(f"loading.{key}", values.get(key))
+    if control in ("separation", "penetration"):
+        yield from _negative("output.shapes", shapes)
+    if control == "total_displacement" and "layer" not in tables:
+        yield Mistake(
+            "loading.control",
+            '= "total_displacement" has no meaning on a half-space',
+            '"separation", "penetration" or "mean_pressure", or add [layer]',
+        )
+    flaw_needed = control == "mean_pressure" and values.get("initial") == "complete_contact" and "adhesion" in tables
+    if flaw_needed and "flaw" not in given:
+        yield Mistake(
+            "loading.flaw",
+            "is missing",
+            "a number > 0 (m): mean-pressure control from complete contact with adhesion needs it",
+        )
+    flaw = values.get("flaw")
+    if flaw is not None and period is not None and flaw >= period:
+        yield Mistake("loading.flaw", f"= {flaw:g}", f"a number > 0 and below profile.period = {period:g} (m)")
+
+
+def _path_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:
+    """Targets, or start, stop, count and perhaps then_back_to."""
+    ranged = [key for key in (*RANGE, "then_back_to") if key in given]
+    if "targets" in given and ranged:
+        yield Mistake("loading.targets", f"and {', '.join(ranged)} are both given", "targets, or start, stop and count")
+    elif "targets" not in given and not ranged:
+        yield Mistake("loading.targets", "is missing", "targets, or start, stop and count: the path is empty")
+    elif ranged:
+        for key in RANGE:
+            if key not in given:
+                yield Mistake(f"loading.{key}", "is missing", "start, stop and count together, or targets")
+    start, stop, back = (values.get(key) for key in ("start", "stop", "then_back_to"))
+    if start is not None and stop is not None:
+        if start == stop:
+            yield Mistake("loading.stop", f"= {stop:g} equals start", "a value other than start, or targets")
+        elif back is not None and (back - stop) * (start - stop) <= 0:
+            yield Mistake(
+                "loading.then_back_to", f"= {back:g}", f"a value on the side of stop = {stop:g} start lies on"
+            )
+
+
+def _negative(path: str, value: float | Sequence[float] | None) -> Iterator[Mistake]:
+    """Separations below zero."""
+    allowed = "a separation > 0 (m), or exactly 0 for complete contact"
+    if isinstance(value, list | tuple):
+        for k, item in enumerate(value):
+            if item < 0:
+                yield Mistake(f"{path}[{k}]", f"= {item:g}", allowed)
+    elif isinstance(value, int | float) and value < 0:
+        yield Mistake(path, f"= {value:g}", allowed)
+
+
+def _counts(items: Iterable[int]) -> dict[int, int]:
+    counts: dict[int, int] = {}
+    for item in items:
+        counts[item] = counts.get(item, 0) + 1
+    return counts
+
+
+def surface_of(values: Mapping[str, Any], scan: Scan | None) -> Profile:
+    """The profile in SI units from the valid keys of [profile], defaults filled in."""
+    kind = values["kind"]
+    if kind == "self_affine":
+        return Profile.self_affine(
+            values["period"], values["hurst"], values["rms_height"], values["harmonics"], values["seed"]
+        )
+    if kind == "harmonics":
+        return Profile.from_harmonics(values["period"], values["orders"], values["amplitudes"], values["phases"])
+    if scan is None:
+        raise ValueError("profile.file: its samples have not been read")
+    return Profile.from_samples(scan.x, np.asarray(scan.h), values["harmonics"], values["detrend"], values["period"])

@@ -1,0 +1,90 @@
+"""The targets of a loading path: expansion of a range, the way back, and extra targets where the path crosses them.
+
+Values are those of the controlled quantity (m, or Pa for mean_pressure).  The path begins at an origin that
+may be infinite: a separated profile comes from separation +inf (penetration -inf), one in complete contact
+from the other end; under mean-pressure control a separated profile begins at first touch, at zero load.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+SAME = 1e-9  # values closer than this, relative to the largest one, are one target
+
+
+def expanded(start: float, stop: float, count: int, then_back_to: float | None = None) -> tuple[float, ...]:
+    """`count` values from start to stop and, if asked for, as many back, the turning point once.
+
+    Examples
+    --------
+    >>> expanded(0.0, 2.0, 3, then_back_to=1.0)
+    (0.0, 1.0, 2.0, 1.5, 1.0)
+    """
+    way = np.linspace(start, stop, count)
+    if then_back_to is not None:
+        way = np.append(way, np.linspace(stop, then_back_to, count)[1:])
+    return tuple(float(value) for value in way)
+
+
+def origin(control: str, initial: str, first: float) -> float:
+    """Where the path begins: `initial` is "separated" or "complete_contact", `first` the first target."""
+    if control == "mean_pressure":
+        return 0.0 if initial == "separated" else first
+    away = math.inf if control == "separation" else -math.inf
+    return away if initial == "separated" else -away
+
+
+def unloads(control: str, start: float, stop: float) -> bool:
+    """Whether a leg of the path reduces penetration or load.
+
+    Examples
+    --------
+    >>> unloads("separation", 1.0, 2.0), unloads("mean_pressure", 1.0, 2.0)
+    (True, False)
+    """
+    return stop > start if control == "separation" else stop < start
+
+
+def found(value: float, targets: Sequence[float]) -> float | None:
+    """The target equal to `value` within `SAME` of the largest one, else None."""
+    if not targets:
+        return None
+    nearest = min(targets, key=lambda target: abs(target - value))
+    return nearest if abs(nearest - value) <= SAME * max(abs(value), *map(abs, targets)) else None
+
+
+def merged(
+    targets: Sequence[float], extra: Iterable[float], begin: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Targets with the extra ones inserted at every crossing, in the order of travel.
+
+    Values never met that lie beyond the last target, in the direction of the last leg, continue the path.
+
+    Returns
+    -------
+    path : tuple of float
+        All targets in order.
+    missed : tuple of float
+        Extra values the path never meets.
+
+    Examples
+    --------
+    >>> merged([3.0, 1.0, 3.0], [2.0, 4.0, 0.0], begin=9.0)
+    ((4.0, 3.0, 2.0, 1.0, 2.0, 3.0), (0.0,))
+    """
+    wanted = sorted(set(extra))
+    path: list[float] = []
+    previous = start = begin
+    for stop in targets:
+        low, high = min(start, stop), max(start, stop)
+        ends = [value for value in (start, stop) if math.isfinite(value)]
+        inside = [value for value in wanted if low < value < high and found(value, ends) is None]
+        path += [*(inside if stop > start else reversed(inside)), stop]
+        previous, start = start, stop
+    beyond = [value for value in wanted if (value > start > previous or value < start < previous)]
+    unmet = [value for value in beyond if found(value, path) is None]
+    path += unmet if start > previous else reversed(unmet)
+    return tuple(path), tuple(value for value in wanted if found(value, path) is None)
