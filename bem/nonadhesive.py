@@ -1,0 +1,200 @@
+"""Contact without adhesion: edges at which the pressure vanishes, K = 0, for any control.
+
+At K = 0 the energy is stationary to second order and its Hessian vanishes, so nothing is minimised: Newton acts
+on K itself, whose Jacobian is diagonal at the solution, so that every edge does its own Newton step, outward where
+K < 0 (pressure piles up at the edge) and inward where K > 0 (the edge is in tension).  A patch is split where its
+pressure is tensile inside, dropped when it carries no load, joined to its neighbour when the gap between them is
+used up, and added where a gap interpenetrates.  The contact problem is convex (Signorini): the solution is unique and
+independent of the path, and p >= 0, gap >= 0, K = 0 certify it.  Dimensionless.
+
+Source: Galin, Contact Problems (2008), chapter 2, for the edge condition; Kalker, Three-Dimensional Elastic Bodies in
+Rolling Contact (1990), section 3.2, for uniqueness.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem import chebyshev
+from bem.collocation import Elastic, Evaluation, IllConditionedSystemError, evaluate
+from bem.control import Control
+from bem.gap import gap_field, low_minima
+from bem.patches import TWO_PI, Patches, ordered
+from bem.sensitivities import stress_intensity_jacobian
+
+FloatArray = NDArray[np.float64]
+
+ITERATIONS = 400
+WIDEST_STEP = (0.3, 0.35)  # inward in patch widths, outward in gaps
+SEARCH_CLOSURE = 1e-3  # gaps are searched once the edges are this close
+CLOSED_GAP = 1e-3  # of the shortest wavelength, or of the narrower neighbour
+DAMPED_AFTER = 15  # iterations after which a change of sign of K halves the step of its edge
+
+ContactStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Outcome of `solve_contact`: the state when converged, and the number of evaluations."""
+
+    status: ContactStatus
+    state: Evaluation | None
+    closure: float
+    evaluations: int
+
+
+def edge_closure(state: Evaluation) -> float:
+    """Largest |K| sqrt(r/pi) relative to the load of its patch: the singular part over the mean charge."""
+    radius = np.tile(state.patches.half_width, 2)
+    mean = np.array([charge[0] for charge in state.pressure().charges])
+    singular = np.abs(state.stress_intensity) * np.sqrt(radius / np.pi)
+    return float(np.max(singular / np.tile(np.maximum(np.abs(mean), 1e-300), 2)))
+
+
+def solve_contact(
+    elastic: Elastic,
+    control: Control,
+    patches: Patches,
+    penetration: float,
+    target: float,
+    tolerance: float,
+    closure: float,
+    allowed: float,
+) -> Contact:
+    """Find the patches on which K = 0 at the target.
+
+    Parameters
+    ----------
+    elastic, control
+        As for an equilibrium.
+    patches : Patches
+        Where to start; any patches that cover some contact will do.
+    penetration, target : float
+        Start of Delta under load control, and value of the control.
+    tolerance, closure : float
+        Of the evaluation, and of `edge_closure`.
+    allowed : float
+        Interpenetration that is not a contact, dimensionless.
+    """
+    damping = np.ones(2 * patches.count)
+    last_sign = np.zeros(2 * patches.count)
+    measure = np.inf
+    for count in range(1, ITERATIONS + 1):
+        try:
+            state = control.reach(evaluate(elastic, patches, control.guess(penetration, target), tolerance), target)
+        except IllConditionedSystemError:
+            return Contact("ill_conditioned", None, measure, count)
+        penetration = state.penetration
+        measure = edge_closure(state)
+        changed = _without_tension(state)
+        if changed is None and measure < SEARCH_CLOSURE:
+            changed = _with_new_contacts(elastic, state, allowed)
+            if changed is None and measure <= closure:
+                return Contact("converged", state, measure, count)
+        if changed is None:
+            sign = np.sign(state.stress_intensity)
+            if count > DAMPED_AFTER:
+                damping = np.where(sign * last_sign < 0, damping / 2, np.minimum(1.0, damping * 1.5))
+            last_sign = sign
+            changed = _joined(elastic, patches.moved(damping * _edge_steps(state)))
+        if changed is None:
+            return Contact("complete_contact", None, 0.0, count)
+        if changed.count == 0:
+            return Contact("separated", None, 0.0, count)
+        if changed.count != patches.count:
+            damping, last_sign = np.ones(2 * changed.count), np.zeros(2 * changed.count)
+        patches = changed
+    return Contact("not_converged", state, measure, ITERATIONS)
+
+
+def bearing_patches(elastic: Elastic, penetration: float) -> Patches:
+    """Patches where the profile stands above the penetrated plane: a start that needs no solution."""
+    x, height = elastic.profile.grid
+    level = elastic.profile.max_height - penetration
+    inside = height > max(level, float(height.min()) + 0.1 * float(np.ptp(height)))
+    start = np.flatnonzero(inside & ~np.roll(inside, 1))
+    stop = np.flatnonzero(inside & ~np.roll(inside, -1))
+    if start.size == 0:
+        crest = elastic.profile.crests[0][int(np.argmax(elastic.profile.crests[1]))]
+        half = 0.5 * TWO_PI / x.size
+        return ordered(np.array([crest - half]), np.array([crest + half]))
+    half = 0.25 * TWO_PI / x.size
+    left, right = x[start] - half, x[stop] + half
+    if right[0] < left[0]:
+        right = np.roll(right, -1)
+    return ordered(left, np.where(right < left, right + TWO_PI, right))
+
+
+def _edge_steps(state: Evaluation) -> FloatArray:
+    """Outward Newton steps on K, edge by edge, within patch width and gap, (2 L,)."""
+    patches = state.patches
+    slope = np.diagonal(stress_intensity_jacobian(state))
+    room = np.concatenate([patches.gap_before, patches.gap_after])
+    width = np.tile(patches.width, 2)
+    intensity = state.stress_intensity
+    with np.errstate(divide="ignore", invalid="ignore"):
+        newton = np.where(slope > 0, -intensity / slope, -np.sign(intensity) * np.inf)
+    return np.asarray(np.clip(newton, -WIDEST_STEP[0] * width, WIDEST_STEP[1] * room))
+
+
+def _joined(elastic: Elastic, patches: Patches) -> Patches | None:
+    """Patches whose gaps are used up become one; None when nothing of the last gap is left."""
+    wavelength = TWO_PI / elastic.profile.max_order
+    while True:
+        following = np.roll(patches.width, -1)
+        closed = patches.gap_after < CLOSED_GAP * np.minimum(wavelength, np.minimum(patches.width, following))
+        if not np.any(closed):
+            return patches
+        if patches.count == 1:
+            return None if patches.gap_after[0] < 1e-7 * TWO_PI else patches
+        patches = patches.merged_after(int(np.flatnonzero(closed)[0]))
+
+
+def _without_tension(state: Evaluation) -> Patches | None:
+    """Patches less those in tension, split where the pressure inside is tensile; None when none is."""
+    patches, pressure = state.patches, state.pressure()
+    left: list[float] = []
+    right: list[float] = []
+    changed = False
+    for i, charge in enumerate(pressure.charges):
+        if charge[0] <= 0:
+            changed = True
+            continue
+        points = 2 * charge.size
+        values = np.polynomial.chebyshev.chebval(chebyshev.basis_nodes(points), charge)[::-1]
+        x = patches.center[i] + patches.half_width[i] * chebyshev.basis_nodes(points)[::-1]
+        tensile = values < -1e-6 * values.max()
+        starts = np.flatnonzero(tensile & ~np.append(False, tensile[:-1]))
+        stops = np.flatnonzero(tensile & ~np.append(tensile[1:], False))
+        left.append(float(patches.left[i]))
+        for first, last in zip(starts, stops, strict=True):
+            if first == 0 or last == points - 1:
+                continue
+            changed = True
+            right.append(float((x[first - 1] + x[first]) / 2))
+            left.append(float((x[last] + x[last + 1]) / 2))
+        right.append(float(patches.right[i]))
+    return ordered(np.array(left), np.array(right)) if changed else None
+
+
+def _with_new_contacts(elastic: Elastic, state: Evaluation, allowed: float) -> Patches | None:
+    """Patches with a new one at every interpenetration; None when there is none."""
+    low = low_minima(gap_field(elastic, state))
+    bad = low.depth < -allowed
+    if not np.any(bad):
+        return None
+    patches = state.patches
+    fringe = np.minimum((low.position - patches.right[low.gap]), 0.5 * patches.gap_after[low.gap])
+    for position, depth, room in zip(low.position[bad], low.depth[bad], fringe[bad], strict=True):
+        if np.any((position - patches.left) % TWO_PI < patches.width):
+            continue
+        curvature = max(-float(elastic.profile.curvature(np.array([position]))[0]), 1e-12)
+        to_right = float(np.min((patches.left - position) % TWO_PI))
+        to_left = float(np.min((position - patches.right) % TWO_PI))
+        half = min(float(np.sqrt(-2 * depth / curvature)), 0.3 * to_right, 0.3 * to_left, 0.3 * float(room))
+        patches = patches.with_patch(position - half, position + half)
+    return patches
