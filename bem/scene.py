@@ -38,6 +38,8 @@ from bem.scene_rules import (
 )
 from bem.targets import expanded, found, merged, origin
 
+__all__ = ["Mistake", "Scene", "SceneError", "load_scene", "parse_scene"]
+
 MOST_HARMONICS = 10_000_000
 
 Numbers = Annotated[tuple[float, ...], Field(strict=False)]
@@ -158,6 +160,8 @@ class Scene:
         Targets at which shapes are stored.
     scan : Scan, optional
         Samples of profile.file.
+    cut_by_default : bool
+        Whether profile.harmonics was chosen for a scan, not given.
     start_state : State, optional
         The stored state of loading.initial.
     """
@@ -173,6 +177,7 @@ class Scene:
     origin: float
     shape_targets: tuple[float, ...] = ()
     scan: Scan | None = field(default=None, compare=False)
+    cut_by_default: bool = False
     start_state: State | None = None
 
     def surface(self) -> Profile:
@@ -381,6 +386,7 @@ def _resolved(
         origin=begin,
         shape_targets=tuple(dict.fromkeys(hit for shape in shapes if (hit := found(shape, path)) is not None)),
         scan=scan,
+        cut_by_default=scan is not None and "harmonics" not in values["profile"],
         start_state=None if start is None else start.state,
     )
     mistakes = [*_output_mistakes(scene, shapes, missed), *_other_problem(scene, start)]

@@ -65,7 +65,7 @@ def shown(value: Any) -> str:
 
 def unknown_key(name: str, known: Collection[str]) -> str:
     """What is allowed instead of an unknown key: the closest one, or all."""
-    close = difflib.get_close_matches(name, known, n=1)
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
     return f'did you mean "{close[0]}"?' if close else "one of " + ", ".join(known)
 
 

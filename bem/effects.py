@@ -1,0 +1,181 @@
+"""The physical and numerical effects a scene calls for, each with its reason and its predicted cost.
+
+An effect that is not active is a code path never entered.  What the solver cannot do yet is refused by name before
+anything runs (`refuse_unavailable`), never ignored.
+
+The half-space is a layer with compliance ratio 1.  For the frictionless, bonded layer (G. Carbone,
+L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684) with x = q d
+
+    ratio = [(3 - 4 nu) sinh 2x - 2x] / [(3 - 4 nu) cosh 2x + 2 x^2 + 5 - 12 nu + 8 nu^2],
+
+which tends to 1 exponentially; a layer that changes it at the longest wavelength by less than a tenth of
+accuracy.tolerance is left out.
+
+Predicted costs are power laws in the highest harmonic M, measured on one core on the self-affine profile with H = 0.7
+and 1000 harmonics: seconds = constant (M / 1000)^exponent for each sweep in one direction, each target, each output.
+They are meant to tell seconds from hours, within a factor of 3.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from bem.result import Effect
+from bem.scene import Scene, StoredStart
+from bem.scene_rules import Mistake, SceneError
+from bem.targets import unloads
+
+EFFECTS = (
+    *("half_space", "layer", "adhesion", "slope_term", "unloading", "load_control"),
+    *("shapes", "spectra", "pressure_distribution", "width_distributions"),
+)
+AVAILABLE = frozenset({"half_space", "adhesion", "slope_term", "unloading", "shapes"})
+NOT_YET = frozenset({"contact without adhesion", "start from complete contact", "start from a stored state"})
+
+SWEEP = 2.6, 1.4  # s at 1000 harmonics and exponent: one sweep in one direction, without adhesion
+ADHESIVE_SWEEP = 12.0, 1.4  # the same with adhesion
+LAYER_SHARE = 0.5  # of the sweeps, in addition
+TARGET = 0.3, 1.2  # one target: polish, certificate, error estimate
+OUTPUT = 0.1, 1.0  # fields, spectra or a distribution at one target
+
+
+def layer_effect(thickness: float, period: float, poisson_ratio: float) -> float:
+    """1 - compliance ratio of a layer at the longest wavelength, dimensionless.
+
+    Parameters
+    ----------
+    thickness, period : float
+        m, > 0.
+    poisson_ratio : float
+        In (-1, 0.5].
+
+    Examples
+    --------
+    >>> [f"{layer_effect(thickness, 1.0, 0.5):.1e}" for thickness in (0.1, 1.0, 4.0)]
+    ['9.0e-01', '6.4e-04', '3.9e-19']
+    """
+    x = 2 * math.pi * thickness / period
+    decay = math.exp(-2 * x)
+    bulk, offset = 3 - 4 * poisson_ratio, 5 - 12 * poisson_ratio + 8 * poisson_ratio**2
+    if decay == 0.0:
+        return 0.0
+    missing = (bulk * decay + 2 * x * (x + 1) + offset) * decay
+    return missing / (bulk * (1 + decay**2) / 2 + (2 * x**2 + offset) * decay)
+
+
+def effects_of(scene: Scene) -> tuple[Effect, ...]:
+    """Every effect of the vocabulary, in the order of `EFFECTS`."""
+    reasons = dict(_reasons(scene))
+    seconds = _seconds(scene, {name for name, (active, _) in reasons.items() if active})
+    return tuple(Effect(name, *reasons[name], seconds=seconds.get(name, 0.0)) for name in EFFECTS)
+
+
+def predicted_seconds(scene: Scene) -> float:
+    """Predicted cost of the scene on one core, s."""
+    return sum(effect.seconds for effect in effects_of(scene))
+
+
+def refuse_unavailable(scene: Scene) -> None:
+    """Refuse what is not built yet.
+
+    Raises
+    ------
+    SceneError
+        Naming each effect and each request that is not available yet.
+    """
+    mistakes = [
+        Mistake(f"effect {effect.name}", f"is not available yet ({effect.reason})", ", ".join(sorted(AVAILABLE)))
+        for effect in effects_of(scene)
+        if effect.active and effect.name not in AVAILABLE
+    ]
+    mistakes += [
+        Mistake(name, f"is not available yet ({reason})", f"a scene that does {remedy}")
+        for name, reason, remedy in _requests(scene)
+        if name in NOT_YET
+    ]
+    if mistakes:
+        raise SceneError(mistakes)
+
+
+def _requests(scene: Scene) -> Iterator[tuple[str, str, str]]:
+    """What a scene asks for beyond the named effects: name, reason, remedy."""
+    if scene.adhesion is None:
+        yield "contact without adhesion", "no [adhesion]", "have an [adhesion] table"
+    if scene.loading.initial == "complete_contact":
+        yield "start from complete contact", 'loading.initial = "complete_contact"', 'start "separated"'
+    if isinstance(scene.loading.initial, StoredStart):
+        yield "start from a stored state", "loading.initial names a result", 'start "separated"'
+
+
+def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
+    """Name, whether active, and why."""
+    yield from _elastic_reasons(scene)
+    adhesion = scene.adhesion
+    if adhesion is None:
+        yield "adhesion", (False, "no [adhesion]")
+        yield "slope_term", (False, "no [adhesion]")
+    else:
+        yield "adhesion", (True, f"work_of_adhesion = {adhesion.work_of_adhesion:g} J/m^2")
+        yield "slope_term", (adhesion.slope_term, f"adhesion.slope_term = {str(adhesion.slope_term).lower()}")
+    back = sum(leg for leg in _legs(scene))
+    yield "unloading", (back > 0, f"{back} of {len(_legs(scene))} legs of the path unload")
+    yield "load_control", (scene.loading.control == "mean_pressure", f'loading.control = "{scene.loading.control}"')
+    for name in ("shapes", "spectra", "pressure_distribution", "width_distributions"):
+        count = _outputs(scene, name)
+        asked = "asked for" if count else "not asked for"
+        yield name, (count > 0, f"output.{name} {asked}" + (f" at {count} targets" if count else ""))
+
+
+def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
+    """Half-space or layer, and the default cut of a scan."""
+    note = ""
+    if scene.cut_by_default and scene.scan is not None:
+        note = f"; profile.harmonics = {scene.profile.harmonics} by default for {scene.scan.x.size} samples"
+    if scene.layer is None:
+        yield "half_space", (True, f"no [layer]{note}")
+        yield "layer", (False, "no [layer]")
+        return
+    effect = layer_effect(scene.layer.thickness, float(scene.profile.period or 0), scene.solid.poisson_ratio)
+    limit = 0.1 * scene.accuracy.tolerance
+    text = f"thickness = {scene.layer.thickness:g} m changes the compliance by {effect:.2g}"
+    left_out = effect < limit
+    verdict = f"below a tenth of the tolerance, {limit:g}: left out" if left_out else f"at the longest wavelength{note}"
+    yield "half_space", (left_out, f"{text}, {verdict}{note}" if left_out else "[layer] is thin enough to matter")
+    yield "layer", (not left_out, f"{text}, {verdict}")
+
+
+def _legs(scene: Scene) -> list[bool]:
+    """Whether each leg of the path, from one target to the next, unloads."""
+    targets = scene.loading.targets
+    starts = (scene.origin, *targets[:-1])
+    return [unloads(scene.loading.control, a, b) for a, b in zip(starts, targets, strict=True) if a != b]
+
+
+def _outputs(scene: Scene, name: str) -> int:
+    """Number of targets at which an output is asked for."""
+    return sum(scene.wants(name, target) for target in scene.loading.targets)
+
+
+def _seconds(scene: Scene, active: set[str]) -> dict[str, float]:
+    """Predicted cost of each active effect, s."""
+    size = max(scene.profile.orders) if scene.profile.orders else int(scene.profile.harmonics or 1)
+
+    def cost(law: tuple[float, float]) -> float:
+        constant, exponent = law
+        return float(constant * (size / 1000) ** exponent)
+
+    legs = _legs(scene)
+    turns = [leg for k, leg in enumerate(legs) if k == 0 or leg != legs[k - 1]]
+    sweeps_in, sweeps_back = turns.count(False), turns.count(True)
+    sweep = cost(ADHESIVE_SWEEP if "adhesion" in active else SWEEP)
+    elastic = sweeps_in * cost(SWEEP) + len(scene.loading.targets) * cost(TARGET)
+    seconds = {
+        "half_space": elastic,
+        "layer": elastic + LAYER_SHARE * len(turns) * sweep,
+        "adhesion": sweeps_in * (sweep - cost(SWEEP)),
+        "unloading": sweeps_back * sweep,
+    }
+    for name in ("shapes", "spectra", "pressure_distribution", "width_distributions"):
+        seconds[name] = _outputs(scene, name) * cost(OUTPUT)
+    return {name: value for name, value in seconds.items() if name in active}

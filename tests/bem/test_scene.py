@@ -1,0 +1,322 @@
+"""The scene contract: what is accepted, what it resolves to, and that every mistake is told."""
+
+import copy
+import math
+
+import numpy as np
+import pytest
+
+from bem.scene import SceneError, load_scene, parse_scene
+
+BASE = {
+    "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+    "profile": {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 50e-6, "harmonics": 20},
+    "adhesion": {"work_of_adhesion": 0.03},
+    "loading": {"control": "separation", "targets": [60e-6, 30e-6]},
+}
+WAVE = {"kind": "harmonics", "period": 0.01, "orders": [1, 3], "amplitudes": [1e-5, 2e-6], "phases": [0.0, 1.0]}
+PRESSURE = {"control": "mean_pressure", "targets": [1e3]}
+ABSENT = object()
+
+
+def scene_with(path, value=ABSENT):
+    """BASE with one key (or table) set, or removed."""
+    data = copy.deepcopy(BASE)
+    *tables, key = path.split(".")
+    place = data
+    for table in tables:
+        place = place.setdefault(table, {})
+    if value is ABSENT:
+        del place[key]
+    else:
+        place[key] = value
+    return data
+
+
+def mistakes_of(data, base_dir="."):
+    with pytest.raises(SceneError) as caught:
+        parse_scene(data, base_dir)
+    return caught.value.mistakes
+
+
+def paths_of(data, base_dir="."):
+    return [mistake.path for mistake in mistakes_of(data, base_dir)]
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "where"),
+    [
+        ("solid", ABSENT, "[solid]"),
+        ("profile", ABSENT, "[profile]"),
+        ("loading", ABSENT, "[loading]"),
+        ("solid", 3, "solid"),
+        ("loading", [1.0], "loading"),
+        ("title", 5, "title"),
+        ("solid.youngs_modulus", ABSENT, "solid.youngs_modulus"),
+        ("solid.youngs_modulus", 0.0, "solid.youngs_modulus"),
+        ("solid.youngs_modulus", "1e6", "solid.youngs_modulus"),
+        ("solid.youngs_modulus", True, "solid.youngs_modulus"),
+        ("solid.youngs_modulus", math.inf, "solid.youngs_modulus"),
+        ("solid.poisson_ratio", -1.0, "solid.poisson_ratio"),
+        ("solid.poisson_ratio", 0.5000001, "solid.poisson_ratio"),
+        ("solid.poisson_ratio", math.nan, "solid.poisson_ratio"),
+        ("profile.kind", "fractal", "profile.kind"),
+        ("profile.kind", ABSENT, "profile.kind"),
+        ("profile.period", ABSENT, "profile.period"),
+        ("profile.period", -0.01, "profile.period"),
+        ("profile.hurst", 0, "profile.hurst"),
+        ("profile.hurst", 1.0, "profile.hurst"),
+        ("profile.hurst", ABSENT, "profile.hurst"),
+        ("profile.rms_height", 0.0, "profile.rms_height"),
+        ("profile.rms_height", ABSENT, "profile.rms_height"),
+        ("profile.harmonics", 0, "profile.harmonics"),
+        ("profile.harmonics", 20.0, "profile.harmonics"),
+        ("profile.harmonics", True, "profile.harmonics"),
+        ("profile.harmonics", ABSENT, "profile.harmonics"),
+        ("profile.seed", -1, "profile.seed"),
+        ("profile.seed", 1.5, "profile.seed"),
+        ("profile.orders", [1], "profile.orders"),
+        ("profile", WAVE | {"orders": [1, 1]}, "profile.orders"),
+        ("profile", WAVE | {"orders": [1, 0]}, "profile.orders[1]"),
+        ("profile", WAVE | {"orders": [1, 2, 3]}, "profile.orders"),
+        ("profile", WAVE | {"orders": []}, "profile.orders"),
+        ("profile", WAVE | {"phases": [0.0]}, "profile.orders"),
+        ("profile", WAVE | {"amplitudes": [1e-5, math.nan]}, "profile.amplitudes[1]"),
+        ("profile", {k: v for k, v in WAVE.items() if k != "phases"}, "profile.phases"),
+        ("profile", WAVE | {"hurst": 0.5}, "profile.hurst"),
+        ("profile", {"kind": "samples"}, "profile.file"),
+        ("profile", {"kind": "samples", "file": "nowhere.csv"}, "profile.file"),
+        ("profile", {"kind": "samples", "file": "nowhere.csv", "detrend": "none"}, "profile.detrend"),
+        ("layer", {}, "layer.thickness"),
+        ("layer", {"thickness": 0.0}, "layer.thickness"),
+        ("layer", {"thickness": math.nan}, "layer.thickness"),
+        ("adhesion.work_of_adhesion", 0.0, "adhesion.work_of_adhesion"),
+        ("adhesion.work_of_adhesion", ABSENT, "adhesion.work_of_adhesion"),
+        ("adhesion.slope_term", 1, "adhesion.slope_term"),
+        ("loading.control", "load", "loading.control"),
+        ("loading.control", "total_displacement", "loading.control"),
+        ("loading.targets", [], "loading.targets"),
+        ("loading.targets", ABSENT, "loading.targets"),
+        ("loading.targets", 30e-6, "loading.targets"),
+        ("loading.targets", [60e-6, math.nan], "loading.targets[1]"),
+        ("loading.targets", [60e-6, -1e-6], "loading.targets[1]"),
+        ("loading.start", 60e-6, "loading.targets"),
+        ("loading", {"control": "separation", "start": 6e-5, "stop": 3e-5}, "loading.count"),
+        ("loading", {"control": "separation", "start": 6e-5, "stop": 3e-5, "count": 0}, "loading.count"),
+        ("loading", {"control": "separation", "start": 6e-5, "stop": 6e-5, "count": 3}, "loading.stop"),
+        ("loading", {"control": "separation", "start": 6e-5, "stop": -3e-5, "count": 3}, "loading.stop"),
+        (
+            "loading",
+            {"control": "separation", "start": 6e-5, "stop": 3e-5, "count": 3, "then_back_to": 1e-5},
+            "loading.then_back_to",
+        ),
+        ("loading.stop_at_mean_pressure", math.nan, "loading.stop_at_mean_pressure"),
+        ("loading.at_mean_pressures", [1e3, math.inf], "loading.at_mean_pressures[1]"),
+        ("loading.initial", "touching", "loading.initial"),
+        ("loading.initial", {"result": "nowhere"}, "loading.initial"),
+        ("loading.initial", {"result": "nowhere", "state": 0}, "loading.initial.result"),
+        ("loading", PRESSURE | {"initial": "complete_contact"}, "loading.flaw"),
+        ("loading.flaw", -1e-6, "loading.flaw"),
+        ("loading.flaw", 0.02, "loading.flaw"),
+        ("accuracy", {"tolerance": 1e-13}, "accuracy.tolerance"),
+        ("accuracy", {"tolerance": 0.02}, "accuracy.tolerance"),
+        ("accuracy", {"max_increment": 0.0}, "accuracy.max_increment"),
+        ("output", {"shapes": True}, "output.shapes"),
+        ("output", {"shapes": [30e-6, math.inf]}, "output.shapes[1]"),
+        ("output", {"shapes": [-30e-6]}, "output.shapes[0]"),
+        ("output", {"spectra": 1}, "output.spectra"),
+        ("output", {"spectra": [31e-6]}, "output.spectra[0]"),
+        ("output", {"pressure_distribution": "yes"}, "output.pressure_distribution"),
+        ("output", {"width_distributions": [True]}, "output.width_distributions[0]"),
+        ("solid.density", 1e3, "solid.density"),
+        ("friction", {}, "friction"),
+    ],
+)
+def test_mistake_is_told_with_its_path(path, value, where, tmp_path):
+    assert where in paths_of(scene_with(path, value), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("solid.poisson_ratio", 0.5),
+        ("solid.poisson_ratio", -0.999999),
+        ("solid.youngs_modulus", 1000000),
+        ("profile.hurst", 0.01),
+        ("profile", WAVE),
+        ("profile", WAVE | {"amplitudes": [0, 0]}),
+        ("accuracy", {"tolerance": 1e-12}),
+        ("accuracy", {"tolerance": 1e-2}),
+        ("loading.targets", [60e-6, 0.0]),
+        ("loading", PRESSURE | {"initial": "complete_contact", "flaw": 1e-6}),
+        ("loading", PRESSURE | {"targets": [-1e3]}),
+        ("adhesion", ABSENT),
+        ("output", {"spectra": [30e-6], "pressure_distribution": True}),
+    ],
+)
+def test_edge_of_a_range_is_accepted(path, value):
+    parse_scene(scene_with(path, value))
+
+
+def test_start_from_complete_contact_without_adhesion_needs_no_flaw():
+    data = scene_with("loading", PRESSURE | {"initial": "complete_contact"})
+    del data["adhesion"]
+    assert parse_scene(data).loading.flaw is None
+
+
+def test_total_displacement_is_accepted_with_a_layer():
+    data = scene_with("layer", {"thickness": 1e-3})
+    data["loading"]["control"] = "total_displacement"
+    assert parse_scene(data).loading.control == "total_displacement"
+
+
+def test_all_mistakes_are_told_at_once():
+    data = scene_with("solid.poisson_ratio", 0.7)
+    data["solid"]["youngs_modulus"] = "soft"
+    data["profile"]["hurst"] = 2.0
+    del data["profile"]["rms_height"]
+    data["loading"]["targets"] = [math.nan, 3e-5, math.inf]
+    data["outputs"] = {}
+    assert sorted(paths_of(data)) == sorted(
+        [
+            *("solid.poisson_ratio", "solid.youngs_modulus", "profile.hurst", "profile.rms_height"),
+            *("loading.targets[0]", "loading.targets[2]", "outputs"),
+        ]
+    )
+
+
+def test_message_holds_path_value_and_what_is_allowed():
+    (mistake,) = mistakes_of(scene_with("solid.poisson_ratio", 0.7))
+    assert str(mistake) == "solid.poisson_ratio = 0.7; allowed: a number > -1 and <= 0.5"
+
+
+@pytest.mark.parametrize(
+    ("path", "suggested"),
+    [("solid.young_modulus", "youngs_modulus"), ("profile.hurts", "hurst"), ("adhesions", "adhesion")],
+)
+def test_unknown_key_suggests_the_closest(path, suggested):
+    (mistake,) = mistakes_of(scene_with(path, 1.0))
+    assert mistake.allowed == f'did you mean "{suggested}"?'
+
+
+def test_defaults():
+    scene = parse_scene(BASE)
+    assert (scene.profile.seed, scene.adhesion.slope_term, scene.loading.initial) == (0, False, "separated")
+    assert (scene.accuracy.tolerance, scene.accuracy.max_increment) == (1e-6, 0.05)
+    assert (scene.output.shapes, scene.output.spectra, scene.layer) == ((), False, None)
+
+
+def test_scene_is_frozen():
+    scene = parse_scene(BASE)
+    with pytest.raises(ValueError, match="frozen"):
+        scene.solid.youngs_modulus = 2.0
+
+
+def test_range_goes_there_and_back_with_the_turning_point_once():
+    loading = {"control": "penetration", "start": 1.0, "stop": 3.0, "count": 3, "then_back_to": 0.0}
+    assert parse_scene(scene_with("loading", loading)).loading.targets == (1.0, 2.0, 3.0, 1.5, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("targets", "shapes", "path"),
+    [
+        pytest.param([60e-6, 30e-6], [45e-6], (60e-6, 45e-6, 30e-6), id="between"),
+        pytest.param([60e-6, 30e-6], [90e-6], (90e-6, 60e-6, 30e-6), id="on the way in"),
+        pytest.param([60e-6, 30e-6], [10e-6, 20e-6], (60e-6, 30e-6, 20e-6, 10e-6), id="beyond the end"),
+        pytest.param([60e-6, 30e-6], [30e-6 * (1 + 1e-12)], (60e-6, 30e-6), id="a target already"),
+        pytest.param([60e-6, 30e-6, 60e-6], [45e-6], (60e-6, 45e-6, 30e-6, 45e-6, 60e-6), id="both ways"),
+    ],
+)
+def test_shapes_become_targets_where_the_path_meets_them(targets, shapes, path):
+    data = scene_with("output", {"shapes": shapes})
+    data["loading"]["targets"] = targets
+    assert parse_scene(data).loading.targets == path
+
+
+def test_shape_below_the_turning_point_is_a_mistake():
+    data = scene_with("output", {"shapes": [45e-6, 10e-6]})
+    data["loading"]["targets"] = [60e-6, 30e-6, 60e-6]
+    assert paths_of(data) == ["output.shapes[1]"]
+
+
+def test_shapes_of_penetration_control_are_separations():
+    data = scene_with("profile", WAVE | {"orders": [1], "amplitudes": [5e-5], "phases": [0.0]})
+    data |= {"loading": {"control": "penetration", "targets": [4e-5]}, "output": {"shapes": [30e-6]}}
+    scene = parse_scene(data)
+    # the crest is at 5e-5 m; measured difference 0
+    np.testing.assert_allclose(scene.loading.targets, (2e-5, 4e-5), rtol=1e-14)
+    assert scene.wants("shapes", scene.loading.targets[0])
+    assert not scene.wants("shapes", scene.loading.targets[1])
+
+
+def test_outputs_are_wanted_at_the_targets_listed():
+    scene = parse_scene(scene_with("output", {"spectra": [30e-6], "pressure_distribution": True}))
+    assert [scene.wants("spectra", target) for target in scene.loading.targets] == [False, True]
+    assert all(scene.wants("pressure_distribution", target) for target in scene.loading.targets)
+
+
+def test_resolved_scene_parses_to_itself():
+    data = scene_with("output", {"shapes": [45e-6]})
+    resolved = parse_scene(data).resolved()
+    assert parse_scene(resolved).resolved() == resolved
+
+
+def test_resolved_scene_holds_the_defaults():
+    resolved = parse_scene(BASE).resolved()
+    assert resolved["accuracy"] == {"tolerance": 1e-6, "max_increment": 0.05}
+    assert resolved["profile"]["seed"] == 0
+    assert resolved["layer"] is None
+
+
+def test_surface_of_a_self_affine_scene_has_the_stated_rms_height():
+    # measured relative difference 1e-16
+    assert parse_scene(BASE).surface().rms_height == pytest.approx(50e-6, rel=1e-14)
+
+
+def write_scan(folder, x, h):
+    np.savetxt(folder / "scan.csv", np.column_stack([x, h]), delimiter=",", header="x,h")
+
+
+def test_scan_next_to_the_scene_is_found(tmp_path):
+    x = np.arange(64) * (0.01 / 64)
+    write_scan(tmp_path, x, 1e-5 * np.cos(2 * np.pi * x / 0.01))
+    (tmp_path / "scene.toml").write_text(
+        '[solid]\nyoungs_modulus = 1e6\npoisson_ratio = 0.5\n[profile]\nkind = "samples"\nfile = "scan.csv"\n'
+        '[loading]\ncontrol = "separation"\ntargets = [5e-6]\n'
+    )
+    scene = load_scene(tmp_path / "scene.toml")
+    assert (scene.profile.harmonics, scene.profile.detrend) == (31, "mean")
+    # measured relative differences 2e-16 and 2e-15 (positions hold 19 digits)
+    assert scene.profile.period == pytest.approx(0.01, rel=1e-14)
+    assert scene.surface().max_height == pytest.approx(1e-5, rel=1e-13)
+
+
+def test_resolved_scan_is_told_by_name_and_digest_not_by_folder(tmp_path):
+    write_scan(tmp_path, np.arange(8.0), np.cos(np.arange(8.0)))
+    data = scene_with("profile", {"kind": "samples", "file": str(tmp_path / "scan.csv")})
+    profile = parse_scene(data).resolved()["profile"]
+    assert profile["file"] == "scan.csv"
+    assert len(profile["sha256"]) == 64
+
+
+@pytest.mark.parametrize(
+    ("extra", "where"),
+    [({"period": 7.0}, "profile.period"), ({"harmonics": 4}, "profile.harmonics")],
+    ids=["end point included", "beyond half the samples"],
+)
+def test_scan_bounds_period_and_harmonics(extra, where, tmp_path):
+    write_scan(tmp_path, np.arange(8.0), np.cos(np.arange(8.0)))
+    data = scene_with("profile", {"kind": "samples", "file": "scan.csv", **extra})
+    assert paths_of(data, tmp_path) == [where]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [pytest.param(b"[solid\n", id="syntax"), pytest.param(b"title = '\xff'", id="encoding"), None],
+)
+def test_file_that_is_no_scene_is_told(content, tmp_path):
+    path = tmp_path / "scene.toml"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(SceneError, match=r"scene\.toml"):
+        load_scene(path)
