@@ -29,7 +29,7 @@ from bem.sensitivities import stress_intensity_jacobian
 FloatArray = NDArray[np.float64]
 
 ITERATIONS = 400
-WIDEST_STEP = (0.3, 0.35)  # inward in patch widths, outward in gaps
+INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
 SEARCH_CLOSURE = 1e-3  # gaps are searched once the edges are this close
 CLOSED_GAP = 1e-3  # of the shortest wavelength, or of the narrower neighbour
 DAMPED_AFTER = 15  # iterations after which a change of sign of K halves the step of its edge
@@ -100,7 +100,7 @@ def solve_contact(
             if count > DAMPED_AFTER:
                 damping = np.where(sign * last_sign < 0, damping / 2, np.minimum(1.0, damping * 1.5))
             last_sign = sign
-            changed = _joined(elastic, patches.moved(damping * _edge_steps(state)))
+            changed = _joined(elastic, patches.moved(damping * _edge_steps(state, elastic.profile.max_order)))
         if changed is None:
             return Contact("complete_contact", None, 0.0, count)
         if changed.count == 0:
@@ -129,16 +129,18 @@ def bearing_patches(elastic: Elastic, penetration: float) -> Patches:
     return ordered(left, np.where(right < left, right + TWO_PI, right))
 
 
-def _edge_steps(state: Evaluation) -> FloatArray:
-    """Outward Newton steps on K, edge by edge, within patch width and gap, (2 L,)."""
+def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:
+    """Outward Newton steps on K, edge by edge, within patch width, gap and shortest wavelength, (2 L,)."""
     patches = state.patches
     slope = np.diagonal(stress_intensity_jacobian(state))
-    room = np.concatenate([patches.gap_before, patches.gap_after])
+    gap = np.concatenate([patches.gap_before, patches.gap_after])
     width = np.tile(patches.width, 2)
+    half_wave = np.pi / max_order
+    outward = np.minimum(np.minimum(OUTWARD * width, half_wave), INTO_GAP * gap)
     intensity = state.stress_intensity
     with np.errstate(divide="ignore", invalid="ignore"):
-        newton = np.where(slope > 0, -intensity / slope, -np.sign(intensity) * np.inf)
-    return np.asarray(np.clip(newton, -WIDEST_STEP[0] * width, WIDEST_STEP[1] * room))
+        newton = np.where(slope > 0, -intensity / slope, -np.sign(intensity) * INWARD * np.minimum(width, gap))
+    return np.asarray(np.clip(newton, -INWARD * width, outward))
 
 
 def _joined(elastic: Elastic, patches: Patches) -> Patches | None:
@@ -161,23 +163,21 @@ def _without_tension(state: Evaluation) -> Patches | None:
     right: list[float] = []
     changed = False
     for i, charge in enumerate(pressure.charges):
-        if charge[0] <= 0:
+        nodes = chebyshev.basis_nodes(2 * charge.size)[::-1]
+        values = np.polynomial.chebyshev.chebval(nodes, charge)
+        if values.max() <= 0:
             changed = True
             continue
-        points = 2 * charge.size
-        values = np.polynomial.chebyshev.chebval(chebyshev.basis_nodes(points), charge)[::-1]
-        x = patches.center[i] + patches.half_width[i] * chebyshev.basis_nodes(points)[::-1]
-        tensile = values < -1e-6 * values.max()
-        starts = np.flatnonzero(tensile & ~np.append(False, tensile[:-1]))
-        stops = np.flatnonzero(tensile & ~np.append(tensile[1:], False))
-        left.append(float(patches.left[i]))
-        for first, last in zip(starts, stops, strict=True):
-            if first == 0 or last == points - 1:
-                continue
-            changed = True
-            right.append(float((x[first - 1] + x[first]) / 2))
-            left.append(float((x[last] + x[last + 1]) / 2))
-        right.append(float(patches.right[i]))
+        x = patches.center[i] + patches.half_width[i] * nodes
+        compressive = values > -1e-6 * values.max()
+        starts = np.flatnonzero(compressive & ~np.append(False, compressive[:-1]))
+        stops = np.flatnonzero(compressive & ~np.append(compressive[1:], False))
+        if charge[0] > 0:
+            starts[0], stops[-1] = 0, nodes.size - 1
+        changed = changed or starts.size > 1 or starts[0] > 0 or stops[-1] < nodes.size - 1
+        middle = (x[1:] + x[:-1]) / 2
+        left += [float(patches.left[i] if k == 0 else middle[k - 1]) for k in starts]
+        right += [float(patches.right[i] if k == nodes.size - 1 else middle[k]) for k in stops]
     return ordered(np.array(left), np.array(right)) if changed else None
 
 
