@@ -1,0 +1,145 @@
+"""Effects: which ones a scene calls for, why, what they cost, and that missing ones are refused by name."""
+
+import copy
+import math
+
+import numpy as np
+import pytest
+
+from bem import effects
+from bem.effects import EFFECTS, effects_of, layer_effect, predicted_seconds, refuse_unavailable
+from bem.scene import SceneError, parse_scene
+
+BASE = {
+    "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+    "profile": {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 50e-6, "harmonics": 1000},
+    "adhesion": {"work_of_adhesion": 0.03},
+    "loading": {"control": "separation", "targets": [60e-6, 30e-6]},
+}
+
+
+def scene_with(**tables):
+    data = copy.deepcopy(BASE) | tables
+    return parse_scene({name: table for name, table in data.items() if table is not None})
+
+
+def loading(**keys):
+    return {"loading": BASE["loading"] | keys}
+
+
+def active(scene):
+    return {effect.name for effect in effects_of(scene) if effect.active}
+
+
+def reason(scene, name):
+    return next(effect.reason for effect in effects_of(scene) if effect.name == name)
+
+
+def test_every_effect_is_listed_once_with_a_reason():
+    listed = effects_of(parse_scene(BASE))
+    assert tuple(effect.name for effect in listed) == EFFECTS
+    assert all(effect.reason for effect in listed)
+
+
+@pytest.mark.parametrize(
+    ("tables", "names"),
+    [
+        pytest.param({}, {"half_space", "adhesion"}, id="bare"),
+        pytest.param({"adhesion": None}, {"half_space"}, id="no adhesion"),
+        pytest.param({"layer": {"thickness": 1e-3}}, {"layer", "adhesion"}, id="layer"),
+        pytest.param({"layer": {"thickness": 1.0}}, {"half_space", "adhesion"}, id="thick layer"),
+        pytest.param(
+            {"adhesion": {"work_of_adhesion": 1.0, "slope_term": True}},
+            {"half_space", "adhesion", "slope_term"},
+            id="slope",
+        ),
+        pytest.param(loading(targets=[6e-5, 3e-5, 4e-5]), {"half_space", "adhesion", "unloading"}, id="back"),
+        pytest.param(
+            loading(targets=[3e-5], initial="complete_contact"), {"half_space", "adhesion", "unloading"}, id="from full"
+        ),
+        pytest.param(loading(control="penetration"), {"half_space", "adhesion", "unloading"}, id="penetration falls"),
+        pytest.param(
+            loading(control="mean_pressure", targets=[1e3, 2e3]), {"half_space", "adhesion", "load_control"}, id="load"
+        ),
+        pytest.param({"output": {"shapes": [3e-5]}}, {"half_space", "adhesion", "shapes"}, id="shapes"),
+        pytest.param(
+            {"output": {"spectra": True, "pressure_distribution": [3e-5], "width_distributions": True}},
+            {"half_space", "adhesion", "spectra", "pressure_distribution", "width_distributions"},
+            id="observables",
+        ),
+    ],
+)
+def test_effects_a_scene_calls_for(tables, names):
+    assert active(scene_with(**tables)) == names
+
+
+@pytest.mark.parametrize("poisson_ratio", [-0.9, 0.0, 0.3, 0.5])
+@pytest.mark.parametrize("x", [0.05, 0.5, 2.0])
+def test_layer_effect_is_the_missing_part_of_the_compliance_ratio(x, poisson_ratio):
+    nu = poisson_ratio
+    ratio = ((3 - 4 * nu) * math.sinh(2 * x) - 2 * x) / (
+        (3 - 4 * nu) * math.cosh(2 * x) + 2 * x**2 + 5 - 12 * nu + 8 * nu**2
+    )
+    # the plain formula cancels: measured difference 2e-16
+    assert layer_effect(x / (2 * np.pi), 1.0, nu) == pytest.approx(1 - ratio, abs=5e-16)
+
+
+def test_layer_effect_of_a_very_thick_layer_is_zero_not_an_overflow():
+    assert layer_effect(1e6, 1.0, 0.3) == 0.0
+
+
+def test_thick_layer_left_out_is_explained():
+    assert "left out" in reason(scene_with(layer={"thickness": 1.0}), "layer")
+
+
+def test_default_cut_of_a_scan_is_noted(tmp_path):
+    x = np.arange(16.0)
+    np.savetxt(tmp_path / "scan.txt", np.column_stack([x, np.cos(x)]))
+    data = BASE | {"profile": {"kind": "samples", "file": "scan.txt"}}
+    assert "profile.harmonics = 7 by default for 16 samples" in reason(parse_scene(data, tmp_path), "half_space")
+
+
+def test_effects_left_out_cost_nothing():
+    assert all(effect.seconds == 0 for effect in effects_of(scene_with(adhesion=None)) if not effect.active)
+
+
+def test_predicted_cost_grows_with_harmonics():
+    small = scene_with(profile=BASE["profile"] | {"harmonics": 250})
+    assert predicted_seconds(small) < 0.2 * predicted_seconds(parse_scene(BASE))
+
+
+def test_predicted_cost_of_the_way_back_is_told_apart():
+    back = effects_of(scene_with(**loading(targets=[6e-5, 3e-5, 6e-5])))
+    assert next(effect.seconds for effect in back if effect.name == "unloading") > 1
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_effect_that_is_not_built_is_refused_by_name(name, monkeypatch):
+    monkeypatch.setattr(effects, "AVAILABLE", frozenset(EFFECTS) - {name})
+    monkeypatch.setattr(effects, "NOT_YET", frozenset())
+    outputs = {"shapes": [2e3], "spectra": True, "pressure_distribution": True, "width_distributions": True}
+    scene = scene_with(
+        layer=None if name == "half_space" else {"thickness": 1e-3},
+        adhesion={"work_of_adhesion": 1.0, "slope_term": True},
+        loading={"control": "mean_pressure", "targets": [2e3, 1e3]},
+        output=outputs,
+    )
+    with pytest.raises(SceneError, match=f"effect {name} is not available yet"):
+        refuse_unavailable(scene)
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({"adhesion": None}, "contact without adhesion"),
+        (loading(initial="complete_contact"), "start from complete contact"),
+    ],
+)
+def test_request_that_is_not_built_is_refused_by_name(tables, said, monkeypatch):
+    monkeypatch.setattr(effects, "NOT_YET", frozenset({said}))
+    with pytest.raises(SceneError, match=f"{said} is not available yet"):
+        refuse_unavailable(scene_with(**tables))
+
+
+def test_scene_within_what_is_built_passes():
+    assert refuse_unavailable(parse_scene(BASE)) is None
