@@ -48,6 +48,10 @@ class KernelCorrection(Protocol):
         """Sum over the sources of value times charge, at x, (n,)."""
         ...
 
+    def coupled_modes(self, width: FloatArray, tolerance: float) -> FloatArray:
+        """Chebyshev modes of patches of these widths that feel it to `tolerance`, (L,)."""
+        ...
+
 
 @dataclass(frozen=True, eq=False)
 class Elastic:
@@ -59,15 +63,12 @@ class Elastic:
         Dimensionless (period 2 pi, unit rms height).
     corrections : tuple of KernelCorrection
         Smooth additions to log|2 sin|; a half-space has none.
-    decay_length : float
-        Shortest length over which the corrections vary; infinity without any.
     backgrounds : tuple of callables
         Smooth fields int log|2 sin| sigma dx' of pressure outside these patches, (n,) positions to (n,) values.
     """
 
     profile: Profile
     corrections: tuple[KernelCorrection, ...] = ()
-    decay_length: float = np.inf
     backgrounds: tuple[Field, ...] = ()
 
 
@@ -145,10 +146,18 @@ class Evaluation:
 def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
     """Nodes and modes per patch for a relative tolerance of the coupling."""
     width = patches.width
-    clearance = np.minimum(np.minimum(patches.gap_before, patches.gap_after), elastic.decay_length)
-    modes = chebyshev.rounded_up(chebyshev.coupling_modes(width, clearance, tolerance))
+    wanted_modes = chebyshev.coupling_modes(width, np.minimum(patches.gap_before, patches.gap_after), tolerance)
+    for correction in elastic.corrections:
+        wanted_modes = np.maximum(wanted_modes, correction.coupled_modes(width, tolerance))
+    modes = chebyshev.rounded_up(wanted_modes)
     wanted = np.maximum(chebyshev.profile_nodes(width, elastic.profile.max_order), modes + 4)
     return Resolution(chebyshev.rounded_up(wanted), modes)
+
+
+def finer(resolution: Resolution) -> Resolution:
+    """A third more nodes and half as many modes again: an independent size for error estimates."""
+    modes = chebyshev.rounded_up(np.asarray(1.5 * resolution.modes, dtype=np.float64))
+    return Resolution(chebyshev.rounded_up(np.asarray(np.maximum(1.33 * resolution.nodes, modes) + 8.0)), modes)
 
 
 def evaluate(

@@ -25,6 +25,7 @@ FloatArray = NDArray[np.float64]
 class PenetrationControl:
     """Delta is prescribed."""
 
+    penetration_weight: float = 1.0
     load_weight: float = 0.0
 
     def reach(self, state: Evaluation, target: float) -> Evaluation:

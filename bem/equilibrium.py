@@ -11,14 +11,13 @@ section 3, for the functional; Conn, Gould, Toint, Trust-Region Methods (2000), 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
-from bem.adhesion import UniformLaw
 from bem.collocation import Elastic, Evaluation, IllConditionedSystemError, Resolution, evaluate, resolve
 from bem.control import Control
 from bem.patches import Patches
@@ -35,12 +34,28 @@ CLOSED_GAP = 1e-7  # of the period
 VANISHED_WIDTH = 0.02  # of the half width at which a lone JKR contact pulls off
 
 
+class InterfaceLaw(Protocol):
+    """Work of adhesion along the interface, dimensionless (adhesion.py)."""
+
+    def work_of_adhesion(self, x: FloatArray) -> FloatArray:
+        """w at the positions x, same shape."""
+        ...
+
+    def work_gradient(self, x: FloatArray) -> FloatArray:
+        """dw/dx at the positions x, same shape."""
+        ...
+
+    def energy(self, patches: Patches) -> float:
+        """-int w dx over the patches."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class System:
     """What an equilibrium depends on besides edges and target."""
 
     elastic: Elastic
-    law: UniformLaw
+    law: InterfaceLaw
     control: Control
 
 
@@ -86,6 +101,18 @@ class Balance:
     def opening(self) -> bool:
         """Whether K > 0 at every edge."""
         return bool(np.all(self.state.stress_intensity > 0))
+
+    @property
+    def stable_at_fixed_load(self) -> bool:
+        """Whether the Hessian bordered with Delta, of U - load Delta, is positive definite."""
+        soft = self.fixed_penetration_hessian - np.outer(self.load_gradient, self.load_gradient) / self.state.load_rate
+        return bool(eigh(self._scaled(soft), eigvals_only=True, subset_by_index=[0, 0])[0] > 0)
+
+    @property
+    def stiffness(self) -> float:
+        """d(load)/dDelta along the branch, the edges following."""
+        response = np.linalg.solve(self.fixed_penetration_hessian, self.load_gradient)
+        return float(self.state.load_rate - self.load_gradient @ response)
 
     @property
     def smallest_eigenvalue(self) -> float:
@@ -416,8 +443,3 @@ def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
     rms_curvature = float(np.sqrt(np.sum((profile.orders**2 * profile.amplitudes) ** 2) / 2))
     curvature = np.maximum(-profile.curvature(x), rms_curvature)
     return np.asarray(np.cbrt(system.law.work_of_adhesion(x) / (np.pi * curvature**2)))
-
-
-def with_elastic(system: System, elastic: Elastic) -> System:
-    """The same law and control on another elastic problem."""
-    return replace(system, elastic=elastic)

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct, edge_positions
+from bem.collocation import Evaluation, finer
+from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct
 from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.patches import Patches
@@ -84,14 +85,60 @@ class PathEvent:
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A state on the path: an equilibrium, or none where the surfaces are apart or fully joined."""
+    """A state on the path: an equilibrium, or none where the surfaces are apart or fully joined.
+
+    Attributes
+    ----------
+    value : float
+        Of the control.
+    balance : Balance or None
+        Forces on the edges, where there are any.
+    events : tuple of PathEvent
+        What happened on the way here.
+    rate, curvature : (2 L,) arrays or None
+        First derivative and half the second derivative of the outward motion of the edges by tau.
+    """
 
     status: PathStatus
     value: float
     balance: Balance | None = None
     events: tuple[PathEvent, ...] = ()
-    rate: FloatArray | None = None  # d(edges outward)/dtau
-    curvature: FloatArray | None = None  # half of its derivative
+    rate: FloatArray | None = None
+    curvature: FloatArray | None = None
+
+    @property
+    def state(self) -> Evaluation | None:
+        """The evaluation behind the balance."""
+        return None if self.balance is None else self.balance.state
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """What is reported of an equilibrium besides its edges, dimensionless.
+
+    Attributes
+    ----------
+    work : (2 L,) array or None
+        w at the edges; None without adhesion.
+    adhesion_energy : float
+        Per period.
+    min_eigenvalue, hessian_asymmetry : float or None
+        None without adhesion.
+    stiffness : float
+        d(load)/dDelta along the branch.
+    stable_at_fixed_load : bool
+    length_error, load_error : float
+        Estimated errors of the contact length and of the load.
+    """
+
+    work: FloatArray | None
+    adhesion_energy: float
+    min_eigenvalue: float | None
+    hessian_asymmetry: float | None
+    stiffness: float
+    stable_at_fixed_load: bool
+    length_error: float
+    load_error: float
 
 
 @dataclass
@@ -170,9 +217,55 @@ class Path:
             point = Point("converged", point.value, fine.balance, (), point.rate, point.curvature)
         return self._resolve(point, point.value, fine.balance is None, fine=True)
 
+    def polished_at(self, point: Point, value: float) -> Point | None:
+        """The point at another control value on the same branch, at the accuracy of a target, if Newton gets there."""
+        assert point.balance is not None
+        inc, here = self.increments, point.balance.state
+        predicted = here.patches.moved(self._predicted(point, value))
+        if not predicted.is_ordered:
+            return None
+        fine = correct(self.system, predicted, here.penetration, value, inc.fine_tolerance, inc.fine_closure)
+        self.effort.evaluations += fine.evaluations
+        if fine.balance is None:
+            return None
+        return Point("converged", value, fine.balance, (), self.tangent(fine.balance))
+
+    def _predicted(self, point: Point, value: float) -> FloatArray:
+        """Outward motion of the edges from a point to another control value, to second order."""
+        assert point.rate is not None
+        change = value - point.value
+        outward = change * point.rate
+        return outward if point.curvature is None else outward + change**2 * point.curvature
+
+    def assess(self, point: Point) -> Assessment:
+        """Stability, stiffness and estimated errors, from one finer evaluation at the same edges."""
+        assert point.balance is not None
+        here = point.balance
+        state = here.state
+        fine = balance(
+            self.system,
+            state.patches,
+            state.penetration,
+            point.value,
+            1e-2 * self.increments.fine_tolerance,
+            finer(state.resolution),
+        )
+        self.effort.evaluations += 1
+        step = -np.linalg.solve(fine.hessian, fine.gradient)
+        return Assessment(
+            work=here.work,
+            adhesion_energy=here.energy - state.elastic_energy,
+            min_eigenvalue=here.smallest_eigenvalue,
+            hessian_asymmetry=here.hessian_asymmetry,
+            stiffness=here.stiffness,
+            stable_at_fixed_load=here.stable_at_fixed_load,
+            length_error=float(np.abs(np.sum(step))),
+            load_error=abs(fine.state.load - state.load) + abs(float(fine.load_gradient @ step)),
+        )
+
     def _advance_without_edges(self, point: Point, goal: float) -> Point:
         """From separated surfaces to first touch (at value 0), or on to the goal."""
-        if point.status != "separated" or goal <= 0:
+        if point.status != "separated" or goal < 0:
             return Point(point.status, goal)
         inc = self.increments
         touch = max(point.value, 0.0)
@@ -190,10 +283,7 @@ class Path:
         assert point.balance is not None and point.rate is not None
         inc, here = self.increments, point.balance.state
         change = value - point.value
-        outward = change * point.rate
-        if point.curvature is not None:
-            outward = outward + change**2 * point.curvature
-        predicted = here.patches.moved(outward)
+        predicted = here.patches.moved(self._predicted(point, value))
         if not predicted.is_ordered:
             return None, None
         corrected = correct(self.system, predicted, here.penetration, value, inc.tolerance, inc.closure)
@@ -201,7 +291,7 @@ class Path:
         if corrected.balance is None:
             return None, None
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
-        rate = self._tangent(corrected.balance)
+        rate = self.tangent(corrected.balance)
         ahead = Point("converged", value, corrected.balance, (), rate, (rate - point.rate) / (2 * change))
         found = interpenetration(self.system, corrected.balance.state, inc.allowed)
         return ahead, (found if found.position.size else None)
@@ -255,9 +345,9 @@ class Path:
         assert settled.balance is not None
         state = settled.balance.state
         events = _events(changes, value, state.penetration, state.load, released)
-        return Point(settled.status, value, settled.balance, events, self._tangent(settled.balance))
+        return Point(settled.status, value, settled.balance, events, self.tangent(settled.balance))
 
-    def _tangent(self, here: Balance) -> FloatArray:
+    def tangent(self, here: Balance) -> FloatArray:
         """d(outward motion of the edges) / dtau along the branch, (2 L,)."""
         room = here.state.patches.edge_room
         hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
@@ -288,23 +378,7 @@ def restart(path: Path, patches: Patches, penetration: float, value: float) -> P
     path.effort.evaluations += found.evaluations
     if found.balance is None:
         return Point("not_converged", value)
-    return Point("converged", value, found.balance, (), path._tangent(found.balance))
-
-
-def reevaluated(path: Path, point: Point, tolerance: float) -> Balance:
-    """The forces at the same edges with another resolution, for error estimates."""
-    assert point.balance is not None
-    state = point.balance.state
-    path.effort.evaluations += 1
-    return balance(path.system, state.patches, state.penetration, point.value, tolerance)
-
-
-def edge_error(refined: Balance) -> tuple[float, float]:
-    """Errors of contact length and load that the forces left by a finer evaluation would still remove."""
-    step = -np.linalg.solve(refined.hessian, refined.gradient)
-    length = float(np.abs(np.sum(step)))
-    load = float(np.abs(refined.load_gradient @ step))
-    return length, load
+    return Point("converged", value, found.balance, (), path.tangent(found.balance))
 
 
 def _events(
@@ -316,8 +390,3 @@ def _events(
         PathEvent(kind, value, penetration, load, position % (2 * np.pi), released if i == 0 else 0.0)
         for i, (kind, position) in enumerate(named)
     )
-
-
-def largest_travel(first: Patches, second: Patches) -> float:
-    """Largest motion of an edge between two states with equal patches, in units of its room."""
-    return float(np.max(np.abs(edge_positions(second) - edge_positions(first)) / first.edge_room))

@@ -1,0 +1,55 @@
+"""Complete contact: the closed form, for any profile, thickness and Poisson ratio.
+
+The displacement is the profile, so every mode carries sigma_m = m h_m / ratio_m (dimensionless; ratio: compliance of
+the layer relative to the half-space) on top of any mean pressure, and the separation is zero.  Without adhesion it
+needs p >= 0 everywhere; under the JKR model it is metastable at any load, because a crack of zero length needs
+infinite tension to open.  Source: physics.md 4 and 6 of the design; Johnson, Int. J. Solids Struct. 32 (1995) 423.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bem.patches import Patches
+from bem.problem import Problem
+from bem.profile import Profile
+
+
+@dataclass(frozen=True, eq=False)
+class CompleteContact:
+    """What complete contact costs and needs, dimensionless.
+
+    Attributes
+    ----------
+    pressure : Profile
+        Zero-mean part of the pressure, as harmonics.
+    least_load : float
+        Load per period below which the pressure is tensile somewhere.
+    elastic_energy, adhesion_energy : float
+        Per period, without the mean compression.
+    """
+
+    pressure: Profile
+    least_load: float
+    elastic_energy: float
+    adhesion_energy: float
+
+
+def complete_contact(problem: Problem) -> CompleteContact:
+    """The closed form for the profile of a problem."""
+    profile = problem.profile
+    ratio = np.ones(profile.orders.size)
+    if problem.compliance_ratio is not None:
+        ratio = problem.compliance_ratio(profile.orders.astype(np.float64))
+    amplitude = profile.orders * profile.amplitudes / ratio
+    pressure = Profile(profile.period, profile.orders, amplitude, profile.phases)
+    lowest = Profile(profile.period, profile.orders, amplitude, profile.phases + np.pi).max_height
+    whole = Patches(np.zeros(1), np.full(1, 2 * np.pi))
+    return CompleteContact(
+        pressure,
+        2 * np.pi * lowest,
+        float(np.pi / 2 * np.sum(amplitude * profile.amplitudes)),
+        0.0 if problem.law is None else problem.law.energy(whole),
+    )

@@ -1,0 +1,130 @@
+"""The path of a contact without adhesion: one solution for each target, no history.
+
+The problem is convex, so the state depends on the target alone; the last solution only serves as a start.  Where
+the iteration does not converge from there, the way is halved, and the halves are counted as rejected increments.
+Dimensionless.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bem.collocation import Elastic, Evaluation, evaluate, finer
+from bem.complete_contact import CompleteContact
+from bem.control import Control
+from bem.nonadhesive import bearing_patches, solve_contact
+from bem.patches import Patches
+from bem.path import Assessment, Effort, Increments, PathEvent, PathStatus
+from bem.sensitivities import stress_intensity_jacobian
+
+HALVINGS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPoint:
+    """A state on the path; no evaluation where the surfaces are apart or fully joined."""
+
+    status: PathStatus
+    value: float
+    state: Evaluation | None = None
+    events: tuple[PathEvent, ...] = ()
+
+
+@dataclass
+class ConvexPath:
+    """Solves the contact problem without adhesion at one target after the other.
+
+    Parameters
+    ----------
+    elastic, control
+        As for `solve_contact`.
+    increments : Increments
+        Only the fine tolerances are used.
+    complete : CompleteContact
+        Closed form of complete contact, where load control ends.
+    crest : float
+        Position of the highest crest.
+    """
+
+    elastic: Elastic
+    control: Control
+    increments: Increments
+    complete: CompleteContact
+    crest: float
+    effort: Effort = field(default_factory=Effort)
+
+    def advance(self, point: ContactPoint, goal: float) -> Iterator[ContactPoint]:
+        """Yield the points on the way to the goal: as a rule just the one at the goal."""
+        value, halvings = goal, 0
+        while point.value != goal:
+            ahead = self._solved(point, value)
+            if ahead.status in ("not_converged", "ill_conditioned"):
+                self.effort.rejected += 1
+                halvings += 1
+                if halvings > HALVINGS:
+                    yield ahead
+                    return
+                value = (max(point.value, 0.0) + value) / 2
+                continue
+            self.effort.accepted += 1
+            yield ahead
+            point, value = ahead, goal
+
+    def polish(self, point: ContactPoint) -> ContactPoint:
+        """The point itself: every one is solved to the accuracy of a target."""
+        return point
+
+    def assess(self, point: ContactPoint) -> Assessment:
+        """Stiffness and estimated errors, from one finer evaluation at the same edges."""
+        assert point.state is not None
+        state = point.state
+        at = self.control.guess(state.penetration, point.value)
+        fine = evaluate(self.elastic, state.patches, at, 1e-2 * self.increments.fine_tolerance, finer(state.resolution))
+        fine = self.control.reach(fine, point.value)
+        self.effort.evaluations += 1
+        step = -fine.stress_intensity / np.diagonal(stress_intensity_jacobian(fine))
+        return Assessment(
+            work=None,
+            adhesion_energy=0.0,
+            min_eigenvalue=None,
+            hessian_asymmetry=None,
+            stiffness=state.load_rate,
+            stable_at_fixed_load=True,
+            length_error=float(np.abs(np.sum(step))),
+            load_error=abs(fine.load - state.load),
+        )
+
+    def _solved(self, point: ContactPoint, value: float) -> ContactPoint:
+        """The state at a control value."""
+        if value <= 0:
+            return ContactPoint("separated", value)
+        if value >= self.control.value(self.elastic.profile.max_height, self.complete.least_load):
+            return ContactPoint("complete_contact", value)
+        if point.state is not None:
+            start, penetration = point.state.patches, point.state.penetration
+        else:
+            start = self._start(value)
+            penetration = 1.0
+        inc = self.increments
+        solved = solve_contact(
+            self.elastic, self.control, start, penetration, value, inc.fine_tolerance, inc.fine_closure, inc.allowed
+        )
+        self.effort.evaluations += solved.evaluations
+        if solved.state is None or solved.status != "converged":
+            return ContactPoint(solved.status, value)
+        self.effort.unknowns = max(self.effort.unknowns, solved.state.unknowns)
+        events: tuple[PathEvent, ...] = ()
+        if point.status == "separated":
+            events = (PathEvent("first_touch", 0.0, 0.0, 0.0, self.crest, 0.0),)
+        return ContactPoint("converged", value, solved.state, events)
+
+    def _start(self, value: float) -> Patches:
+        """Patches to start from when there are none: the bearing area at about the right contact fraction."""
+        if self.control.penetration_weight > 0:
+            return bearing_patches(self.elastic, value)
+        profile = self.elastic.profile
+        share = float(np.clip(0.8 * value / (2 * np.pi * profile.rms_slope), 1e-3, 0.9))
+        return bearing_patches(self.elastic, profile.max_height - float(np.quantile(profile.grid[1], 1 - share)))

@@ -1,0 +1,389 @@
+"""A scene solved: follow the path through its targets, certify every state kept, keep what converged.
+
+The order of things is that of the method: the scene is posed in dimensionless form, complete contact is written down,
+the path is followed from target to target (with adhesion event by event, without adhesion target by target), and
+every stored state is polished, assessed by a finer evaluation and certified by an independent one.  Increments
+between targets are stored at most once per largest increment, at the same accuracy as targets.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.complete_contact import CompleteContact, complete_contact
+from bem.convex_path import ContactPoint, ConvexPath
+from bem.crossing import at_load
+from bem.effects import effects_of, refuse_unavailable
+from bem.flat import flat_states
+from bem.observe import fields_of
+from bem.patches import ordered
+from bem.path import Increments, Path, Point, restart
+from bem.problem import Problem, pose
+from bem.profile import Profile
+from bem.result import Event, Progress, Result, State, provenance
+from bem.scene import Scene
+from bem.states import Cost, complete_state, equilibrium_state, event_of, flat_state, separated_state
+
+AnyPoint = Point | ContactPoint
+AnyPath = Path | ConvexPath
+
+INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
+COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
+
+
+@dataclass
+class Record:
+    """What has been found so far."""
+
+    states: list[State] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    shapes: int = 0
+    evaluations: int = 0
+    cpu: float = field(default_factory=time.process_time)
+
+
+def solve(
+    scene: Scene,
+    progress: Callable[[Progress], None] | None = None,
+    on_state: Callable[[State], None] | None = None,
+    resume: Result | None = None,
+) -> Result:
+    """Solve a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    progress : callable, optional
+        Called after every accepted increment.
+    on_state : callable, optional
+        Called with every state kept.
+    resume : Result, optional
+        An interrupted result of the same scene: its states are kept and the path goes on from the last.
+
+    Returns
+    -------
+    Result
+        Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt); states before
+        a failure are kept.
+
+    Raises
+    ------
+    SceneError
+        The scene calls for an effect that is not available.
+    """
+    refuse_unavailable(scene)
+    surface = scene.surface()
+    if surface.is_flat:
+        return _solve_flat(scene, surface)
+    run = _Run(scene, pose(scene, surface), progress, on_state)
+    if resume is not None:
+        run.take_over(resume)
+    status = run.follow()
+    record = run.record
+    return Result(
+        scene=scene.resolved(),
+        effects=effects_of(scene),
+        provenance=provenance(scene.resolved()),
+        states=tuple(record.states),
+        events=tuple(record.events),
+        status=status,
+        fields=record.fields,
+    )
+
+
+class _Run:
+    """One path through the targets of a scene."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        problem: Problem,
+        progress: Callable[[Progress], None] | None,
+        on_state: Callable[[State], None] | None,
+    ) -> None:
+        self.scene, self.problem = scene, problem
+        self.progress, self.on_state = progress, on_state
+        self.complete = complete_contact(problem)
+        self.path = _path_for(scene, problem, self.complete)
+        self.record = Record()
+        kind = scene.loading.control
+        self.goals = [(target, problem.control_value(target, kind)) for target in scene.loading.targets]
+        self.done = 0
+        self.pressures_done = 0
+        self.kept = np.inf
+        self.branch = "loading"
+        self.point: AnyPoint = _separated(scene, min(0.0, self.goals[0][1]))
+
+    def take_over(self, result: Result) -> None:
+        """Keep the states of an interrupted result and stand at the last equilibrium of it."""
+        self.record.states = list(result.states)
+        self.record.events = list(result.events)
+        self.record.fields = dict(result.fields)
+        self.record.shapes = sum(name.startswith("x_") for name in result.fields)
+        for state in result.states:
+            if not state.target:
+                continue
+            if self.done < len(self.goals) and self._is_goal(state):
+                self.done += 1
+            else:
+                self.pressures_done += 1
+        if not result.states:
+            return
+        last = result.states[-1]
+        self.branch = last.branch
+        self.point = self._point_of(last)
+
+    def follow(self) -> str:
+        """Visit the remaining targets; the status of the result."""
+        try:
+            for index in range(self.done, len(self.goals)):
+                status = self._reach(index)
+                if status is not None:
+                    return status
+        except KeyboardInterrupt:
+            return "interrupted"
+        return "converged"
+
+    def _reach(self, index: int) -> str | None:
+        """Follow the path to one target; None to go on, else the status with which the path ends."""
+        target, goal = self.goals[index]
+        if goal != self.point.value:
+            self.branch = "loading" if goal > self.point.value else "unloading"
+        if self._out_of_reach(goal):
+            return "unreachable"
+        for point in self._advance(goal):
+            before, self.point = self.point, point
+            self.record.events += [event_of(self.problem, event) for event in point.events]
+            self._report(index)
+            if point.status in ("not_converged", "ill_conditioned"):
+                return "not_converged"
+            if self._pressure_reached(before, point):
+                return "converged"
+            if self._lost_under_load(point, goal):
+                self._keep(point, target=True, status="unreachable")
+                return "unreachable"
+            if point.value != goal and abs(point.value - self.kept) >= self._largest_increment():
+                self._keep(point, target=False)
+        polished = self._polished(self.point)
+        if polished.status in ("not_converged", "ill_conditioned"):
+            return "not_converged"
+        self.point = polished
+        self._keep(polished, target=True)
+        self._store_fields(polished, target)
+        return None
+
+    def _advance(self, goal: float) -> Iterator[AnyPoint]:
+        """Points on the way to a goal; the goal itself when the path already stands there."""
+        if isinstance(self.path, Path):
+            assert isinstance(self.point, Point)
+            return self.path.advance(self.point, goal)
+        assert isinstance(self.point, ContactPoint)
+        return self.path.advance(self.point, goal)
+
+    def _polished(self, point: AnyPoint) -> AnyPoint:
+        if isinstance(self.path, Path):
+            assert isinstance(point, Point)
+            polished = self.path.polish(point)
+            self.record.events += [event_of(self.problem, event) for event in polished.events]
+            return polished
+        return point
+
+    def _keep(self, point: AnyPoint, target: bool, status: str | None = None) -> None:
+        """Store a point as a state: polished, assessed and certified where it has edges."""
+        point = point if target else self._polished(point)
+        state = self._described(point, target, status)
+        self.kept = point.value
+        self.record.states.append(state)
+        if self.on_state is not None:
+            self.on_state(state)
+
+    def _described(self, point: AnyPoint, target: bool, status: str | None) -> State:
+        load_controlled = self.scene.loading.control == "mean_pressure"
+        if point.status == "complete_contact":
+            load = point.value if load_controlled else np.nan
+            return complete_state(self.problem, self.complete, load, self.branch, target, self._cost(0))
+        evaluation = point.state
+        if evaluation is None:
+            penetration = 0.0 if load_controlled else min(point.value, 0.0)
+            return separated_state(self.problem, penetration, self.branch, target, status or "separated", self._cost(0))
+        if isinstance(self.path, Path):
+            assert isinstance(point, Point)
+            assessment = self.path.assess(point)
+        else:
+            assert isinstance(point, ContactPoint)
+            assessment = self.path.assess(point)
+        return equilibrium_state(
+            self.problem,
+            evaluation,
+            assessment,
+            self.scene.accuracy.tolerance,
+            self.branch,
+            target,
+            self._cost(evaluation.unknowns),
+        )
+
+    def _cost(self, unknowns: int) -> Cost:
+        """Evaluations and CPU seconds since the last state."""
+        evaluations, cpu = self.path.effort.evaluations, time.process_time()
+        cost = Cost(unknowns, evaluations - self.record.evaluations, cpu - self.record.cpu)
+        self.record.evaluations, self.record.cpu = evaluations, cpu
+        return cost
+
+    def _pressure_reached(self, before: AnyPoint, after: AnyPoint) -> bool:
+        """Store the states where asked mean pressures are crossed; True when the path is to stop there."""
+        loading = self.scene.loading
+        stop = loading.stop_at_mean_pressure
+        if not loading.at_mean_pressures and stop is None:
+            return False
+        if before.state is None or after.state is None:
+            return False
+        wanted = list(loading.at_mean_pressures[self.pressures_done :])
+        low, high = sorted((before.state.load, after.state.load))
+        crossed = [p for p in (*wanted, *([] if stop is None else [stop])) if low < self.problem.load_of(p) <= high]
+        for pressure in sorted(set(crossed), reverse=after.state.load < before.state.load):
+            found = at_load(self.path, before, after, self.problem.load_of(pressure))
+            if found is None:
+                continue
+            self._keep(found, target=True)
+            self._store_fields(found, self._target_of(found))
+            if pressure in wanted:
+                self.pressures_done += 1
+            if pressure == stop:
+                self.point = found
+                return True
+        return False
+
+    def _target_of(self, point: AnyPoint) -> float:
+        """The controlled quantity of a point, SI."""
+        if self.scene.loading.control == "mean_pressure":
+            return self.problem.mean_pressure(point.value)
+        if self.scene.loading.control == "separation":
+            return self.problem.surface.max_height - point.value * self.problem.scales.height
+        return point.value * self.problem.scales.height
+
+    def _store_fields(self, point: AnyPoint, target: float) -> None:
+        """Fields asked for at this target."""
+        stored = fields_of(self.scene, self.problem, point.state, target, self.record.shapes)
+        if stored:
+            self.record.fields.update(stored)
+            self.record.shapes += 1
+
+    def _report(self, index: int) -> None:
+        if self.progress is None:
+            return
+        state, effort = self.point.state, self.path.effort
+        joined = self.point.status == "complete_contact"
+        self.progress(
+            Progress(
+                mean_pressure=0.0 if state is None else self.problem.mean_pressure(state.load),
+                contact_fraction=float(joined) if state is None else state.patches.contact_fraction,
+                n_patches=0 if state is None else state.patches.count,
+                increments_accepted=effort.accepted,
+                increments_rejected=effort.rejected,
+                evaluations=effort.evaluations,
+                target_index=index,
+                n_targets=len(self.goals),
+            )
+        )
+
+    def _largest_increment(self) -> float:
+        return self.path.increments.largest
+
+    def _out_of_reach(self, goal: float) -> bool:
+        """A tension before first touch, or a penetration beyond complete contact."""
+        if self.scene.loading.control == "mean_pressure":
+            return goal < 0 and self.point.status == "separated"
+        return self.scene.loading.control != "total_displacement" and goal > self.problem.profile.max_height * (
+            1 + 1e-12
+        )
+
+    def _lost_under_load(self, point: AnyPoint, goal: float) -> bool:
+        """Whether load control pulled off: no state carries the tension asked for."""
+        return self.scene.loading.control == "mean_pressure" and point.status == "separated" and goal < 0
+
+    def _is_goal(self, state: State) -> bool:
+        """Whether a stored target state is the next target of the path, not a pressure on the way."""
+        target = self.goals[self.done][0]
+        value = {
+            "separation": state.separation,
+            "penetration": state.penetration,
+            "mean_pressure": state.mean_pressure,
+            "total_displacement": state.total_displacement,
+        }[self.scene.loading.control]
+        scale = max(abs(target), self.problem.scales.height * 1e-3)
+        return value is not None and abs(value - target) <= 1e-9 * scale
+
+    def _point_of(self, state: State) -> AnyPoint:
+        """The point of the path at a stored state."""
+        scales = self.problem.scales
+        penetration = state.penetration / scales.height
+        load = self.problem.load_of(state.mean_pressure)
+        value = self.problem.control.value(penetration, load)
+        if not state.edges:
+            value = load if self.scene.loading.control == "mean_pressure" else penetration
+            return _bare_point(self.scene, state.status, value)
+        edges = np.array(state.edges) / scales.length
+        patches = ordered(edges[:, 0], edges[:, 1])
+        if isinstance(self.path, Path):
+            return restart(self.path, patches, penetration, value)
+        solved = ContactPoint("separated", value)
+        return next(iter(self.path.advance(solved, value)), solved)
+
+
+def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyPath:
+    """The path that the effects of the scene call for."""
+    positions, heights = problem.profile.crests
+    crest = float(positions[int(np.argmax(heights))])
+    increments = _increments(scene, problem)
+    if problem.law is None:
+        return ConvexPath(problem.elastic, problem.control, increments, complete, crest)
+    equilibrium = import_module("bem.equilibrium")
+    system = equilibrium.System(problem.elastic, problem.law, problem.control)
+    return Path(system, increments, crest)
+
+
+def _increments(scene: Scene, problem: Problem) -> Increments:
+    """Increments and accuracies of a scene, in the units of its control."""
+    unit = 1.0
+    if scene.loading.control == "mean_pressure":
+        unit = problem.load_of(1e-2 * problem.surface.rms_slope * problem.scales.plane_strain_modulus)
+    largest = scene.accuracy.max_increment * unit
+    tolerance = scene.accuracy.tolerance
+    fine = min(1e-8, 1e-2 * tolerance)
+    return Increments(
+        largest=largest,
+        smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit),
+        fine_tolerance=max(fine, 1e-14),
+        fine_closure=max(1e-1 * fine, 1e-12),
+        allowed=0.5 * max(1e-10, 1e-3 * tolerance),
+    )
+
+
+def _separated(scene: Scene, value: float) -> AnyPoint:
+    return _bare_point(scene, "separated", value - 1.0)
+
+
+def _bare_point(scene: Scene, status: Any, value: float) -> AnyPoint:
+    """A point without edges."""
+    return ContactPoint(status, value) if scene.adhesion is None else Point(status, value)
+
+
+def _solve_flat(scene: Scene, surface: Profile) -> Result:
+    """Two flat surfaces: exact answers."""
+    work = 0.0 if scene.adhesion is None else scene.adhesion.work_of_adhesion
+    states: list[State] = []
+    last = -np.inf
+    for flat in flat_states(scene):
+        states.append(flat_state(flat, -work, "loading" if flat.penetration >= last else "unloading"))
+        last = flat.penetration
+    status = "unreachable" if states[-1].status == "unreachable" else "converged"
+    resolved = scene.resolved()
+    return Result(resolved, effects_of(scene), provenance(resolved), tuple(states), (), status)

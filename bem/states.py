@@ -1,0 +1,220 @@
+"""Points of a path as the states of a result: SI units, energies, stability, error estimate and certificate."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem import certificate
+from bem.collocation import Evaluation
+from bem.complete_contact import CompleteContact
+from bem.flat import FlatState
+from bem.path import Assessment, PathEvent
+from bem.problem import Problem
+from bem.result import Certificate, ErrorEstimate, Event, State
+
+FloatArray = NDArray[np.float64]
+
+SAFETY = 3.0  # error estimates are this multiple of what a finer evaluation still changes
+ROUNDING = 1e-13  # relative floor of error estimates
+CLOSURE = 1e-8
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a state took: unknowns of its system, evaluations and CPU seconds since the last one."""
+
+    unknowns: int
+    evaluations: int
+    cpu_seconds: float
+
+
+def equilibrium_state(
+    problem: Problem,
+    state: Evaluation,
+    assessment: Assessment,
+    tolerance: float,
+    branch: str,
+    target: bool,
+    cost: Cost,
+) -> State:
+    """A state with contact patches and gaps, checked by its certificate.
+
+    Parameters
+    ----------
+    problem, state, assessment
+        What was solved.
+    tolerance : float
+        accuracy.tolerance of the scene.
+    branch : {"loading", "unloading"}
+    target : bool
+        Whether the scene asks for it.
+    cost : Cost
+    """
+    scales = problem.scales
+    pressure = state.pressure()
+    demands = certificate.Demands(closure=CLOSURE, interpenetration=max(1e-10, 1e-3 * tolerance))
+    judged = certificate.certify(
+        problem.profile,
+        pressure,
+        state.penetration,
+        assessment.work,
+        min_eigenvalue=assessment.min_eigenvalue,
+        hessian_asymmetry=assessment.hessian_asymmetry,
+        compliance_ratio=problem.compliance_ratio,
+        demands=demands,
+    )
+    patches = state.patches.canonical()
+    mean_pressure = problem.mean_pressure(state.load)
+    penetration = state.penetration * scales.height
+    floor = abs(mean_pressure) + 1e-3 * scales.stress
+    return State(
+        branch=branch,
+        penetration=penetration,
+        separation=problem.surface.max_height - penetration,
+        total_displacement=_total_displacement(problem, penetration, mean_pressure),
+        mean_pressure=mean_pressure,
+        contact_fraction=patches.contact_fraction,
+        n_patches=patches.count,
+        edges=tuple(
+            (float(a), float(b))
+            for a, b in zip(patches.left * scales.length, patches.right * scales.length, strict=True)
+        ),
+        elastic_energy=state.elastic_energy * scales.energy_per_area,
+        adhesion_energy=assessment.adhesion_energy * scales.energy_per_area,
+        total_energy=(state.elastic_energy + assessment.adhesion_energy) * scales.energy_per_area,
+        stress_intensity_max=float(np.max(state.stress_intensity)) * scales.stress_intensity,
+        contact_stiffness=assessment.stiffness / (2 * np.pi) * scales.stiffness,
+        stable_at_fixed_load=assessment.stable_at_fixed_load,
+        error_estimate=ErrorEstimate(
+            mean_pressure=SAFETY * problem.mean_pressure(assessment.load_error) + ROUNDING * floor,
+            contact_fraction=SAFETY * assessment.length_error / (2 * np.pi) + ROUNDING,
+        ),
+        certificate=Certificate(
+            closure=judged.closure,
+            min_gap=judged.min_gap * scales.height,
+            min_eigenvalue=judged.min_eigenvalue,
+            truncation=judged.truncation,
+            hessian_asymmetry=judged.hessian_asymmetry,
+            ok=judged.ok,
+        ),
+        unknowns=cost.unknowns,
+        evaluations=cost.evaluations,
+        cpu_seconds=cost.cpu_seconds,
+        status="converged",
+        target=target,
+    )
+
+
+def separated_state(problem: Problem, penetration: float, branch: str, target: bool, status: str, cost: Cost) -> State:
+    """Surfaces apart, `penetration` <= 0 in units of the rms height."""
+    depth = penetration * problem.scales.height
+    return _bare_state(
+        penetration=depth,
+        separation=problem.surface.max_height - depth,
+        total_displacement=_total_displacement(problem, depth, 0.0),
+        mean_pressure=0.0,
+        contact_fraction=0.0,
+        energies=(0.0, 0.0),
+        branch=branch,
+        target=target,
+        status=status,
+        cost=cost,
+    )
+
+
+def complete_state(
+    problem: Problem, complete: CompleteContact, load: float, branch: str, target: bool, cost: Cost
+) -> State:
+    """Complete contact under a dimensionless load (nan where penetration control leaves it open)."""
+    scales = problem.scales
+    mean_pressure = problem.mean_pressure(load)
+    return _bare_state(
+        penetration=problem.surface.max_height,
+        separation=0.0,
+        total_displacement=_total_displacement(problem, problem.surface.max_height, mean_pressure),
+        mean_pressure=mean_pressure,
+        contact_fraction=1.0,
+        energies=(complete.elastic_energy * scales.energy_per_area, complete.adhesion_energy * scales.energy_per_area),
+        branch=branch,
+        target=target,
+        status="complete_contact",
+        cost=cost,
+    )
+
+
+def flat_state(flat: FlatState, adhesion_energy: float, branch: str) -> State:
+    """A state of two flat surfaces."""
+    joined = flat.status == "complete_contact"
+    return _bare_state(
+        penetration=flat.penetration,
+        separation=-flat.penetration,
+        total_displacement=flat.total_displacement,
+        mean_pressure=flat.mean_pressure,
+        contact_fraction=1.0 if joined else 0.0,
+        energies=(0.0, adhesion_energy if joined else 0.0),
+        branch=branch,
+        target=True,
+        status=flat.status,
+        cost=Cost(0, 0, 0.0),
+    )
+
+
+def event_of(problem: Problem, event: PathEvent) -> Event:
+    """An event of the path in SI units."""
+    scales = problem.scales
+    return Event(
+        kind=event.kind,
+        penetration=event.penetration * scales.height,
+        mean_pressure=problem.mean_pressure(event.load),
+        position=event.position * scales.length if math.isfinite(event.position) else None,
+        energy_released=event.energy_released * scales.energy_per_area,
+    )
+
+
+def _bare_state(
+    penetration: float,
+    separation: float,
+    total_displacement: float | None,
+    mean_pressure: float,
+    contact_fraction: float,
+    energies: tuple[float, float],
+    branch: str,
+    target: bool,
+    status: str,
+    cost: Cost,
+) -> State:
+    """A state without edges: exact, so that only rounding limits it."""
+    return State(
+        branch=branch,
+        penetration=penetration,
+        separation=separation,
+        total_displacement=total_displacement,
+        mean_pressure=mean_pressure,
+        contact_fraction=contact_fraction,
+        n_patches=0,
+        edges=(),
+        elastic_energy=energies[0],
+        adhesion_energy=energies[1],
+        total_energy=sum(energies),
+        stress_intensity_max=None,
+        contact_stiffness=None,
+        stable_at_fixed_load=None,
+        error_estimate=ErrorEstimate(mean_pressure=0.0, contact_fraction=0.0),
+        certificate=Certificate(None, None, None, None, None, ok=status != "unreachable"),
+        unknowns=cost.unknowns,
+        evaluations=cost.evaluations,
+        cpu_seconds=cost.cpu_seconds,
+        status=status,
+        target=target,
+    )
+
+
+def _total_displacement(problem: Problem, penetration: float, mean_pressure: float) -> float | None:
+    """Delta + c(0) sigma_0 of a layer, m; None for a half-space."""
+    if problem.mean_compliance is None:
+        return None
+    return penetration + problem.mean_compliance * mean_pressure
