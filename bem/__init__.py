@@ -1,1 +1,37 @@
-"""Free-boundary boundary element solver for adhesive line contact."""
+"""Free-boundary boundary element solver for adhesive line contact.
+
+`load_scene`, `solve`, `Profile`, `Solid`, `ContactState`, `Layer` and `Adhesion` are imported on first use, so that a
+scene without an effect never imports the module of that effect.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bem.adhesion import Adhesion as Adhesion
+    from bem.contact_state import ContactState as ContactState
+    from bem.layer import Layer as Layer
+    from bem.profile import Profile as Profile
+    from bem.scaling import Solid as Solid
+    from bem.scene import load_scene as load_scene
+    from bem.solver import solve as solve
+
+_HOME = {
+    "Adhesion": "bem.adhesion",
+    "ContactState": "bem.contact_state",
+    "Layer": "bem.layer",
+    "Profile": "bem.profile",
+    "Solid": "bem.scaling",
+    "load_scene": "bem.scene",
+    "solve": "bem.solver",
+}
+
+__all__ = ["Adhesion", "ContactState", "Layer", "Profile", "Solid", "load_scene", "solve"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(import_module(_HOME[name]), name)
+    raise AttributeError(f"module 'bem' has no attribute {name!r}")
