@@ -3,13 +3,8 @@
 An effect that is not active is a code path never entered.  What the solver cannot do yet is refused by name before
 anything runs (`refuse_unavailable`), never ignored.
 
-The half-space is a layer with compliance ratio 1.  For the frictionless, bonded layer (G. Carbone,
-L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684) with x = q d
-
-    ratio = [(3 - 4 nu) sinh 2x - 2x] / [(3 - 4 nu) cosh 2x + 2 x^2 + 5 - 12 nu + 8 nu^2],
-
-which tends to 1 exponentially; a layer that changes it at the longest wavelength by less than a tenth of
-accuracy.tolerance is left out.
+A layer that changes the compliance of no mode by more than a tenth of accuracy.tolerance is left out; layer.py, which
+knows the compliance, is imported only when the scene has a [layer].
 
 Predicted costs are power laws in the highest harmonic M, measured on one core on the self-affine profile with H = 0.7
 and 1000 harmonics: seconds = constant (M / 1000)^exponent for each sweep in one direction, each target, each output.
@@ -18,10 +13,11 @@ They are meant to tell seconds from hours, within a factor of 3.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
+from importlib import import_module
 
 from bem.result import Effect
+from bem.scaling import Solid
 from bem.scene import Scene, StoredStart
 from bem.scene_rules import Mistake, SceneError
 from bem.targets import unloads
@@ -38,30 +34,6 @@ ADHESIVE_SWEEP = 12.0, 1.4  # the same with adhesion
 LAYER_SHARE = 0.5  # of the sweeps, in addition
 TARGET = 0.3, 1.2  # one target: polish, certificate, error estimate
 OUTPUT = 0.1, 1.0  # fields, spectra or a distribution at one target
-
-
-def layer_effect(thickness: float, period: float, poisson_ratio: float) -> float:
-    """1 - compliance ratio of a layer at the longest wavelength, dimensionless.
-
-    Parameters
-    ----------
-    thickness, period : float
-        m, > 0.
-    poisson_ratio : float
-        In (-1, 0.5].
-
-    Examples
-    --------
-    >>> [f"{layer_effect(thickness, 1.0, 0.5):.1e}" for thickness in (0.1, 1.0, 4.0)]
-    ['9.0e-01', '6.4e-04', '3.9e-19']
-    """
-    x = 2 * math.pi * thickness / period
-    decay = math.exp(-2 * x)
-    bulk, offset = 3 - 4 * poisson_ratio, 5 - 12 * poisson_ratio + 8 * poisson_ratio**2
-    if decay == 0.0:
-        return 0.0
-    missing = (bulk * decay + 2 * x * (x + 1) + offset) * decay
-    return missing / (bulk * (1 + decay**2) / 2 + (2 * x**2 + offset) * decay)
 
 
 def effects_of(scene: Scene) -> tuple[Effect, ...]:
@@ -136,7 +108,9 @@ def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
         yield "half_space", (True, f"no [layer]{note}")
         yield "layer", (False, "no [layer]")
         return
-    effect = layer_effect(scene.layer.thickness, float(scene.profile.period or 0), scene.solid.poisson_ratio)
+    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+    layer = import_module("bem.layer").Layer(scene.layer.thickness)
+    effect = float(layer.relative_effect(solid, scene.profile.period))
     limit = 0.1 * scene.accuracy.tolerance
     text = f"thickness = {scene.layer.thickness:g} m changes the compliance by {effect:.2g}"
     left_out = effect < limit

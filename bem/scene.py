@@ -17,12 +17,12 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from bem.profile import Profile
-from bem.result import FINAL_STATUSES, CorruptResultError, State, read_result
+from bem.result import State
 from bem.scan_file import Scan, ScanFileError, read_scan
 from bem.scene_rules import (
     RANGE,
@@ -36,6 +36,7 @@ from bem.scene_rules import (
     surface_of,
     unknown_key,
 )
+from bem.stored_start import StoredState, other_problem, stored_start
 from bem.targets import expanded, found, merged, origin
 
 __all__ = ["Mistake", "Scene", "SceneError", "load_scene", "parse_scene"]
@@ -203,13 +204,6 @@ class Scene:
         return content
 
 
-class _Start(NamedTuple):
-    """A stored state and the resolved scene it was computed with."""
-
-    state: State
-    scene: dict[str, Any]
-
-
 def load_scene(path: Path | str) -> Scene:
     """Read a scene file; file names in it are relative to its folder.
 
@@ -275,7 +269,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
         mistakes += loading_mistakes(loading, given["loading"], tables, shapes, profile.get("period"))
     scan, wrong = _scan(profile, base_dir)
     mistakes += wrong
-    start, wrong = _stored_start(loading.get("initial"), loading.get("control"), base_dir)
+    start, wrong = stored_start(loading.get("initial"), loading.get("control"), base_dir)
     mistakes += wrong
     if mistakes:
         raise SceneError(mistakes)
@@ -333,29 +327,8 @@ def _scan(profile: Mapping[str, Any], base_dir: Path) -> tuple[Scan | None, list
     return scan, list(scan_mistakes(profile, scan))
 
 
-def _stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[_Start | None, list[Mistake]]:
-    """The stored state loading.initial names, if it names one."""
-    if not isinstance(initial, Mapping):
-        return None, []
-    folder, index = base_dir / initial["result"], initial["state"]
-    try:
-        result = read_result(folder)
-    except FileNotFoundError:
-        return None, [Mistake("loading.initial.result", f"= {shown(initial['result'])}", "a folder with a result.json")]
-    except (OSError, CorruptResultError) as error:
-        return None, [Mistake("loading.initial.result", f"= {shown(initial['result'])}: {error}", "a sound result")]
-    if index >= len(result.states):
-        return None, [Mistake("loading.initial.state", f"= {index}", f"an integer from 0 to {len(result.states) - 1}")]
-    state = result.states[index]
-    if state.status not in FINAL_STATUSES:
-        return None, [Mistake("loading.initial.state", f"= {index} has status {state.status}", "a converged state")]
-    if control is not None and getattr(state, control) is None:
-        return None, [Mistake("loading.initial.state", f"= {index} has no {control}", "a state of a layer")]
-    return _Start(state, result.scene), []
-
-
 def _resolved(
-    data: Mapping[str, Any], values: Mapping[str, dict[str, Any]], scan: Scan | None, start: _Start | None
+    data: Mapping[str, Any], values: Mapping[str, dict[str, Any]], scan: Scan | None, start: StoredState | None
 ) -> Scene:
     """The scene of data without mistakes of their own: defaults, targets, shapes; SceneError for what these show."""
     profile = _profile(values["profile"], scan)
@@ -389,7 +362,7 @@ def _resolved(
         cut_by_default=scan is not None and "harmonics" not in values["profile"],
         start_state=None if start is None else start.state,
     )
-    mistakes = [*_output_mistakes(scene, shapes, missed), *_other_problem(scene, start)]
+    mistakes = [*_output_mistakes(scene, shapes, missed), *other_problem(scene.resolved(), start)]
     if mistakes:
         raise SceneError(mistakes)
     return scene
@@ -417,13 +390,3 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
         for k, value in enumerate(() if isinstance(asked, bool) else asked):
             if found(value, scene.loading.targets) is None:
                 yield Mistake(f"output.{name}[{k}]", f"= {value:g} is no target", "true, false or a list of targets")
-
-
-def _other_problem(scene: Scene, start: _Start | None) -> Iterator[Mistake]:
-    """A stored start of another solid, profile, layer or adhesion."""
-    if start is None:
-        return
-    here = scene.resolved()
-    for name in ("solid", "profile", "layer", "adhesion"):
-        if here[name] != start.scene.get(name):
-            yield Mistake("loading.initial.result", f"was computed with another [{name}]", "a result of the same one")

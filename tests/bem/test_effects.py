@@ -1,13 +1,12 @@
 """Effects: which ones a scene calls for, why, what they cost, and that missing ones are refused by name."""
 
 import copy
-import math
 
 import numpy as np
 import pytest
 
 from bem import effects
-from bem.effects import EFFECTS, effects_of, layer_effect, predicted_seconds, refuse_unavailable
+from bem.effects import EFFECTS, effects_of, predicted_seconds, refuse_unavailable
 from bem.scene import SceneError, parse_scene
 
 BASE = {
@@ -71,21 +70,6 @@ def test_every_effect_is_listed_once_with_a_reason():
 )
 def test_effects_a_scene_calls_for(tables, names):
     assert active(scene_with(**tables)) == names
-
-
-@pytest.mark.parametrize("poisson_ratio", [-0.9, 0.0, 0.3, 0.5])
-@pytest.mark.parametrize("x", [0.05, 0.5, 2.0])
-def test_layer_effect_is_the_missing_part_of_the_compliance_ratio(x, poisson_ratio):
-    nu = poisson_ratio
-    ratio = ((3 - 4 * nu) * math.sinh(2 * x) - 2 * x) / (
-        (3 - 4 * nu) * math.cosh(2 * x) + 2 * x**2 + 5 - 12 * nu + 8 * nu**2
-    )
-    # the plain formula cancels: measured difference 2e-16
-    assert layer_effect(x / (2 * np.pi), 1.0, nu) == pytest.approx(1 - ratio, abs=5e-16)
-
-
-def test_layer_effect_of_a_very_thick_layer_is_zero_not_an_overflow():
-    assert layer_effect(1e6, 1.0, 0.3) == 0.0
 
 
 def test_thick_layer_left_out_is_explained():

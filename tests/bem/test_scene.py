@@ -2,10 +2,12 @@
 
 import copy
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from bem.result import Certificate, ErrorEstimate, Result, State, write_result
 from bem.scene import SceneError, load_scene, parse_scene
 
 BASE = {
@@ -17,6 +19,29 @@ BASE = {
 WAVE = {"kind": "harmonics", "period": 0.01, "orders": [1, 3], "amplitudes": [1e-5, 2e-6], "phases": [0.0, 1.0]}
 PRESSURE = {"control": "mean_pressure", "targets": [1e3]}
 ABSENT = object()
+STATE = State(
+    branch="loading",
+    penetration=1e-5,
+    separation=2e-5,
+    total_displacement=None,
+    mean_pressure=1.0,
+    contact_fraction=0.1,
+    n_patches=2,
+    edges=((0.001, 0.002), (0.009, 0.0101)),
+    elastic_energy=1.0,
+    adhesion_energy=-2.0,
+    total_energy=-1.0,
+    stress_intensity_max=3.0,
+    contact_stiffness=1.0,
+    stable_at_fixed_load=True,
+    error_estimate=ErrorEstimate(1e-9, 1e-9),
+    certificate=Certificate(1e-12, 1e-9, 0.2, 1e-8, 1e-10, ok=True),
+    unknowns=40,
+    evaluations=7,
+    cpu_seconds=0.5,
+    status="converged",
+    target=True,
+)
 
 
 def scene_with(path, value=ABSENT):
@@ -320,3 +345,43 @@ def test_file_that_is_no_scene_is_told(content, tmp_path):
         path.write_bytes(content)
     with pytest.raises(SceneError, match=r"scene\.toml"):
         load_scene(path)
+
+
+def stored_result(folder, **changes):
+    """A result of BASE with one state, in folder/before."""
+    state = replace(STATE, **changes)
+    write_result(Result(parse_scene(BASE).resolved(), (), {}, (state,), (), "converged"), folder / "before")
+    return scene_with("loading.initial", {"result": "before", "state": 0})
+
+
+def test_path_from_a_stored_state_begins_there(tmp_path):
+    scene = parse_scene(stored_result(tmp_path, separation=20e-6), tmp_path)
+    assert (scene.origin, scene.start_state.separation) == (20e-6, 20e-6)
+
+
+@pytest.mark.parametrize(
+    ("state", "changes", "where"),
+    [
+        pytest.param(1, {}, "loading.initial.state", id="beyond the last"),
+        pytest.param(0, {"status": "not_converged"}, "loading.initial.state", id="not converged"),
+    ],
+)
+def test_stored_state_that_cannot_be_used_is_told(state, changes, where, tmp_path):
+    data = stored_result(tmp_path, **changes)
+    data["loading"]["initial"]["state"] = state
+    assert paths_of(data, tmp_path) == [where]
+
+
+def test_stored_state_of_another_solid_is_told(tmp_path):
+    data = stored_result(tmp_path)
+    data["solid"]["youngs_modulus"] = 2e6
+    (mistake,) = mistakes_of(data, tmp_path)
+    assert "another [solid]" in str(mistake)
+
+
+def test_corrupt_stored_result_is_told(tmp_path):
+    data = stored_result(tmp_path)
+    path = tmp_path / "before" / "result.json"
+    path.write_text(path.read_text().replace('"n_patches": 2', '"n_patches": 3'))
+    (mistake,) = mistakes_of(data, tmp_path)
+    assert "checksum" in str(mistake)

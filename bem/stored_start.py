@@ -1,0 +1,62 @@
+"""A path that starts from a stored state: the state a scene names, found, sound, converged, of the same problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bem.result import FINAL_STATUSES, CorruptResultError, State, read_result
+from bem.scene_rules import Mistake, shown
+
+
+@dataclass(frozen=True)
+class StoredState:
+    """A state, and the resolved scene it was computed with."""
+
+    state: State
+    scene: dict[str, Any]
+
+
+def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[StoredState | None, list[Mistake]]:
+    """The state loading.initial names, if it names one, or what is wrong with it.
+
+    Parameters
+    ----------
+    initial
+        Valid loading.initial; only a table {result, state} names a state.
+    control
+        loading.control: the state must know this quantity.
+    base_dir : Path
+        Folder relative names start from.
+    """
+    if not isinstance(initial, Mapping):
+        return None, []
+    name, index = initial["result"], initial["state"]
+    try:
+        result = read_result(base_dir / name)
+    except FileNotFoundError:
+        return None, [Mistake("loading.initial.result", f"= {shown(name)}", "a folder with a result.json")]
+    except (OSError, CorruptResultError) as error:
+        return None, [
+            Mistake("loading.initial.result", f"= {shown(name)}: {error}", "a folder with a sound result.json")
+        ]
+    if index >= len(result.states):
+        allowed = f"an integer >= 0 and below {len(result.states)}, the number of states stored"
+        return None, [Mistake("loading.initial.state", f"= {index}", allowed)]
+    state = result.states[index]
+    if state.status not in FINAL_STATUSES:
+        return None, [Mistake("loading.initial.state", f"= {index} has status {state.status}", "a converged state")]
+    if control is not None and getattr(state, control) is None:
+        return None, [Mistake("loading.initial.state", f"= {index} has no {control}", "a state of a layer")]
+    return StoredState(state, result.scene), []
+
+
+def other_problem(resolved: Mapping[str, Any], start: StoredState | None) -> Iterator[Mistake]:
+    """A stored start of another solid, profile, layer or adhesion than the resolved scene's."""
+    if start is None:
+        return
+    for name in ("solid", "profile", "layer", "adhesion"):
+        if resolved[name] != start.scene.get(name):
+            yield Mistake("loading.initial.result", f"was computed with another [{name}]", "a result of the same one")
