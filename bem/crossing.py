@@ -10,6 +10,7 @@ from bem.convex_path import ContactPoint, ConvexPath
 from bem.path import Path, Point
 
 SECANT_STEPS = 30
+BISECTIONS = 8
 LOAD_ACCURACY = 1e-11
 
 
@@ -27,7 +28,7 @@ def at_load(
         Dimensionless load per period.
     """
     assert before.state is not None
-    end = _at_value(path, before, after.value) if after.events else after
+    end = _branch_end(path, before, after.value) if after.events else after
     if end is None or end.state is None:
         return None
     low, low_miss = before.value, before.state.load - load
@@ -51,6 +52,22 @@ def at_load(
             high_miss = high_miss / 2 if last_side == side else high_miss
         last_side = side
     return None
+
+
+def _branch_end(path: Path | ConvexPath, before: Point | ContactPoint, value: float) -> Point | ContactPoint | None:
+    """The last point of the branch of `before` that Newton reaches on the way to an event at `value`."""
+    reached, beyond = before.value, value
+    last = _at_value(path, before, value)
+    if last is not None:
+        return last
+    for _ in range(BISECTIONS):
+        middle = (reached + beyond) / 2
+        found = _at_value(path, before, middle)
+        if found is None:
+            beyond = middle
+        else:
+            reached, last = middle, found
+    return last
 
 
 def _at_value(path: Path | ConvexPath, before: Point | ContactPoint, value: float) -> Point | ContactPoint | None:
