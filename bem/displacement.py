@@ -189,7 +189,7 @@ def regular_part(charge: FloatArray, n: int) -> FloatArray:
 
 @lru_cache(maxsize=256)
 def _kress_weights(n: int) -> FloatArray:
-    """Weights of int_0^2pi log(4 sin^2(s/2)) f ds at s = k pi / n, (2 n,): -(2 pi/n) sum' cos(m s)/m, last term halved."""
+    """Weights of int_0^2pi log(4 sin^2(s/2)) f ds at s = k pi / n, (2 n,): -(2 pi/n) sum cos(m s)/m, m = n halved."""
     spectrum = np.zeros(n + 1)
     spectrum[1:] = -2 * np.pi / np.arange(1, n + 1)
     return np.fft.irfft(spectrum, 2 * n)
