@@ -14,7 +14,8 @@ TWO = PatchPressure(
     (np.array([0.7, -0.3, 0.4, 0.1]), np.array([-0.2, 0.5, 0.1, 0.3, 0.2, -0.1])),
 )
 NARROW = PatchPressure(np.array([3.0]), np.array([3.001]), (np.array([0.5, 0.2, -0.1]),))
-pressures = pytest.mark.parametrize("pressure", [WIDE, TWO, NARROW], ids=["wide", "two", "narrow"])
+ROUGH = PatchPressure(np.array([1.0]), np.array([2.5]), (np.cos(1.3 * np.arange(60) ** 2) / (1 + np.arange(60)),))
+pressures = pytest.mark.parametrize("pressure", [WIDE, TWO, NARROW, ROUGH], ids=["wide", "two", "narrow", "rough"])
 
 
 def integrated(pressure, x, angle=None, owner=None):
@@ -52,8 +53,8 @@ def gap_points(pressure, gap, fractions):
 def test_displacement_in_contact_is_the_integral(pressure):
     x, owner, angle = at_extrema(pressure)
     exact = [integrated(pressure, *point) for point in zip(x, angle, owner, strict=True)]
-    # measured 2e-14
-    np.testing.assert_allclose(DisplacementField(pressure).in_contact(x, owner), exact, rtol=0, atol=5e-14)
+    # measured 1.2e-13, the error of the adaptive rule
+    np.testing.assert_allclose(DisplacementField(pressure).in_contact(x, owner), exact, rtol=0, atol=3e-13)
 
 
 @pytest.mark.filterwarnings("ignore::scipy.integrate.IntegrationWarning")
