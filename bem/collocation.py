@@ -32,6 +32,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Field = Callable[[FloatArray], FloatArray]
 
+MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes: modes cost as their cube, nodes hardly anything
+
 
 class IllConditionedSystemError(ArithmeticError):
     """The skeleton matrix is not positive definite to rounding: too few modes, or contact almost complete."""
@@ -149,15 +151,16 @@ def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
     wanted_modes = chebyshev.coupling_modes(width, np.minimum(patches.gap_before, patches.gap_after), tolerance)
     for correction in elastic.corrections:
         wanted_modes = np.maximum(wanted_modes, correction.coupled_modes(width, tolerance))
-    modes = chebyshev.rounded_up(wanted_modes)
+    modes = chebyshev.rounded_up(wanted_modes, MODES_RATIO)
     wanted = np.maximum(chebyshev.profile_nodes(width, elastic.profile.max_order), modes + 4)
-    return Resolution(chebyshev.rounded_up(wanted), modes)
+    return Resolution(chebyshev.rounded_up(wanted, NODES_RATIO), modes)
 
 
 def finer(resolution: Resolution) -> Resolution:
     """A third more nodes and half as many modes again: an independent size for error estimates."""
-    modes = chebyshev.rounded_up(np.asarray(1.5 * resolution.modes, dtype=np.float64))
-    return Resolution(chebyshev.rounded_up(np.asarray(np.maximum(1.33 * resolution.nodes, modes) + 8.0)), modes)
+    modes = chebyshev.rounded_up(1.5 * resolution.modes.astype(np.float64), MODES_RATIO)
+    nodes = np.maximum(1.33 * resolution.nodes, modes.astype(np.float64)) + 8
+    return Resolution(chebyshev.rounded_up(nodes, NODES_RATIO), modes)
 
 
 def evaluate(
@@ -190,7 +193,7 @@ def evaluate(
     resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
     count = patches.count
     center, half_width = patches.center, patches.half_width
-    series = _right_hand_sides(elastic.profile, patches, penetration, resolution.nodes)
+    series, tail_edge, edge_slope, tail_energy = _right_hand_sides(elastic.profile, patches, penetration, resolution)
 
     offsets = np.concatenate([[0], np.cumsum(resolution.modes)])
     unknowns = int(offsets[-1])
@@ -226,9 +229,13 @@ def evaluate(
     charges, _ = lapack.dtrtrs(factor, solved[:, -2:], lower=0, trans=0)
     skeleton, skeleton_rate = -charges[:, 0], np.pi * charges[:, 1]
 
-    tail_edge, edge_slope, tail_energy = _uncoupled_sums(series, resolution.modes)
-    edge_slope += _skeleton_slope(skeleton, count, classes, offsets)
-    edge_slope_rate = _skeleton_slope(skeleton_rate, count, classes, offsets)
+    both = np.stack([skeleton, skeleton_rate])
+    slopes = np.empty((2, 2 * count))
+    for modes, members in classes:
+        rows = offsets[members, None] + np.arange(modes)
+        slopes[:, members] = both[:, rows] @ chebyshev.basis(modes).slopes_at_edges[0]
+        slopes[:, count + members] = both[:, rows] @ chebyshev.basis(modes).slopes_at_edges[1]
+    edge_slope += slopes[0]
     radius = np.concatenate([half_width, half_width])
     to_intensity = np.sqrt(np.pi / radius)
     edges = slice(0, 2 * count)
@@ -242,7 +249,7 @@ def evaluate(
         elastic_energy=(float(gram[-2, -2]) + 0.5 * tail_energy) / (2 * np.pi),
         edge_compliance=gram[edges, edges],
         edge_slope=edge_slope / radius,
-        edge_slope_rate=edge_slope_rate / radius,
+        edge_slope_rate=slopes[1] / radius,
         resolution=resolution,
         unknowns=unknowns,
         series=series,
@@ -252,46 +259,29 @@ def evaluate(
 
 
 def _right_hand_sides(
-    profile: Profile, patches: Patches, penetration: float, nodes: IntArray
-) -> tuple[FloatArray, ...]:
-    """Chebyshev coefficients of R = pi (h_max - Delta - h) on every patch."""
-    center, half_width = patches.center, patches.half_width
-    result: list[FloatArray] = [np.empty(0)] * patches.count
-    for size in np.unique(nodes):
-        members = np.flatnonzero(nodes == size)
-        x = center[members, None] + half_width[members, None] * chebyshev.basis_nodes(int(size))
-        height = profile.height(x)
-        for i, row in zip(members, chebyshev.coefficients(-np.pi * height), strict=True):
-            row[0] += np.pi * (profile.max_height - penetration)
-            result[i] = row
-    return tuple(result)
+    profile: Profile, patches: Patches, penetration: float, resolution: Resolution
+) -> tuple[tuple[FloatArray, ...], FloatArray, FloatArray, float]:
+    """Chebyshev coefficients C_n of R = pi (h_max - Delta - h) on every patch, and what the uncoupled modes add.
 
-
-def _uncoupled_sums(series: tuple[FloatArray, ...], modes: IntArray) -> tuple[FloatArray, FloatArray, float]:
-    """Sums over n >= p: (n/pi) C_n (+-1)^n, -(n/pi) C_n n^2 (+-1)^n (both (2 L,)), and n C_n^2."""
-    count = len(series)
-    at_edge, slope, energy = np.zeros(2 * count), np.zeros(2 * count), 0.0
-    for i, (row, low) in enumerate(zip(series, modes, strict=True)):
-        order = np.arange(low, row.size, dtype=np.float64)
-        term = order * row[low:]
-        energy += float(term @ row[low:])
-        first = 1 if low % 2 == 0 else -1
-        even, odd = term[0::2].sum() / np.pi, term[1::2].sum() / np.pi
-        at_edge[i], at_edge[count + i] = first * (even - odd), even + odd
-        term *= order * order
-        even, odd = term[0::2].sum() / np.pi, term[1::2].sum() / np.pi
-        slope[i], slope[count + i] = -first * (even - odd), -(even + odd)
-    return at_edge, slope, energy
-
-
-def _skeleton_slope(
-    charges: FloatArray, count: int, classes: list[tuple[int, IntArray]], offsets: IntArray
-) -> FloatArray:
-    """sum_{n < p} n^2 (+-1)^n Q_n of the skeleton at the edges, (2 L,)."""
-    slope = np.empty(2 * count)
-    for modes, members in classes:
-        nodal = charges[offsets[members, None] + np.arange(modes)] * (modes / np.pi)
-        weighted = chebyshev.coefficients(nodal) * np.arange(modes) ** 2
-        slope[members] = weighted @ (-1.0) ** np.arange(modes)
-        slope[count + members] = weighted.sum(axis=1)
-    return slope
+    The sums over n >= p are (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2 L,) each, and n C_n^2.
+    """
+    center, half_width, count = patches.center, patches.half_width, patches.count
+    classes = [(int(size), np.flatnonzero(resolution.nodes == size)) for size in np.unique(resolution.nodes)]
+    positions = [center[who, None] + half_width[who, None] * chebyshev.basis_nodes(size) for size, who in classes]
+    heights = profile.height(np.concatenate([x.ravel() for x in positions]))
+    splits = np.split(heights, np.cumsum([x.size for x in positions])[:-1])
+    series: list[FloatArray] = [np.empty(0)] * count
+    at_edge, slope, energy = np.empty(2 * count), np.empty(2 * count), 0.0
+    for (size, who), x, height in zip(classes, positions, splits, strict=True):
+        rows = chebyshev.coefficients(-np.pi * height.reshape(x.shape))
+        rows[:, 0] += np.pi * (profile.max_height - penetration)
+        order = np.arange(size, dtype=np.float64)
+        term = rows * np.where(order >= resolution.modes[who, None], order, 0.0)
+        energy += float(np.vdot(term, rows))
+        signs = np.where(np.arange(size) % 2 == 0, 1.0, -1.0) / np.pi
+        ones = np.full(size, 1 / np.pi)
+        at_edge[who], at_edge[count + who] = term @ signs, term @ ones
+        slope[who], slope[count + who] = -term @ (signs * order**2), -term @ (ones * order**2)
+        for i, row in zip(who, rows, strict=True):
+            series[i] = row
+    return tuple(series), at_edge, slope, energy

@@ -27,6 +27,7 @@ IntArray = NDArray[np.int64]
 
 SUSPICIOUS_GAP = 0.02  # of the rms height: interpolated minima below are evaluated again
 POINTS_PER_WAVELENGTH = 10
+NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +72,11 @@ class GapField:
         t = (x - patches.center[index]) / patches.half_width[index]
         zeta = t - np.copysign(np.sqrt(np.maximum(t * t - 1, 0.0)), t)
         charge = self.pressure.charges[index]
-        order = np.arange(1, charge.size)
-        powers = zeta[:, None] ** order
-        exact = -np.pi * (np.log(np.abs(2 * zeta)) * charge[0] + powers @ (charge[1:] / order))
+        seen = min(charge.size - 1, int(np.ceil(NEGLIGIBLE / np.log(np.abs(zeta).max() - 1e-16))))
+        powers = np.repeat(zeta[:, None], seen, axis=1)
+        np.multiply.accumulate(powers, axis=1, out=powers)
+        series = powers @ (charge[1 : seen + 1] / np.arange(1, seen + 1))
+        exact = -np.pi * (np.log(np.abs(2 * zeta)) * charge[0] + series)
         modes = int(self.state.resolution.modes[index])
         start = int(self.starts[index])
         sources = (self.nodes[start : start + modes] - patches.center[index]) / patches.half_width[index]

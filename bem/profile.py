@@ -10,6 +10,7 @@ Heights and positions may be in any unit; `Profile.scaled` gives the dimensionle
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,6 +22,7 @@ IntArray = NDArray[np.int64]
 
 _POINTS_PER_WAVELENGTH = 16
 _TAYLOR_TERMS = 14
+_DERIVATIVE_FACTORS = np.array([[math.perm(k, order) for k in range(_TAYLOR_TERMS)] for order in range(3)], dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,17 +199,19 @@ class Profile:
         return table
 
     def _expand(self, x: ArrayLike, derivatives: int) -> list[FloatArray]:
-        """[h, h', ...] up to the given derivative, by Horner's rule about the nearest grid point."""
+        """[h, h', ...] up to the given derivative, by the Taylor series about the nearest grid point."""
         table = self._table
         n = table.shape[0]
         position = np.asarray(x, dtype=np.float64) * (n / self.period)
         nearest = np.rint(position)
-        tau = position - nearest
+        powers = np.empty((*position.shape, _TAYLOR_TERMS))
+        powers[..., 0] = 1.0
+        powers[..., 1:] = (position - nearest)[..., None]
+        np.multiply.accumulate(powers, axis=-1, out=powers)
         rows = table[nearest.astype(np.int64) % n]
-        result = []
-        for order in range(derivatives + 1):
-            value = np.zeros_like(tau)
-            for k in range(_TAYLOR_TERMS - 1, order - 1, -1):
-                value = value * tau + rows[..., k] * float(np.prod(np.arange(k - order + 1, k + 1)))
+        result = [np.einsum("...k,...k->...", rows, powers)]
+        for order in range(1, derivatives + 1):
+            terms = rows[..., order:] * _DERIVATIVE_FACTORS[order, order:]
+            value = np.einsum("...k,...k->...", terms, powers[..., : _TAYLOR_TERMS - order])
             result.append(value * (n / self.period) ** order)
         return result
