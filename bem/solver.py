@@ -3,7 +3,8 @@
 The order of things is that of the method: the scene is posed in dimensionless form, complete contact is written down,
 the path is followed from target to target (with adhesion event by event, without adhesion target by target), and
 every stored state is polished, assessed by a finer evaluation and certified by an independent one.  Increments
-between targets are stored at most once per largest increment, at the same accuracy as targets.
+between targets are stored at most once per largest increment, at the same accuracy as targets.  BLAS runs on one
+thread: the matrices are small, two threads are slower, and digits do not depend on the number of cores.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from bem.complete_contact import CompleteContact, complete_contact
 from bem.convex_path import ContactPoint, ConvexPath
@@ -83,10 +85,11 @@ def solve(
     surface = scene.surface()
     if surface.is_flat:
         return _solve_flat(scene, surface)
-    run = _Run(scene, pose(scene, surface), progress, on_state)
-    if resume is not None:
-        run.take_over(resume)
-    status = run.follow()
+    with threadpool_limits(limits=1, user_api="blas"):
+        run = _Run(scene, pose(scene, surface), progress, on_state)
+        if resume is not None:
+            run.take_over(resume)
+        status = run.follow()
     record = run.record
     return Result(
         scene=scene.resolved(),
