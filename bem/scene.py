@@ -39,7 +39,7 @@ from bem.scene_rules import (
 from bem.stored_start import StoredState, other_problem, stored_start
 from bem.targets import expanded, found, merged, origin
 
-__all__ = ["Mistake", "Scene", "SceneError", "load_scene", "parse_scene"]
+__all__ = ["Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
 MOST_HARMONICS = 10_000_000
 

@@ -1,0 +1,178 @@
+"""Command line: `python -m bem check SCENE` and `python -m bem run SCENE --out DIR`.
+
+Exit codes: 0 done, 1 a failure named in the output (converged states are kept), 2 bad input (nothing is written),
+130 interrupted with everything converged saved.  Progress on stderr, results in files, one summary line on stdout.
+matplotlib is imported for --plot only.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from bem.checkpoint import Checkpoint, OutputFolderError, interruptible, stored_result, uninterrupted
+from bem.console import effects_text, reporter, scene_text, summary, summary_line
+from bem.effects import effects_of, refuse_unavailable
+from bem.result import FINAL_STATUSES, Progress, Result, State, write_result
+from bem.scene import Scene, SceneError, StoredStart, load_scene
+from bem.scene_rules import Mistake
+from bem.solver import solve
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+CURVES = {
+    "contact_fraction.png": ("contact_fraction", "contact fraction", 1.0),
+    "separation.png": ("separation", "separation / µm", 1e6),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; the exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Those of the process by default.
+    """
+    options = _parser().parse_args(arguments)
+    command: Callable[[argparse.Namespace], int] = options.command
+    try:
+        with interruptible():
+            return command(options)
+    except (SceneError, OutputFolderError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except OSError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return FAILED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m bem", description="Adhesive line contact of a rough profile.")
+    commands = parser.add_subparsers(required=True, metavar="check|run")
+
+    check = commands.add_parser("check", help="print the resolved scene, its effects and the predicted cost")
+    check.add_argument("scene", type=Path, help="scene file (TOML)")
+    check.add_argument("--json", action="store_true", help="print as JSON")
+    check.set_defaults(command=_check)
+
+    run = commands.add_parser("run", help="solve a scene; writes result.json and fields.npz")
+    run.add_argument("scene", type=Path, help="scene file (TOML)")
+    run.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the result")
+    present = run.add_mutually_exclusive_group()
+    present.add_argument("--resume", action="store_true", help="go on from the states DIR holds")
+    present.add_argument("--overwrite", action="store_true", help="replace the result DIR holds")
+    run.add_argument("--plot", action="store_true", help="also draw curves and stored shapes as PNG")
+    run.add_argument("--quiet", action="store_true", help="no progress")
+    run.add_argument("--json", action="store_true", help="print the summary as JSON")
+    run.set_defaults(command=_run)
+    return parser
+
+
+def _check(options: argparse.Namespace) -> int:
+    """Print what a scene amounts to; refuse what cannot be solved."""
+    scene = load_scene(options.scene)
+    effects = effects_of(scene)
+    if options.json:
+        listed = [vars(effect) for effect in effects]
+        seconds = sum(effect.seconds for effect in effects)
+        print(json.dumps({"scene": scene.resolved(), "effects": listed, "seconds": seconds}))
+    else:
+        print(f"{scene_text(scene.resolved())}\n\n{effects_text(effects)}")
+    refuse_unavailable(scene)
+    return DONE
+
+
+def _run(options: argparse.Namespace) -> int:
+    """Solve a scene into a folder."""
+    scene = load_scene(options.scene)
+    refuse_unavailable(scene)
+    _keep_start(scene, options)
+    stored = stored_result(scene, options.out, options.resume, options.overwrite)
+    if stored is not None and stored.status in FINAL_STATUSES:
+        result = stored
+    else:
+        options.out.mkdir(parents=True, exist_ok=True)
+        result = _solved(scene, options.out, stored, options.quiet)
+    if options.overwrite:
+        for old in (*(options.out / name for name in CURVES), *options.out.glob("shape_[0-9]*.png")):
+            old.unlink(missing_ok=True)
+    if options.plot:
+        _draw(result, options.out)
+    facts = summary(result, str(options.out), len(scene.loading.targets))
+    print(json.dumps(facts) if options.json else summary_line(facts))
+    if result.status in FINAL_STATUSES:
+        return DONE
+    return INTERRUPTED if result.status == "interrupted" else FAILED
+
+
+def _keep_start(scene: Scene, options: argparse.Namespace) -> None:
+    """Refuse to overwrite the result the path starts from."""
+    initial = scene.loading.initial
+    if not isinstance(initial, StoredStart) or not options.overwrite:
+        return
+    if (options.scene.parent / initial.result).resolve() == options.out.resolve():
+        raise SceneError([Mistake("loading.initial.result", "is the folder --out would overwrite", "another folder")])
+
+
+def _solved(scene: Scene, folder: Path, stored: Result | None, quiet: bool) -> Result:
+    """Solve, saving what converges as it does, and write the result."""
+    checkpoint = Checkpoint(scene, folder, stored)
+    report = reporter(sys.stderr, quiet)
+
+    def progress(state: Progress) -> None:
+        report(state)
+        checkpoint.save_when_due()
+
+    def on_state(state: State) -> None:
+        checkpoint.keep(state)
+
+    try:
+        result = solve(scene, progress=progress, on_state=on_state, resume=stored)
+        with uninterrupted():
+            write_result(result, folder)
+    except BaseException:
+        with uninterrupted():
+            checkpoint.save()
+        raise
+    finally:
+        report.close()
+    return result
+
+
+def _draw(result: Result, folder: Path) -> None:
+    """Mean pressure against contact fraction and separation, and the stored shapes, as PNG."""
+    from matplotlib.figure import Figure
+
+    for name, (quantity, label, unit) in CURVES.items():
+        figure = Figure(layout="constrained")
+        axes = figure.add_subplot(xlabel=label, ylabel="mean pressure / Pa")
+        for branch, marker in (("loading", "o-"), ("unloading", "s--")):
+            states = [state for state in result.states if state.branch == branch]
+            x = [unit * getattr(state, quantity) for state in states]
+            axes.plot(x, [state.mean_pressure for state in states], marker, markersize=3, label=branch)
+        axes.legend()
+        figure.savefig(folder / name, dpi=150)
+    for key in result.fields:
+        if key.startswith("x_"):
+            _draw_shape(Figure(layout="constrained"), result, key.removeprefix("x_"), folder)
+
+
+def _draw_shape(figure: Any, result: Result, shape: str, folder: Path) -> None:
+    """Displaced surface and rigid profile of a stored shape."""
+    x, displacement, gap = (1e6 * result.fields[f"{name}_{shape}"] for name in ("x", "displacement", "gap"))
+    axes = figure.add_subplot(xlabel="x / µm", ylabel="height / µm")
+    axes.plot(x, displacement - gap, color="0.5", label="rigid profile")
+    axes.plot(x, displacement, label="deformed surface")
+    axes.legend()
+    figure.savefig(folder / f"shape_{shape}.png", dpi=150)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

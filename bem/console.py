@@ -1,0 +1,177 @@
+"""What a run says on the terminal: progress on stderr, the resolved scene, the effects and the summary.
+
+Progress is a bar over the targets on a terminal, else plain lines: every `LINE_SECONDS`, and when a new target is
+approached, unless the last line is younger than `TARGET_SECONDS`.  Nothing here computes.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Protocol, TextIO
+
+from tqdm import tqdm
+
+from bem.result import Effect, Progress, Result
+
+LINE_SECONDS = 5.0
+TARGET_SECONDS = 0.5
+BAR_SECONDS = 0.2
+
+
+class Reporter(Protocol):
+    """Takes progress reports; closed at the end."""
+
+    def __call__(self, report: Progress) -> None:
+        """Show a report, or not, if the last one was just shown."""
+
+    def close(self) -> None:
+        """Leave the terminal as it was found."""
+
+
+def described(report: Progress) -> str:
+    """The state of a run in a few words.
+
+    Examples
+    --------
+    >>> described(Progress(1250.0, 0.0123, 7, 42, 3, 310, 0, 5))
+    '1.250e+03 Pa, contact fraction 0.01230, 7 patches, 42 increments (3 rejected), 310 evaluations'
+    """
+    return (
+        f"{report.mean_pressure:.3e} Pa, contact fraction {report.contact_fraction:.5f}, {report.n_patches} patches, "
+        f"{report.increments_accepted} increments ({report.increments_rejected} rejected), "
+        f"{report.evaluations} evaluations"
+    )
+
+
+class SilentReporter:
+    """Says nothing."""
+
+    def __call__(self, report: Progress) -> None:
+        """Ignore the report."""
+
+    def close(self) -> None:
+        """Nothing to close."""
+
+
+class LineReporter:
+    """Lines at new targets and every `LINE_SECONDS`, not more often than every `TARGET_SECONDS`."""
+
+    def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
+        self.stream, self.clock = stream, clock
+        self.target, self.shown_at = -1, -LINE_SECONDS
+
+    def __call__(self, report: Progress) -> None:
+        """Print a line when one is due."""
+        now = self.clock()
+        pause = LINE_SECONDS if report.target_index == self.target else TARGET_SECONDS
+        if now - self.shown_at < pause:
+            return
+        self.target, self.shown_at = report.target_index, now
+        text = f"towards target {report.target_index + 1} of {report.n_targets}: {described(report)}"
+        print(text, file=self.stream, flush=True)
+
+    def close(self) -> None:
+        """Nothing to close."""
+
+
+class BarReporter:
+    """A bar over the targets, for a terminal."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.bar = tqdm(total=None, file=stream, unit="target", mininterval=BAR_SECONDS, dynamic_ncols=True)
+
+    def __call__(self, report: Progress) -> None:
+        """Move the bar to the target being approached."""
+        self.bar.total = report.n_targets
+        self.bar.set_postfix_str(described(report), refresh=False)
+        moved = report.target_index - self.bar.n
+        self.bar.update(moved)
+        if moved <= 0 and time.time() - self.bar.last_print_t > BAR_SECONDS:
+            self.bar.last_print_t = time.time()
+            self.bar.refresh()
+
+    def close(self) -> None:
+        """Leave the last state of the bar on the terminal."""
+        self.bar.close()
+
+
+def reporter(stream: TextIO, quiet: bool) -> Reporter:
+    """The reporter that suits a stream."""
+    if quiet:
+        return SilentReporter()
+    return BarReporter(stream) if stream.isatty() else LineReporter(stream)
+
+
+def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
+    """What a run came to, as plain values; `targets` is the number of those in the scene."""
+    last = result.states[-1] if result.states else None
+    return {
+        "status": result.status,
+        "targets": targets,
+        "target_states": len(result.targets),
+        "states": len(result.states),
+        "certified": sum(state.certificate.ok for state in result.states),
+        "events": len(result.events),
+        "mean_pressure": None if last is None else last.mean_pressure,
+        "contact_fraction": None if last is None else last.contact_fraction,
+        "n_patches": None if last is None else last.n_patches,
+        "evaluations": sum(state.evaluations for state in result.states),
+        "cpu_seconds": sum(state.cpu_seconds for state in result.states),
+        "out": folder,
+    }
+
+
+def summary_line(facts: Mapping[str, Any]) -> str:
+    """The summary on one line."""
+    end = ""
+    if facts["mean_pressure"] is not None:
+        end = f"last at {facts['mean_pressure']:.6g} Pa, contact fraction {facts['contact_fraction']:.6g}; "
+    return (
+        f"{facts['status']}: {facts['target_states']} states at targets ({facts['targets']} targets in the scene), "
+        f"{facts['certified']} of {facts['states']} states certified, {facts['events']} events; {end}"
+        f"{facts['evaluations']} evaluations, {facts['cpu_seconds']:.1f} s -> {facts['out']}"
+    )
+
+
+def scene_text(resolved: Mapping[str, Any]) -> str:
+    """A resolved scene as TOML, absent tables as comments.
+
+    Examples
+    --------
+    >>> print(scene_text({"title": "wave", "layer": None, "solid": {"poisson_ratio": 0.5}}))
+    title = "wave"
+    # [layer] absent
+    [solid]
+    poisson_ratio = 0.5
+    """
+    lines = []
+    for name, table in resolved.items():
+        if table is None:
+            lines.append(f"# [{name}] absent")
+        elif isinstance(table, Mapping):
+            lines += [f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in table.items())]
+        else:
+            lines.append(f"{name} = {_toml(table)}")
+    return "\n".join(lines)
+
+
+def effects_text(effects: Iterable[Effect]) -> str:
+    """A table of effects: on or off, predicted cost, reason, and the total."""
+    listed = tuple(effects)
+    width = max(len(effect.name) for effect in listed)
+    lines = [
+        f"{effect.name:<{width}}  {'on ' if effect.active else 'off'}  {effect.seconds:9.2f} s  {effect.reason}"
+        for effect in listed
+    ]
+    return "\n".join([*lines, f"predicted cost {sum(effect.seconds for effect in listed):.2g} s on one core"])
+
+
+def _toml(value: Any) -> str:
+    """A plain value as TOML."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return json.dumps(value, ensure_ascii=False)
