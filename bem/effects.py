@@ -62,7 +62,7 @@ def refuse_unavailable(scene: Scene) -> None:
         if effect.active and effect.name not in AVAILABLE
     ]
     mistakes += [
-        Mistake(name, f"is not available yet ({reason})", f"a scene that does {remedy}")
+        Mistake(name, f"is not available yet ({reason})", remedy)
         for name, reason, remedy in _requests(scene)
         if name in NOT_YET
     ]
@@ -73,11 +73,11 @@ def refuse_unavailable(scene: Scene) -> None:
 def _requests(scene: Scene) -> Iterator[tuple[str, str, str]]:
     """What a scene asks for beyond the named effects: name, reason, remedy."""
     if scene.adhesion is None:
-        yield "contact without adhesion", "no [adhesion]", "have an [adhesion] table"
+        yield "contact without adhesion", "no [adhesion]", "a scene with [adhesion]"
     if scene.loading.initial == "complete_contact":
-        yield "start from complete contact", 'loading.initial = "complete_contact"', 'start "separated"'
+        yield "start from complete contact", 'loading.initial = "complete_contact"', 'initial = "separated"'
     if isinstance(scene.loading.initial, StoredStart):
-        yield "start from a stored state", "loading.initial names a result", 'start "separated"'
+        yield "start from a stored state", "loading.initial names a result", 'initial = "separated"'
 
 
 def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
