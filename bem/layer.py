@@ -57,9 +57,8 @@ def compliance_ratio(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:
     y = 2 * np.asarray(q_d, dtype=np.float64)
     decay = np.exp(-y)
     sinh = -np.expm1(-2 * y) / 2  # times exp(-y), as are the following
-    with np.errstate(over="ignore", invalid="ignore"):
-        numerator = 2 * (1 - 2 * poisson_ratio) * sinh + _sinh_minus_argument(y)
-        return np.asarray(numerator / _denominator(y, decay, poisson_ratio))
+    numerator = 2 * (1 - 2 * poisson_ratio) * sinh + _sinh_minus_argument(y)
+    return np.asarray(numerator / _denominator(y, decay, poisson_ratio))
 
 
 def compliance_deficit(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:
@@ -79,8 +78,8 @@ def compliance_deficit(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:
     """
     y = 2 * np.asarray(q_d, dtype=np.float64)
     decay = np.exp(-y)
-    numerator = (3 - 4 * poisson_ratio) * decay + y * y / 2 + y + _constant(poisson_ratio)
-    return np.asarray(decay * numerator / _denominator(y, decay, poisson_ratio))
+    numerator = decay * ((3 - 4 * poisson_ratio) * decay + y + _constant(poisson_ratio)) + _square_term(y)
+    return np.asarray(numerator / _denominator(y, decay, poisson_ratio))
 
 
 def _constant(poisson_ratio: float) -> float:
@@ -89,7 +88,12 @@ def _constant(poisson_ratio: float) -> float:
 
 def _denominator(y: FloatArray, decay: FloatArray, poisson_ratio: float) -> FloatArray:
     cosh = (1 + decay * decay) / 2
-    return np.asarray((3 - 4 * poisson_ratio) * cosh + decay * (y * y / 2 + _constant(poisson_ratio)))
+    return np.asarray((3 - 4 * poisson_ratio) * cosh + decay * _constant(poisson_ratio) + _square_term(y))
+
+
+def _square_term(y: FloatArray) -> FloatArray:
+    """y^2/2 exp(-y), without overflow for any y."""
+    return np.asarray((y * np.exp(-y / 2)) ** 2 / 2)
 
 
 def _sinh_minus_argument(y: FloatArray) -> FloatArray:
