@@ -34,6 +34,7 @@ RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement
 SUSPICIOUS_GAP = 1e-2  # rms heights; local minima below are refined
 GAP_POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192
+REFINEMENTS = 3
 
 
 @dataclass(frozen=True)
@@ -250,15 +251,17 @@ def _gaps(
         integrals[i] = _integral_over_gap(u, width[i]) - contact_level * width[i]
         gap = u - contact[first : first + grid[i]]
         depth[i] = -np.min(gap)
-        inner = gap[1:-1]
-        lowest = np.flatnonzero((inner <= gap[:-2]) & (inner < gap[2:]) & (inner < SUSPICIOUS_GAP))
+        before, inner, after = gap[:-2], gap[1:-1], gap[2:]
+        bend = before - 2 * inner + after  # more than what a minimum between the points may lie lower
+        lowest = np.flatnonzero((inner <= before) & (inner < after) & (inner - bend < SUSPICIOUS_GAP))
         suspects.append(first + 1 + lowest)
     integrals -= _height_integrals(profile, field.pressure.right, field.pressure.right + width)
 
     at = np.concatenate(suspects)
     owner, middle = points.gap[at], points.from_left[at]
     step = (points.from_left[at + 1] - points.from_left[at - 1]) / 2
-    for _ in range(2):  # a parabola through three points, then one sixteen times narrower about its vertex
+    lowest_gap = np.empty(0)
+    for _ in range(REFINEMENTS):  # a parabola through three points, then a narrower one about its vertex
         from_left = np.ravel(middle + np.array([[-1.0], [0.0], [1.0]]) * step)
         gap_index = np.tile(owner, 3)
         around = GapPoints(gap_index, from_left, width[gap_index] - from_left)
@@ -266,8 +269,8 @@ def _gaps(
         before, here, after = gap.reshape(3, -1)
         bend, rise = before - 2 * here + after, (after - before) / 2
         vertex = np.where(bend > np.abs(rise), -rise / np.where(bend > 0, bend, 1.0), 0.0)
-        middle, step = middle + vertex * step, step / 16
-        np.maximum.at(depth, owner, -(here + vertex * rise / 2))
+        middle, step, lowest_gap = middle + vertex * step, step / 16, here + vertex * rise / 2
+    np.maximum.at(depth, owner, -lowest_gap)
     return depth, integrals, unresolved
 
 
