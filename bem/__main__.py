@@ -17,7 +17,7 @@ from typing import Any
 from bem.checkpoint import Checkpoint, OutputFolderError, interruptible, stored_result, uninterrupted
 from bem.console import effects_text, reporter, scene_text, summary, summary_line
 from bem.effects import effects_of, refuse_unavailable
-from bem.result import FINAL_STATUSES, Progress, Result, State, write_result
+from bem.result import FINAL_STATUSES, Progress, Result, write_result
 from bem.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene_rules import Mistake
 from bem.solver import solve
@@ -130,11 +130,8 @@ def _solved(scene: Scene, folder: Path, stored: Result | None, quiet: bool) -> R
         report(state)
         checkpoint.save_when_due()
 
-    def on_state(state: State) -> None:
-        checkpoint.keep(state)
-
     try:
-        result = solve(scene, progress=progress, on_state=on_state, resume=stored)
+        result = solve(scene, progress=progress, on_state=checkpoint.keep, resume=stored)
         with uninterrupted():
             write_result(result, folder)
     except BaseException:

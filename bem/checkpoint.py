@@ -16,7 +16,7 @@ from pathlib import Path
 from types import FrameType
 
 from bem.effects import effects_of
-from bem.result import CorruptResultError, Result, State, digest, provenance, read_result, write_result
+from bem.result import CorruptResultError, Result, digest, provenance, read_result, write_result
 from bem.scene import Scene
 
 PAUSE = 10.0
@@ -84,11 +84,11 @@ class Checkpoint:
         self.target_unsaved = False
         self.saved_at, self.duration = -SECONDS_BETWEEN_INCREMENTS, 0.0
 
-    def keep(self, state: State) -> None:
-        """Add a state; write it if it is time."""
-        self.result = replace(self.result, states=(*self.result.states, state))
+    def keep(self, partial: Result) -> None:
+        """Take over all that is kept so far; write it if it is time."""
+        self.result = partial
         self.unsaved = True
-        self.target_unsaved = self.target_unsaved or state.target
+        self.target_unsaved = self.target_unsaved or partial.states[-1].target
         self.save_when_due()
 
     def save_when_due(self) -> None:

@@ -1,10 +1,14 @@
 """The state between two points of a path at which the load has a given value.
 
 On a branch the load is a smooth function of the control value; it is found by the Illinois form of the secant,
-with the predictor and Newton of the path, at the accuracy of a target.  Dimensionless.
+with the predictor and Newton of the path, at the accuracy of a target.  Where an event lies in between, the
+branch before it is searched up to its end, then the branch after it, which begins within the smallest increment.
+Dimensionless.
 """
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 from bem.convex_path import ContactPoint, ConvexPath
 from bem.path import Path, Point
@@ -27,17 +31,19 @@ def at_load(
     load : float
         Dimensionless load per period.
     """
-    assert before.state is not None
-    end = _branch_end(path, before, after.value) if after.events else after
-    if end is None or end.state is None:
+    forth = [before, *(_branch_to(path, before, after.value) if after.events else [after])]
+    back = [after, *(_branch_to(path, after, before.value) if after.events else [])]
+    enclosing = [
+        (p, q) for branch in (forth, back) for p, q in pairwise(branch) if (_load(p) - load) * (_load(q) - load) <= 0
+    ]
+    if not enclosing:
         return None
-    low, low_miss = before.value, before.state.load - load
-    high, high_miss = end.value, end.state.load - load
-    if low_miss * high_miss > 0:
-        return None
+    base, end = enclosing[0]
+    low, low_miss = base.value, _load(base) - load
+    high, high_miss = end.value, _load(end) - load
     last_side = 0
     for _ in range(SECANT_STEPS):
-        found = _at_value(path, before, low - low_miss * (high - low) / (high_miss - low_miss))
+        found = _at_value(path, base, low - low_miss * (high - low) / (high_miss - low_miss))
         if found is None or found.state is None:
             return None
         miss = found.state.load - load
@@ -54,20 +60,24 @@ def at_load(
     return None
 
 
-def _branch_end(path: Path | ConvexPath, before: Point | ContactPoint, value: float) -> Point | ContactPoint | None:
-    """The last point of the branch of `before` that Newton reaches on the way to an event at `value`."""
-    reached, beyond = before.value, value
-    last = _at_value(path, before, value)
-    if last is not None:
-        return last
+def _branch_to(path: Path | ConvexPath, before: Point | ContactPoint, value: float) -> list[Point | ContactPoint]:
+    """Points on the branch of `before` up to where Newton follows it on the way to an event at `value`."""
+    points, beyond, trial = [before], value, value
     for _ in range(BISECTIONS):
-        middle = (reached + beyond) / 2
-        found = _at_value(path, before, middle)
+        found = _at_value(path, points[-1], trial)
         if found is None:
-            beyond = middle
+            beyond = trial
         else:
-            reached, last = middle, found
-    return last
+            points.append(found)
+            if trial == value:
+                break
+        trial = (points[-1].value + beyond) / 2
+    return points[1:]
+
+
+def _load(point: Point | ContactPoint) -> float:
+    assert point.state is not None
+    return point.state.load
 
 
 def _at_value(path: Path | ConvexPath, before: Point | ContactPoint, value: float) -> Point | ContactPoint | None:

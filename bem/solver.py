@@ -55,7 +55,7 @@ class Record:
 def solve(
     scene: Scene,
     progress: Callable[[Progress], None] | None = None,
-    on_state: Callable[[State], None] | None = None,
+    on_state: Callable[[Result], None] | None = None,
     resume: Result | None = None,
 ) -> Result:
     """Solve a scene.
@@ -66,7 +66,7 @@ def solve(
     progress : callable, optional
         Called after every accepted increment.
     on_state : callable, optional
-        Called with every state kept.
+        Called with all that is kept so far, as an interrupted result, whenever a state is added.
     resume : Result, optional
         An interrupted result of the same scene: its states are kept and the path goes on from the last.
 
@@ -90,16 +90,7 @@ def solve(
         if resume is not None:
             run.take_over(resume)
         status = run.follow()
-    record = run.record
-    return Result(
-        scene=scene.resolved(),
-        effects=effects_of(scene),
-        provenance=provenance(scene.resolved()),
-        states=tuple(record.states),
-        events=tuple(record.events),
-        status=status,
-        fields=record.fields,
-    )
+    return run.result(status)
 
 
 class _Run:
@@ -110,7 +101,7 @@ class _Run:
         scene: Scene,
         problem: Problem,
         progress: Callable[[Progress], None] | None,
-        on_state: Callable[[State], None] | None,
+        on_state: Callable[[Result], None] | None,
     ) -> None:
         self.scene, self.problem = scene, problem
         self.progress, self.on_state = progress, on_state
@@ -144,6 +135,20 @@ class _Run:
         self.branch = last.branch
         self.point = self._point_of(last)
 
+    def result(self, status: str) -> Result:
+        """All that is kept so far."""
+        record = self.record
+        resolved = self.scene.resolved()
+        return Result(
+            scene=resolved,
+            effects=effects_of(self.scene),
+            provenance=provenance(resolved),
+            states=tuple(record.states),
+            events=tuple(record.events),
+            status=status,
+            fields=dict(record.fields),
+        )
+
     def follow(self) -> str:
         """Visit the remaining targets; the status of the result."""
         try:
@@ -157,7 +162,7 @@ class _Run:
 
     def _reach(self, index: int) -> str | None:
         """Follow the path to one target; None to go on, else the status with which the path ends."""
-        target, goal = self.goals[index]
+        goal = self.goals[index][1]
         if goal != self.point.value:
             self.branch = "loading" if goal > self.point.value else "unloading"
         if self._out_of_reach(goal):
@@ -180,7 +185,6 @@ class _Run:
             return "not_converged"
         self.point = polished
         self._keep(polished, target=True)
-        self._store_fields(polished, target)
         return None
 
     def _advance(self, goal: float) -> Iterator[AnyPoint]:
@@ -205,8 +209,10 @@ class _Run:
         state = self._described(point, target, status)
         self.kept = point.value
         self.record.states.append(state)
+        if target:
+            self._store_fields(point)
         if self.on_state is not None:
-            self.on_state(state)
+            self.on_state(self.result("interrupted"))
 
     def _described(self, point: AnyPoint, target: bool, status: str | None) -> State:
         load_controlled = self.scene.loading.control == "mean_pressure"
@@ -256,7 +262,6 @@ class _Run:
             if found is None:
                 continue
             self._keep(found, target=True)
-            self._store_fields(found, self._target_of(found))
             if pressure in wanted:
                 self.pressures_done += 1
             if pressure == stop:
@@ -272,8 +277,9 @@ class _Run:
             return self.problem.surface.max_height - point.value * self.problem.scales.height
         return point.value * self.problem.scales.height
 
-    def _store_fields(self, point: AnyPoint, target: float) -> None:
+    def _store_fields(self, point: AnyPoint) -> None:
         """Fields asked for at this target."""
+        target = self._target_of(point)
         stored = fields_of(self.scene, self.problem, point.state, target, self.record.shapes)
         if stored:
             self.record.fields.update(stored)

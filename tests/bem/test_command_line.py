@@ -86,7 +86,8 @@ class FakeSolver:
             progress(replace(PROGRESS, target_index=index, n_targets=len(targets)))
             self.visited.append(targets[index])
             states.append(fake_state(targets[index]))
-            on_state(states[-1])
+            resolved = scene.resolved()
+            on_state(Result(resolved, effects_of(scene), provenance(resolved), tuple(states), (), "interrupted"))
         x = np.linspace(0, 0.01, 5)
         fields = {"x_0": x, "displacement_0": x, "gap_0": x, "pressure_0": x, "patch_0": np.zeros(5)}
         resolved = scene.resolved()
@@ -356,7 +357,8 @@ def test_checkpoint_is_written_for_a_target_but_seldom_in_between(scene, tmp_pat
     between = replace(fake_state(5e-5), target=False)
     stored = []
     for state in (fake_state(6e-5), between, between, between):
-        checkpoint.keep(state)
+        kept = (*checkpoint.result.states, state)
+        checkpoint.keep(replace(checkpoint.result, states=kept))
         stored.append(len(read_result(tmp_path / "out").states))
     assert stored == [1, 1, 1, 4]
 
