@@ -1,0 +1,67 @@
+"""The error of a row: max |computed - expected| / scale, or the ratio computed / expected of a known discrepancy.
+
+A value that is missing or not a number makes the error nan, and nan never passes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from validation.schema import Row
+
+
+def error_of(row: Row) -> float:
+    """Error of a row, or its largest ratio when it has a band (the one farthest from the middle of the band).
+
+    Examples
+    --------
+    >>> from validation.schema import Reference, Row, Tolerance
+    >>> row = Row(quantity="load", unit="N/m", reference=Reference(kind="exact", source="Johnson 1995"),
+    ...           norm="absolute", expected=[1.0], computed=[1.5], tolerance=Tolerance(value=1.0, measured=0.5))
+    >>> error_of(row)
+    0.5
+    """
+    expected, computed = _numbers(row.expected), _numbers(row.computed)
+    if row.band is None:
+        return float(np.max(np.abs(computed - expected)) / row.scale)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = computed / expected
+    if not np.all(np.isfinite(ratio)):
+        return math.nan
+    return float(ratio[np.argmax(np.abs(ratio - (row.band.low + row.band.high) / 2))])
+
+
+def combined_tolerance(row: Row) -> float:
+    """What the error may be: the tolerance, but never finer than the uncertainties of both sides."""
+    if row.tolerance is None:
+        return math.nan
+    return max(row.tolerance.value, 2 * (row.uncertainty + row.reference.uncertainty) / row.scale)
+
+
+def error_over_tolerance(row: Row) -> float:
+    """Error divided by what it may be; nan for rows with a band."""
+    return error_of(row) / combined_tolerance(row)
+
+
+def fitted_order(size: Sequence[float], error: Sequence[float]) -> float:
+    """Exponent p of error ~ size^p by least squares on logarithms.
+
+    Examples
+    --------
+    >>> round(fitted_order([0.1, 0.2, 0.4], [1e-4, 4e-4, 16e-4]), 12)
+    2.0
+    """
+    return float(np.polyfit(np.log(np.asarray(size)), np.log(np.asarray(error)), 1)[0])
+
+
+def pairwise_orders(size: Sequence[float], error: Sequence[float]) -> list[float]:
+    """Exponents between neighbours, one fewer than the points."""
+    x, y = np.log(np.asarray(size)), np.log(np.asarray(error))
+    return [float(value) for value in np.diff(y) / np.diff(x)]
+
+
+def _numbers(values: Sequence[float | None]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    return np.array([math.nan if value is None else value for value in values], dtype=np.float64)

@@ -1,0 +1,163 @@
+"""What a report holds: rows with numbers, figures as data, cases, provenance.  report.json is this and nothing else.
+
+A row is refused when it lacks a reference, a quantity, a norm or an acceptance rule.  Verdicts are not stored: they
+follow from the numbers (verdict.py), so that a changed number changes the verdict.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+SCHEMA = "linecontact-report/1"
+
+ReferenceKind = Literal["exact", "manufactured", "FEM", "theory", "independent code", "self"]
+Norm = Literal["absolute", "relative", "maximum over states", "ratio"]
+Level = Literal["quick", "standard", "full"]
+Text = Annotated[str, Field(min_length=1)]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Reference(_Strict):
+    """What a quantity is compared with; `uncertainty` in the unit of the quantity (or of the scaled error)."""
+
+    kind: ReferenceKind
+    source: Text
+    uncertainty: float = Field(0.0, ge=0)
+
+
+class Tolerance(_Strict):
+    """Largest accepted error, and where it comes from: 2 to 3 times the error measured, or provisional."""
+
+    value: float = Field(gt=0)
+    measured: float = Field(ge=0)
+    basis: Literal["measured", "required", "provisional"] = "measured"
+
+    @model_validator(mode="after")
+    def _not_below_measured(self) -> Tolerance:
+        if self.measured > self.value:
+            raise ValueError(f"tolerance {self.value:g} is below the measured error {self.measured:g}")
+        return self
+
+
+class Band(_Strict):
+    """A known discrepancy: the ratio computed / expected lies in [low, high], for this cause."""
+
+    low: float
+    high: float
+    cause: Text
+    source: Text
+    review: Text
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Band:
+        if not self.low < self.high:
+            raise ValueError(f"band [{self.low:g}, {self.high:g}] is empty")
+        return self
+
+
+class Row(_Strict):
+    """One comparison.
+
+    `error` is max |computed - expected| / scale over the values; with a band it is the ratio computed / expected.
+    """
+
+    quantity: Text
+    unit: str
+    reference: Reference
+    norm: Norm
+    expected: list[float | None]
+    computed: list[float | None]
+    scale: float = Field(1.0, gt=0)
+    uncertainty: float = Field(0.0, ge=0)
+    tolerance: Tolerance | None = None
+    band: Band | None = None
+    status: Literal["run", "not run", "not converged", "error"] = "run"
+    message: str = ""
+
+    @model_validator(mode="after")
+    def _complete(self) -> Row:
+        if len(self.expected) != len(self.computed) or not self.expected:
+            raise ValueError(f"{self.quantity}: {len(self.computed)} computed for {len(self.expected)} expected values")
+        if (self.tolerance is None) == (self.band is None):
+            raise ValueError(f"{self.quantity}: needs an acceptance rule, either a tolerance or a band")
+        if (self.norm == "ratio") != (self.band is not None):
+            raise ValueError(f"{self.quantity}: the norm 'ratio' goes with a band, and only with one")
+        if self.status != "run" and not self.message:
+            raise ValueError(f"{self.quantity}: status {self.status!r} needs a message")
+        return self
+
+
+class Series(_Strict):
+    """One curve or set of points."""
+
+    label: str
+    x: list[float | None]
+    y: list[float | None]
+    style: Literal["line", "points", "dashed", "band"] = "line"
+    upper: list[float | None] | None = None
+
+
+class Panel(_Strict):
+    """Axes with their series."""
+
+    xlabel: str
+    ylabel: str
+    xscale: Literal["linear", "log"] = "linear"
+    yscale: Literal["linear", "log", "symlog"] = "linear"
+    series: list[Series]
+
+
+class Figure(_Strict):
+    """A solution above, and its signed error below where there is one."""
+
+    id: Text
+    caption: Text
+    solution: Panel
+    error: Panel | None = None
+
+
+class Table(_Strict):
+    """A table of numbers and texts."""
+
+    caption: Text
+    columns: list[str]
+    rows: list[list[str | float | int | None]]
+
+
+class CaseRecord(_Strict):
+    """All that is reported of a case."""
+
+    id: Text
+    group: Text
+    level: Level
+    question: Text
+    equations: Text
+    sources: list[str]
+    effects: list[str] = []
+    scene: str = ""
+    rows: list[Row]
+    figures: list[Figure] = []
+    tables: list[Table] = []
+    counts: dict[str, int] = {}
+    seconds: float = 0.0
+    status: Literal["run", "error", "not run"] = "run"
+    message: str = ""
+
+
+class Report(_Strict):
+    """Contents of report.json."""
+
+    schema_: Literal["linecontact-report/1"] = Field(SCHEMA, alias="schema")
+    level: str
+    command: str
+    planned: int
+    provenance: dict[str, Any]
+    cases: list[CaseRecord]
+    changes: list[str] = []
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -1,0 +1,50 @@
+"""The verdict of a row, from its numbers alone.
+
+agrees: within the tolerance, or within the combined uncertainty of both sides.  expected deviation: inside the band of
+a known discrepancy.  changed: outside that band, on either side: agreeing too well fails too.  deviates: outside the
+tolerance.  not converged, error: with a message; a value that is no number is an error.  not run: with a reason.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Literal, get_args
+
+from validation.compare import combined_tolerance, error_of
+from validation.schema import CaseRecord, Report, Row
+
+Verdict = Literal["agrees", "expected deviation", "changed", "deviates", "not converged", "error", "not run"]
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+GATING: frozenset[Verdict] = frozenset({"changed", "deviates", "not converged", "error"})
+
+
+def verdict_of(row: Row) -> Verdict:
+    """The verdict of a row."""
+    if row.status != "run":
+        return row.status
+    error = error_of(row)
+    if math.isnan(error):
+        return "error"
+    if row.band is not None:
+        return "expected deviation" if row.band.low <= error <= row.band.high else "changed"
+    return "agrees" if error <= combined_tolerance(row) else "deviates"
+
+
+def case_verdicts(case: CaseRecord) -> list[Verdict]:
+    """Verdicts of a case: those of its rows, or its own when it has none."""
+    if case.status != "run":
+        return [case.status]
+    return [verdict_of(row) for row in case.rows] or ["error"]
+
+
+def counts(cases: Iterable[CaseRecord]) -> dict[Verdict, int]:
+    """How often each verdict was given."""
+    found = [verdict for case in cases for verdict in case_verdicts(case)]
+    return {verdict: found.count(verdict) for verdict in VERDICTS}
+
+
+def fails(report: Report) -> bool:
+    """Whether anything gating failed."""
+    given = counts(report.cases)
+    return any(given[verdict] for verdict in GATING)
