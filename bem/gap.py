@@ -17,15 +17,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import dct, idct
 
+from bem import chebyshev
 from bem.collocation import Elastic, Evaluation
 from bem.patches import Patches, PatchPressure
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-SUSPICIOUS_GAP = 0.02  # of the rms height: interpolated minima below are evaluated again
+SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
 POINTS_PER_WAVELENGTH = 10
 NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
 
@@ -118,25 +118,25 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
     """
     patches = field.state.patches
     waves = patches.gap_after * (field.elastic.profile.max_order / (2 * np.pi))
-    coarse = np.ceil(10 + 5 * np.sqrt(waves)).astype(np.int64)
+    coarse = np.ceil(8 + 4 * np.sqrt(waves)).astype(np.int64)
     fine = np.ceil(20 + POINTS_PER_WAVELENGTH * np.pi / 2 * waves).astype(np.int64)
     sample_gap = np.repeat(np.arange(patches.count), coarse)
-    samples = field.displacement(_clustered(patches, coarse), sample_gap)
-    position = _clustered(patches, fine)
+    sample_angles = [np.pi / 2 * (1 - chebyshev.basis_nodes(int(n))) for n in coarse]
+    samples = field.displacement(_in_gaps(patches, sample_angles), sample_gap)
+    angles = [(np.arange(n) + 0.5) * np.pi / n for n in fine]
+    position = _in_gaps(patches, angles)
     gap = np.repeat(np.arange(patches.count), fine)
-    displacement = np.concatenate(
-        [
-            _interpolated(part, int(size))
-            for part, size in zip(np.split(samples, np.cumsum(coarse)[:-1]), fine, strict=True)
-        ]
-    )
+    parts = zip(np.split(samples, np.cumsum(coarse)[:-1]), angles, strict=True)
+    displacement = np.concatenate([_at_angles(part, angle) for part, angle in parts])
     profile = field.elastic.profile
     value = displacement - (profile.height(position) - profile.max_height + field.state.penetration)
     before = np.concatenate([[np.inf], value[:-1]])
     after = np.concatenate([value[1:], [np.inf]])
     before[np.flatnonzero(np.diff(gap, prepend=-1))] = np.inf
     after[np.flatnonzero(np.diff(gap, append=-1))] = np.inf
-    lowest = np.flatnonzero((value < threshold) & (value <= before) & (value < after))
+    with np.errstate(invalid="ignore"):
+        sag = np.maximum(before + after - 2 * value, 0.0)
+    lowest = np.flatnonzero((value - sag < threshold) & (value <= before) & (value < after))
     inner = lowest[np.isfinite(before[lowest]) & np.isfinite(after[lowest])]
     if inner.size == 0:
         return GapMinima(np.empty(0), np.empty(0), np.empty(0, dtype=np.int64))
@@ -146,21 +146,19 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
     return GapMinima(vertex, depth, gap[inner])
 
 
-def _clustered(patches: Patches, points: IntArray) -> FloatArray:
-    """Points b + g (1 - cos theta)/2 of every gap, theta = (k + 1/2) pi / n, joined."""
+def _in_gaps(patches: Patches, angles: list[FloatArray]) -> FloatArray:
+    """Points b + g (1 - cos theta)/2 of every gap, joined."""
     return np.concatenate(
         [
-            edge + width * (0.5 - 0.5 * np.cos((np.arange(n) + 0.5) * np.pi / n))
-            for edge, width, n in zip(patches.right, patches.gap_after, points, strict=True)
+            edge + width * (0.5 - 0.5 * np.cos(angle))
+            for edge, width, angle in zip(patches.right, patches.gap_after, angles, strict=True)
         ]
     )
 
 
-def _interpolated(samples: FloatArray, points: int) -> FloatArray:
-    """Cosine series through samples at (k + 1/2) pi / n, evaluated at (k + 1/2) pi / points."""
-    series = np.zeros(points)
-    series[: samples.size] = dct(samples, type=2) / samples.size
-    return np.asarray(idct(series * points, type=2))
+def _at_angles(samples: FloatArray, angle: FloatArray) -> FloatArray:
+    """Chebyshev series in theta through samples at the nodes of [0, pi], at other angles."""
+    return np.asarray(np.polynomial.chebyshev.chebval(1 - 2 * angle / np.pi, chebyshev.coefficients(samples)))
 
 
 def _parabola_vertex(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

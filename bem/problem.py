@@ -23,6 +23,8 @@ from bem.scene import Scene
 
 FloatArray = NDArray[np.float64]
 
+KERNEL_TRUNCATION = 1e-14  # of the layer's series; its terms are cheap
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -90,7 +92,7 @@ def pose(scene: Scene, surface: Profile) -> Problem:
         layer = import_module("bem.layer").Layer(scene.layer.thickness)
         mean_compliance = layer.mean_compliance(solid)
         if not layer.is_negligible(solid, surface.period, 0.1 * scene.accuracy.tolerance):
-            kernel = layer.kernel(solid, surface.period, 1e-3 * scene.accuracy.tolerance)
+            kernel = layer.kernel(solid, surface.period, KERNEL_TRUNCATION)
             elastic, ratio = Elastic(profile, (kernel,)), kernel.ratio
     control = _control(scene.loading.control, scales, mean_compliance)
     return Problem(surface, profile, scales, elastic, control, law, mean_compliance, ratio)
