@@ -218,7 +218,7 @@ class Path:
         return self._resolve(point, point.value, fine.balance is None, fine=True)
 
     def polished_at(self, point: Point, value: float) -> Point | None:
-        """The point at another control value on the same branch, at the accuracy of a target, if Newton gets there."""
+        """The point at another control value on the same branch, at the accuracy of a target, if there is one."""
         assert point.balance is not None
         inc, here = self.increments, point.balance.state
         predicted = here.patches.moved(self._predicted(point, value))
@@ -226,7 +226,7 @@ class Path:
             return None
         fine = correct(self.system, predicted, here.penetration, value, inc.fine_tolerance, inc.fine_closure)
         self.effort.evaluations += fine.evaluations
-        if fine.balance is None:
+        if fine.balance is None or interpenetration(self.system, fine.balance.state, inc.allowed).position.size:
             return None
         return Point("converged", value, fine.balance, (), self.tangent(fine.balance))
 
