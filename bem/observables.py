@@ -1,0 +1,146 @@
+"""Observables of a state as the arrays of fields.npz, in SI units: only those asked for are imported and computed.
+
+shapes:                 x_k, displacement_k, gap_k (m), pressure_k (Pa, nan outside contact), patch_k (-1 outside)
+spectra:                q (rad/m), C_h, C_u_k (m^3), C_sigma_k (Pa^2 m), two-sided per line, at q = m q0
+pressure_distribution:  sigma_k (Pa, bin centers), P_k (1/Pa, mean over the bin), sigma_bounds_k (Pa),
+                        outside_contact_k (weight of the delta function at zero), tail_coefficient_k (Pa^2)
+width_distributions:    patch_width_k, gap_width_k (m, sorted), patch_share_k, gap_share_k (share up to that width)
+
+k is the index of the stored state.  Methods: shapes.py, spectra.py, pressure_distribution.py, width_distributions.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.complete_contact import CompleteContact
+from bem.patches import PatchPressure
+from bem.problem import Problem
+
+if TYPE_CHECKING:
+    from bem.pressure_distribution import PressureDistribution
+    from bem.shapes import Shape
+    from bem.spectra import Spectra
+
+Fields = dict[str, NDArray[Any]]
+
+
+def contact_fields(
+    wanted: Collection[str], problem: Problem, pressure: PatchPressure, penetration: float, index: int
+) -> Fields:
+    """Arrays of a state with patches and gaps, or without any patch (separated).
+
+    Parameters
+    ----------
+    wanted : collection of {"shapes", "spectra", "pressure_distribution", "width_distributions"}
+    problem : Problem
+    pressure : PatchPressure
+        Dimensionless.
+    penetration : float
+        Delta, dimensionless.
+    index : int
+        k of the names.
+    """
+    fields: Fields = {}
+    if "shapes" in wanted:
+        fields |= _contact_shape(problem, pressure, penetration, index)
+    if "spectra" in wanted:
+        from bem.spectra import spectra
+
+        fields |= _spectra(problem, spectra(problem.profile, pressure, None, problem.compliance_ratio), index)
+    if "pressure_distribution" in wanted:
+        from bem.pressure_distribution import pressure_distribution
+
+        fields |= _distribution(problem, pressure_distribution(pressure), index)
+    if "width_distributions" in wanted:
+        gaps = np.append(pressure.left[1:], pressure.left[:1] + 2 * np.pi) - pressure.right
+        fields |= _widths(problem, pressure.right - pressure.left, gaps, index)
+    return fields
+
+
+def complete_contact_fields(
+    wanted: Collection[str], problem: Problem, complete: CompleteContact, load: float, index: int
+) -> Fields:
+    """Arrays of complete contact under a dimensionless load; widths are empty, there being no edge.
+
+    Parameters
+    ----------
+    wanted : collection of {"shapes", "spectra", "pressure_distribution", "width_distributions"}
+    problem : Problem
+    complete : CompleteContact
+    load : float
+        Dimensionless, per period.
+    index : int
+        k of the names.
+    """
+    fields: Fields = {}
+    mean = load / (2 * np.pi)
+    if "shapes" in wanted:
+        from bem.shapes import complete_contact_shape
+
+        fields |= _shape(problem, complete_contact_shape(problem.profile, complete.pressure, mean), index)
+    if "spectra" in wanted:
+        from bem.spectra import complete_contact_spectra
+
+        fields |= _spectra(problem, complete_contact_spectra(problem.profile, None, problem.compliance_ratio), index)
+    if "pressure_distribution" in wanted:
+        from bem.pressure_distribution import complete_contact_distribution
+
+        fields |= _distribution(problem, complete_contact_distribution(complete.pressure, mean), index)
+    if "width_distributions" in wanted:
+        fields |= _widths(problem, np.empty(0), np.empty(0), index)
+    return fields
+
+
+def _contact_shape(problem: Problem, pressure: PatchPressure, penetration: float, index: int) -> Fields:
+    from bem.shapes import separated_shape, shape
+
+    if pressure.left.size == 0:
+        return _shape(problem, separated_shape(problem.profile, penetration), index)
+    return _shape(problem, shape(problem.profile, pressure, penetration, problem.compliance_ratio), index)
+
+
+def _shape(problem: Problem, found: Shape, index: int) -> Fields:
+    scales = problem.scales
+    return {
+        f"x_{index}": found.x * scales.length,
+        f"displacement_{index}": found.displacement * scales.height,
+        f"gap_{index}": found.gap * scales.height,
+        f"pressure_{index}": found.pressure * scales.stress,
+        f"patch_{index}": found.patch,
+    }
+
+
+def _spectra(problem: Problem, found: Spectra, index: int) -> Fields:
+    scales = problem.scales
+    return {
+        "q": found.orders / scales.length,
+        "C_h": found.profile * (scales.height**2 * scales.length),
+        f"C_u_{index}": found.displacement * (scales.height**2 * scales.length),
+        f"C_sigma_{index}": found.pressure * (scales.stress**2 * scales.length),
+    }
+
+
+def _distribution(problem: Problem, found: PressureDistribution, index: int) -> Fields:
+    stress = problem.scales.stress
+    return {
+        f"sigma_{index}": found.pressures * stress,
+        f"P_{index}": found.density / stress,
+        f"sigma_bounds_{index}": found.levels * stress,
+        f"outside_contact_{index}": np.array(found.outside_contact),
+        f"tail_coefficient_{index}": np.array(found.tail_coefficient * stress**2),
+    }
+
+
+def _widths(problem: Problem, patches: NDArray[np.float64], gaps: NDArray[np.float64], index: int) -> Fields:
+    from bem.width_distributions import width_distribution
+
+    fields: Fields = {}
+    for name, widths in (("patch", patches), ("gap", gaps)):
+        found = width_distribution(widths * problem.scales.length)
+        fields |= {f"{name}_width_{index}": found.widths, f"{name}_share_{index}": found.number_share}
+    return fields

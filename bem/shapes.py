@@ -1,0 +1,162 @@
+"""Shapes of a state: displacement, gap, pressure and patch on a grid that resolves edges and wavelengths.
+
+Every patch and every gap has points of its own, clustered at its ends as x = a + w (1 - cos theta)/2 with equidistant
+theta, where displacement and gap are smooth functions of theta although they leave an edge like a square root, and so
+is sigma sin(theta) although sigma is singular.  No point lies on an edge.  In contact the displacement is that of the
+profile, u = h - h_max + Delta; in gaps it is the integral of the pressure (displacement.py).
+
+Dimensionless (scaling.py), displacements mean-free.  Limits: 16 points per shortest wavelength in the middle of a
+patch or gap, at least 24 on each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import dct
+
+from bem.displacement import ComplianceRatio, DisplacementField, GapPoints
+from bem.patches import PatchPressure
+from bem.profile import Profile
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+POINTS_PER_WAVELENGTH = 16
+LEAST_POINTS = 24
+OUTSIDE = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """Fields along the period, dimensionless; all (n_points,).
+
+    Attributes
+    ----------
+    x : positions in [0, 2 pi), increasing
+    displacement : mean-free interface displacement u
+    gap : u - (h - h_max + Delta), zero in contact
+    pressure : sigma, nan outside contact
+    patch : index of the patch, -1 outside contact
+    """
+
+    x: FloatArray
+    displacement: FloatArray
+    gap: FloatArray
+    pressure: FloatArray
+    patch: IntArray
+
+
+def shape(
+    profile: Profile,
+    pressure: PatchPressure,
+    penetration: float,
+    compliance_ratio: ComplianceRatio | None = None,
+) -> Shape:
+    """Fields of a state with patches and gaps.
+
+    Parameters
+    ----------
+    profile : Profile
+        Dimensionless.
+    pressure : PatchPressure
+        Dimensionless, at least one patch.
+    penetration : float
+        Delta, dimensionless.
+    compliance_ratio : callable, optional
+        Compliance of a layer over that of the half-space for orders m >= 1, (n,) to (n,).
+
+    Raises
+    ------
+    ValueError
+        No patch: `separated_shape` and `complete_contact_shape` hold then.
+    """
+    if pressure.left.size == 0:
+        raise ValueError("pressure: without patches use separated_shape or complete_contact_shape")
+    density = POINTS_PER_WAVELENGTH / 4 * profile.max_order
+    gap_width = np.append(pressure.left[1:], pressure.left[:1] + 2 * np.pi) - pressure.right
+    patch_count, gap_count = _points(pressure.right - pressure.left, density), _points(gap_width, density)
+    patch, gap = np.repeat(np.arange(patch_count.size), patch_count), np.repeat(np.arange(gap_count.size), gap_count)
+
+    inner_x = pressure.left[patch] + _clustered(pressure.right - pressure.left, patch_count)
+    from_left = _clustered(gap_width, gap_count)
+    points = GapPoints(gap, from_left, gap_width[gap] - from_left)
+    field = DisplacementField(pressure, compliance_ratio)
+    outer_x, outer = field.positions(points), field.in_gaps(points)
+
+    inner = _contact_shape(profile, inner_x, penetration)
+    sigma = np.concatenate(
+        [
+            _pressure_at_midpoints(charge, n) / r
+            for charge, n, r in zip(pressure.charges, patch_count, (pressure.right - pressure.left) / 2, strict=True)
+        ]
+    )
+    x = np.concatenate([inner_x, outer_x]) % (2 * np.pi)
+    order = np.argsort(x, kind="stable")
+    return Shape(
+        x=x[order],
+        displacement=np.concatenate([inner, outer])[order],
+        gap=np.concatenate([np.zeros(inner.size), outer - _contact_shape(profile, outer_x, penetration)])[order],
+        pressure=np.concatenate([sigma, np.full(outer.size, np.nan)])[order],
+        patch=np.concatenate([patch, np.full(outer.size, OUTSIDE)])[order],
+    )
+
+
+def separated_shape(profile: Profile, penetration: float) -> Shape:
+    """Fields of surfaces apart, on a uniform grid: no displacement, no pressure."""
+    x = _uniform(profile)
+    return Shape(
+        x=x,
+        displacement=np.zeros(x.size),
+        gap=-_contact_shape(profile, x, penetration),
+        pressure=np.full(x.size, np.nan),
+        patch=np.full(x.size, OUTSIDE),
+    )
+
+
+def complete_contact_shape(profile: Profile, pressure: Profile, mean_pressure: float) -> Shape:
+    """Fields of complete contact, on a uniform grid: u = h, sigma = sigma_0 + its zero-mean part `pressure`."""
+    x = _uniform(profile)
+    return Shape(
+        x=x,
+        displacement=profile.height(x),
+        gap=np.zeros(x.size),
+        pressure=mean_pressure + pressure.height(x),
+        patch=np.zeros(x.size, dtype=np.int64),
+    )
+
+
+def _contact_shape(profile: Profile, x: FloatArray, penetration: float) -> FloatArray:
+    """h - h_max + Delta, (n,)."""
+    return np.asarray(profile.height(x) - profile.max_height + penetration)
+
+
+def _points(width: FloatArray, density: float) -> IntArray:
+    """Points on intervals of these widths, (n,)."""
+    return np.maximum(np.ceil(density * width), LEAST_POINTS).astype(np.int64)
+
+
+def _clustered(width: FloatArray, count: IntArray) -> FloatArray:
+    """Distances width (1 - cos theta)/2 from the start of every interval, joined."""
+    share = [np.sin((np.arange(n) + 0.5) * (np.pi / 2 / n)) ** 2 for n in count]
+    joined: FloatArray = np.repeat(width, count) * np.concatenate(share)
+    return joined
+
+
+def _pressure_at_midpoints(charge: FloatArray, n: int) -> FloatArray:
+    """r sigma at t = -cos(theta), theta = (k + 1/2) pi / n, (n,)."""
+    factor = -(-charge.size // n)
+    factor += 1 - factor % 2  # an odd multiple of n has the points among its own
+    padded = np.zeros(n * factor)
+    padded[: charge.size] = charge / 2
+    padded[0] = charge[0]
+    q: FloatArray = dct(padded, type=3)[factor // 2 :: factor][::-1]
+    return np.asarray(q / np.sin((np.arange(n) + 0.5) * np.pi / n))
+
+
+def _uniform(profile: Profile) -> FloatArray:
+    """Uniform points, 16 per shortest wavelength and at least 256."""
+    n = max(POINTS_PER_WAVELENGTH * profile.max_order, 256)
+    return np.linspace(0.0, 2 * np.pi, n, endpoint=False)
