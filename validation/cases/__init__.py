@@ -1,0 +1,9 @@
+"""The registry: every group of cases is one module, listed here in the order of the report."""
+
+MODULES: tuple[str, ...] = (
+    "validation.cases.sinusoid",
+    "validation.cases.complete",
+    "validation.cases.identities",
+    "validation.cases.path_convergence",
+    "validation.cases.paper_profile",
+)

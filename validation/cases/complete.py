@@ -1,0 +1,87 @@
+"""Complete contact under load control: a rough profile pressed flat, against the closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import bem
+from validation import adapters
+from validation.case import Case, Outcome
+from validation.cases.closed_forms import full_contact_amplitudes
+from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
+
+
+def _complete() -> Outcome:
+    posed = adapters.scene("rough_100")
+    surface = posed.surface()
+    modulus = 1e6 / (1 - 0.5**2)
+    amplitude = full_contact_amplitudes(surface.orders, surface.amplitudes, surface.period, modulus)
+    x = np.linspace(0, surface.period, 1 << 17, endpoint=False)
+    phase = 2 * np.pi * np.outer(x / surface.period, surface.orders) + surface.phases
+    shape = np.cos(phase) @ amplitude
+    least = -float(shape.min())
+    energy = float(np.sum(amplitude * surface.amplitudes)) / 4
+    pressures = [0.5 * least, 0.98 * least, 1.02 * least]
+    changes = {"adhesion": None, "loading": {"control": "mean_pressure", "targets": pressures}}
+    result = bem.solve(adapters.scene("rough_100", changes))
+    last = result.targets[-1]
+    source = Reference(kind="exact", source="every mode carries E* m q0 h_m / 2", uncertainty=0.0)
+    rows = (
+        Row(
+            quantity="elastic energy per nominal area, relative",
+            unit="J/m^2",
+            reference=source,
+            norm="relative",
+            expected=[energy],
+            computed=[last.elastic_energy],
+            scale=energy,
+            tolerance=Tolerance(value=1e-13, measured=MEASURED_ENERGY),
+        ),
+        Row(
+            quantity="contact fraction just above the pressure of complete contact",
+            unit="",
+            reference=source,
+            norm="absolute",
+            expected=[1.0],
+            computed=[last.contact_fraction],
+            tolerance=Tolerance(value=1e-15, measured=0.0, basis="required"),
+        ),
+        Row(
+            quantity="gaps left just below that pressure (1: some)",
+            unit="",
+            reference=source,
+            norm="absolute",
+            expected=[1.0],
+            computed=[float(result.targets[-2].contact_fraction < 1)],
+            tolerance=Tolerance(value=1e-15, measured=0.0, basis="required"),
+        ),
+    )
+    part = slice(0, 1 << 17, 1 << 6)
+    figure = Figure(
+        id="complete-contact",
+        caption="Pressure of complete contact under the least mean pressure that keeps it compressive everywhere.",
+        solution=Panel(
+            xlabel="x / mm",
+            ylabel="pressure / MPa",
+            series=[Series(label="closed form", x=(x[part] * 1e3).tolist(), y=((shape + least)[part] / 1e6).tolist())],
+        ),
+    )
+    counts = {"evaluations": sum(state.evaluations for state in result.states)}
+    return Outcome(rows=rows, figures=(figure,), counts=counts)
+
+
+MEASURED_ENERGY = 0.0
+
+CASES = (
+    Case(
+        id="complete-contact",
+        group="closed forms",
+        level="quick",
+        question="Does load control end in complete contact at the right pressure and with the right energy?",
+        equations="sigma = sigma_0 + sum E* m q0 h_m / 2 cos(m q0 x + phi_m),  U_el = sum E* m q0 h_m^2 / 8",
+        sources=("carbone2009", "johnson1995"),
+        compute=_complete,
+        effects=("half_space", "load_control"),
+        scene=adapters.scene_text("rough_100"),
+    ),
+)

@@ -1,0 +1,384 @@
+"""Statements that hold for any profile: energy release rate, mean gap, work balance along a path with events."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+import bem
+from bem.result import Result
+from validation import adapters
+from validation.case import Case, Outcome
+from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
+
+PROFILE = {"period": 0.01, "hurst": 0.7, "rms_height": 50e-6, "harmonics": 60, "seed": 4}
+STEP = 1e-4  # of the width of the narrowest patch, in differences
+
+
+def _energy_release() -> Outcome:
+    profile = bem.Profile.self_affine(**PROFILE)
+    solid = bem.Solid(1e6, 0.5)
+    x = np.linspace(0, profile.period, 4001)
+    height = profile.height(x)
+    level = np.quantile(height, 0.75)
+    above = height > level
+    start, stop = np.flatnonzero(above & ~np.roll(above, 1)), np.flatnonzero(above & ~np.roll(above, -1))
+    if stop[0] < start[0]:
+        stop = np.roll(stop, -1)
+    edges = np.stack([x[start], np.where(x[stop] < x[start], x[stop] + profile.period, x[stop])], axis=1)
+    edges = edges[np.argsort(edges[:, 0])]
+    penetration = profile.max_height - float(level)
+    adhesion = bem.Adhesion(0.03, slope_term=True)
+
+    def state(changed: np.ndarray[tuple[int, int], np.dtype[np.float64]], depth: float) -> bem.ContactState:
+        return bem.ContactState(profile, solid, changed, depth, adhesion=adhesion)
+
+    here = state(edges, penetration)
+    step = STEP * float(np.min(edges[:, 1] - edges[:, 0]))
+    difference = []
+    for index in range(edges.size):
+        moved = np.zeros(edges.size)
+        moved[index] = step
+        energies = [state(edges + sign * moved.reshape(edges.shape), penetration).energy for sign in (1, -1)]
+        difference.append((energies[0] - energies[1]) / (2 * step))
+    depth_step = 1e-4 * profile.rms_height
+    ahead, back = state(edges, penetration + depth_step), state(edges, penetration - depth_step)
+    gradient = here.gradient.ravel()
+    scale = float(np.abs(gradient).max())
+    slope = (ahead.energy - back.energy) / (2 * depth_step)
+    source = Reference(kind="self", source="central differences of the energy at moved edges")
+    rows = (
+        Row(
+            quantity="dU/d(edge) = G - w at every edge, over the largest",
+            unit="J/m^2",
+            reference=source,
+            norm="relative",
+            expected=difference,
+            computed=gradient.tolist(),
+            scale=scale,
+            tolerance=Tolerance(value=MEASURED_GRADIENT * 2.5, measured=MEASURED_GRADIENT),
+        ),
+        Row(
+            quantity="dU/d(penetration) = load, relative",
+            unit="N/m",
+            reference=source,
+            norm="relative",
+            expected=[slope],
+            computed=[here.load],
+            scale=abs(here.load),
+            tolerance=Tolerance(value=MEASURED_LOAD * 2.5, measured=MEASURED_LOAD),
+        ),
+    )
+    order = np.arange(edges.size).tolist()
+    figure = Figure(
+        id="energy-release",
+        caption="Derivative of the energy by each edge: from the stress intensity, and by differences.",
+        solution=Panel(
+            xlabel="edge",
+            ylabel="dU/d(edge) / (J/m^2)",
+            series=[
+                Series(label="central difference", x=order, y=difference),
+                Series(label="G - w", x=order, y=gradient.tolist(), style="points"),
+            ],
+        ),
+        error=Panel(
+            xlabel="edge",
+            ylabel="signed error / (J/m^2)",
+            series=[
+                Series(label="bem", x=order, y=(gradient - np.array(difference)).tolist(), style="points"),
+            ],
+        ),
+    )
+    return Outcome(rows=rows, figures=(figure,), counts={"unknowns": here.evaluation.unknowns})
+
+
+def _mean_gap(state: bem.result.State, profile: bem.Profile) -> float:
+    """Mean gap over a period, by Gauss-Legendre in the angle that clusters points at the edges."""
+    edges = np.array(state.edges)
+    solved = bem.ContactState(profile, bem.Solid(1e6, 0.5), edges, state.penetration)
+    total = 0.0
+    node, weight = np.polynomial.legendre.leggauss(600)
+    theta = np.pi / 2 * (node + 1)
+    for (_, left), (right, _) in pairwise([*edges, edges[0] + profile.period]):
+        width = right - left
+        x = left + width * (1 - np.cos(theta)) / 2
+        gap = solved.displacement(x) - (profile.height(x) - profile.max_height + state.penetration)
+        total += float(np.sum(weight * gap * np.sin(theta))) * np.pi / 4 * width
+    return total / profile.period
+
+
+def _path_identities() -> Outcome:
+    posed = adapters.scene("rough_100", {"accuracy": {"max_increment": 0.01}})
+    result = bem.solve(posed)
+    profile = posed.surface()
+    touching = [state for state in result.targets if state.n_patches]
+    gaps = [_mean_gap(state, profile) for state in touching]
+    separations = [state.separation for state in touching]
+    work, change, loop = _work_balance(result)
+    released = sum(event.energy_released or 0.0 for event in result.events)
+    released_least = min(event.energy_released or 0.0 for event in result.events)
+    rows = (
+        Row(
+            quantity="mean gap = separation, over rms height",
+            unit="m",
+            reference=Reference(kind="exact", source="integral of the gap over a period"),
+            norm="maximum over states",
+            expected=separations,
+            computed=gaps,
+            scale=profile.rms_height,
+            tolerance=Tolerance(value=MEASURED_GAP * 2.5, measured=MEASURED_GAP),
+        ),
+        Row(
+            quantity="work of the load between events = change of U, over the work",
+            unit="J/m^2",
+            reference=Reference(kind="exact", source="first law on the branches"),
+            norm="relative",
+            expected=[work],
+            computed=[change],
+            scale=abs(work),
+            tolerance=Tolerance(value=MEASURED_WORK * 2.5, measured=MEASURED_WORK),
+        ),
+        Row(
+            quantity="energy released by events = work of the closed loop, over that work",
+            unit="J/m^2",
+            reference=Reference(kind="exact", source="first law on the loop, apart to apart"),
+            norm="relative",
+            expected=[loop],
+            computed=[released],
+            scale=abs(loop),
+            tolerance=Tolerance(value=MEASURED_LOOP * 2.5, measured=MEASURED_LOOP),
+        ),
+        Row(
+            quantity="events that would release negative energy",
+            unit="",
+            reference=Reference(kind="exact", source="second law"),
+            norm="absolute",
+            expected=[0.0],
+            computed=[float(released_least < 0)],
+            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
+        ),
+    )
+    loading = [state for state in result.states if state.branch == "loading"]
+    unloading = [state for state in result.states if state.branch == "unloading"]
+    figure = Figure(
+        id="hysteresis",
+        caption="Mean pressure against separation: adhesion makes loading and unloading differ.",
+        solution=Panel(
+            xlabel="separation / um",
+            ylabel="mean pressure / kPa",
+            series=[
+                Series(
+                    label=label,
+                    x=[state.separation * 1e6 for state in states],
+                    y=[state.mean_pressure / 1e3 for state in states],
+                    style=style,
+                )
+                for label, states, style in (("loading", loading, "line"), ("unloading", unloading, "dashed"))
+            ],
+        ),
+    )
+    counts = {
+        "evaluations": sum(state.evaluations for state in result.states),
+        "events": len(result.events),
+        "states": len(result.states),
+    }
+    return Outcome(rows=rows, figures=(figure,), counts=counts)
+
+
+def _work_balance(result: Result) -> tuple[float, float, float]:
+    """Work of the load between events and the change of U there; work of the whole loop; J/m^2.
+
+    The load is integrated by the Hermite rule with its exact slope where no event lies between two states, else by the
+    trapezoidal rule, which is what limits the accuracy of the loop.
+    """
+    work = change = loop = 0.0
+    marks = [event.penetration for event in result.events]
+    for first, second in pairwise(result.states):
+        low, high = sorted((first.penetration, second.penetration))
+        span = second.penetration - first.penetration
+        area = span * (first.mean_pressure + second.mean_pressure) / 2
+        touching = first.n_patches and second.n_patches and first.branch == second.branch
+        if touching and not any(low - 1e-15 <= mark <= high + 1e-15 for mark in marks):
+            area += span**2 * ((first.contact_stiffness or 0.0) - (second.contact_stiffness or 0.0)) / 12
+            work += area
+            change += second.total_energy - first.total_energy
+        loop += area
+    return work, change, loop
+
+
+MEASURED_GRADIENT * 2.5, measured=MEASURED_GRADIENT),
+        ),
+        Row(
+            quantity="dU/d(penetration) = load, relative",
+            unit="N/m",
+            reference=source,
+            norm="relative",
+            expected=[slope],
+            computed=[here.load],
+            scale=abs(here.load),
+            tolerance=Tolerance(value=MEASURED_LOAD * 2.5, measured=MEASURED_LOAD),
+        ),
+    )
+    order = np.arange(edges.size).tolist()
+    figure = Figure(
+        id="energy-release",
+        caption="Derivative of the energy by each edge: from the stress intensity, and by differences.",
+        solution=Panel(
+            xlabel="edge",
+            ylabel="dU/d(edge) / (J/m^2)",
+            series=[
+                Series(label="central difference", x=order, y=difference),
+                Series(label="G - w", x=order, y=gradient.tolist(), style="points"),
+            ],
+        ),
+        error=Panel(
+            xlabel="edge",
+            ylabel="signed error / (J/m^2)",
+            series=[
+                Series(label="bem", x=order, y=(gradient - np.array(difference)).tolist(), style="points"),
+            ],
+        ),
+    )
+    return Outcome(rows=rows, figures=(figure,), counts={"unknowns": here.evaluation.unknowns})
+
+
+def _mean_gap(state: bem.result.State, profile: bem.Profile) -> float:
+    """Mean gap over a period, by Gauss-Legendre in the angle that clusters points at the edges."""
+    edges = np.array(state.edges)
+    solved = bem.ContactState(profile, bem.Solid(1e6, 0.5), edges, state.penetration)
+    total = 0.0
+    node, weight = np.polynomial.legendre.leggauss(600)
+    theta = np.pi / 2 * (node + 1)
+    for (_, left), (right, _) in pairwise([*edges, edges[0] + profile.period]):
+        width = right - left
+        x = left + width * (1 - np.cos(theta)) / 2
+        gap = solved.displacement(x) - (profile.height(x) - profile.max_height + state.penetration)
+        total += float(np.sum(weight * gap * np.sin(theta))) * np.pi / 4 * width
+    return total / profile.period
+
+
+def _path_identities() -> Outcome:
+    posed = adapters.scene("rough_100", {"accuracy": {"max_increment": 0.01}})
+    result = bem.solve(posed)
+    profile = posed.surface()
+    touching = [state for state in result.targets if state.n_patches]
+    gaps = [_mean_gap(state, profile) for state in touching]
+    separations = [state.separation for state in touching]
+    work, change, loop = _work_balance(result)
+    released = sum(event.energy_released or 0.0 for event in result.events)
+    released_least = min(event.energy_released or 0.0 for event in result.events)
+    rows = (
+        Row(
+            quantity="mean gap = separation, over rms height",
+            unit="m",
+            reference=Reference(kind="exact", source="integral of the gap over a period"),
+            norm="maximum over states",
+            expected=separations,
+            computed=gaps,
+            scale=profile.rms_height,
+            tolerance=Tolerance(value=MEASURED_GAP * 2.5, measured=MEASURED_GAP),
+        ),
+        Row(
+            quantity="work of the load between events = change of U, over the work",
+            unit="J/m^2",
+            reference=Reference(kind="exact", source="first law on the branches"),
+            norm="relative",
+            expected=[work],
+            computed=[change],
+            scale=abs(work),
+            tolerance=Tolerance(value=MEASURED_WORK * 2.5, measured=MEASURED_WORK),
+        ),
+        Row(
+            quantity="energy released by events = work of the closed loop, over that work",
+            unit="J/m^2",
+            reference=Reference(kind="exact", source="first law on the loop, apart to apart"),
+            norm="relative",
+            expected=[loop],
+            computed=[released],
+            scale=abs(loop),
+            tolerance=Tolerance(value=MEASURED_LOOP * 2.5, measured=MEASURED_LOOP),
+        ),
+        Row(
+            quantity="events that would release negative energy",
+            unit="",
+            reference=Reference(kind="exact", source="second law"),
+            norm="absolute",
+            expected=[0.0],
+            computed=[float(released_least < 0)],
+            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
+        ),
+    )
+    loading = [state for state in result.states if state.branch == "loading"]
+    unloading = [state for state in result.states if state.branch == "unloading"]
+    figure = Figure(
+        id="hysteresis",
+        caption="Mean pressure against separation: adhesion makes loading and unloading differ.",
+        solution=Panel(
+            xlabel="separation / um",
+            ylabel="mean pressure / kPa",
+            series=[
+                Series(
+                    label=label,
+                    x=[state.separation * 1e6 for state in states],
+                    y=[state.mean_pressure / 1e3 for state in states],
+                    style=style,
+                )
+                for label, states, style in (("loading", loading, "line"), ("unloading", unloading, "dashed"))
+            ],
+        ),
+    )
+    counts = {
+        "evaluations": sum(state.evaluations for state in result.states),
+        "events": len(result.events),
+        "states": len(result.states),
+    }
+    return Outcome(rows=rows, figures=(figure,), counts=counts)
+
+
+def _work_balance(result: Result) -> tuple[float, float, float]:
+    """Work of the load along the path by a Hermite rule, change of U, and energy released, J/m^2.
+
+    Between states the load is integrated with its exact slope; intervals that hold an event are left out of the work and
+    counted by their energies alone, so that the rule needs no model of the jump.
+    """
+    work = change = released = 0.0
+    marks = [event.penetration for event in result.events]
+    for first, second in pairwise(result.states):
+        low, high = sorted((first.penetration, second.penetration))
+        if first.n_patches == 0 or second.n_patches == 0 or first.branch != second.branch:
+            continue
+        if any(low - 1e-15 <= mark <= high + 1e-15 for mark in marks):
+            continue
+        span = second.penetration - first.penetration
+        slopes = (first.contact_stiffness or 0.0) - (second.contact_stiffness or 0.0)
+        work += span * (first.mean_pressure + second.mean_pressure) / 2 + span**2 * slopes / 12
+        change += second.total_energy - first.total_energy
+    return work, change, released
+
+
+MEASURED_GRADIENT, MEASURED_LOAD, MEASURED_GAP, MEASURED_WORK, MEASURED_LOOP = 1.0, 1.0, 1.0, 1.0, 1.0
+
+CASES = (
+    Case(
+        id="energy-release-rate",
+        group="identities",
+        level="quick",
+        question="Is the derivative of the energy by an edge the energy release rate less the work of adhesion?",
+        equations="dU/db = G - w, dU/da = -(G - w), G = K^2 / 2E*, w = gamma sqrt(1 + h'^2), dU/dDelta = load",
+        sources=("carbone2009",),
+        compute=_energy_release,
+        effects=("half_space", "adhesion", "slope_term"),
+    ),
+    Case(
+        id="path-identities",
+        group="identities",
+        level="quick",
+        question="Do mean gap, work balance and dissipation hold along a loading and unloading path with events?",
+        equations="s = mean gap;  int sigma_0 dDelta = U_2 - U_1 + energy released;  energy released >= 0",
+        sources=("carbone2009",),
+        compute=_path_identities,
+        effects=("half_space", "adhesion", "slope_term", "unloading"),
+        scene=adapters.scene_text("rough_100"),
+    ),
+)

@@ -1,0 +1,237 @@
+"""One sinusoid: the JKR curve of Johnson on a whole loop, and Westergaard's without adhesion, against closed forms."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+import bem
+from bem.result import Result
+from validation import adapters
+from validation.case import Case, Outcome
+from validation.cases.closed_forms import Sinusoid
+from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
+
+AMPLITUDE, WAVELENGTH, YOUNGS_MODULUS, POISSON_RATIO = 1e-4, 0.01, 1e6, 0.5
+EQUATIONS = (
+    "p = p* [sin^2 psi - alpha sqrt(tan psi)],  "
+    "Delta = D S (1 - ln S) + alpha p* lambda sqrt(tan psi) ln S / (pi E*),  S = sin^2 psi, psi = pi a / lambda, p* = pi E* D / lambda"
+)
+
+
+def _wave(alpha: float) -> Sinusoid:
+    return Sinusoid(AMPLITUDE, WAVELENGTH, YOUNGS_MODULUS, POISSON_RATIO, alpha)
+
+
+def _loop(wave: Sinusoid) -> tuple[Result, float]:
+    """Load from first touch to contact fraction 0.95, unload beyond pull-off; the result and the fold."""
+    fold = wave.fold()
+    closed = float(wave.penetration(0.95 * np.pi / 2))
+    lowest = float(wave.penetration(fold))
+    loading = list(np.linspace(0.02 * closed, closed, 14))
+    unloading = list(np.linspace(closed, lowest + 1e-3 * (closed - lowest), 16)[1:])
+    changes = {
+        "adhesion": {"work_of_adhesion": wave.work_of_adhesion},
+        "loading": {"targets": [*loading, *unloading, lowest - 0.05 * closed]},
+    }
+    return bem.solve(adapters.scene("sinusoid", changes)), lowest
+
+
+def _johnson(alpha: float) -> Outcome:
+    wave = _wave(alpha)
+    result, lowest = _loop(wave)
+    states = [state for state in result.states if state.n_patches == 1]
+    psi = np.array([state.contact_fraction for state in states]) * np.pi / 2
+    pressure = np.array([state.mean_pressure for state in states])
+    penetration = np.array([state.penetration for state in states])
+    exact_pressure, exact_penetration = wave.mean_pressure(psi), wave.penetration(psi)
+    pull_off = [event.penetration for event in result.events if event.kind == "pull_off"]
+    johnson = Reference(kind="exact", source="Johnson 1995, at the solver's own contact width")
+    scale = wave.full_contact_pressure
+    rows = (
+        Row(
+            quantity="mean pressure over p*",
+            unit="Pa",
+            reference=johnson,
+            norm="maximum over states",
+            expected=exact_pressure.tolist(),
+            computed=pressure.tolist(),
+            scale=scale,
+            tolerance=Tolerance(value=1e-11, measured=MEASURED[alpha][0], basis="required"),
+        ),
+        Row(
+            quantity="penetration over amplitude",
+            unit="m",
+            reference=johnson,
+            norm="maximum over states",
+            expected=exact_penetration.tolist(),
+            computed=penetration.tolist(),
+            scale=AMPLITUDE,
+            tolerance=Tolerance(value=1e-11, measured=MEASURED[alpha][1], basis="required"),
+        ),
+        Row(
+            quantity="penetration at pull-off over amplitude (resolved within the smallest increment)",
+            unit="m",
+            reference=Reference(kind="exact", source="fold of Johnson's penetration"),
+            norm="absolute",
+            expected=[lowest],
+            computed=pull_off[:1] or [None],
+            scale=AMPLITUDE,
+            tolerance=Tolerance(value=1.5e-3, measured=MEASURED[alpha][2], basis="required"),
+        ),
+        Row(
+            quantity="states whose certificate is not ok",
+            unit="",
+            reference=Reference(kind="exact", source="every state of the loop is an equilibrium"),
+            norm="absolute",
+            expected=[0.0],
+            computed=[float(sum(not state.certificate.ok for state in result.states))],
+            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
+        ),
+    )
+    return Outcome(
+        rows=rows,
+        figures=(_figure(alpha, wave, psi, pressure, exact_pressure, penetration, exact_penetration),),
+        counts={
+            "unknowns": max(state.unknowns for state in states),
+            "evaluations": sum(state.evaluations for state in result.states),
+            "states": len(result.states),
+        },
+    )
+
+
+def _figure(
+    alpha: float,
+    wave: Sinusoid,
+    psi: np.ndarray[tuple[int], np.dtype[np.float64]],
+    pressure: np.ndarray[tuple[int], np.dtype[np.float64]],
+    exact_pressure: np.ndarray[tuple[int], np.dtype[np.float64]],
+    penetration: np.ndarray[tuple[int], np.dtype[np.float64]],
+    exact_penetration: np.ndarray[tuple[int], np.dtype[np.float64]],
+) -> Figure:
+    fraction = (psi * 2 / np.pi).tolist()
+    curve = np.linspace(0.01, 0.97, 300)
+    scale = wave.full_contact_pressure
+    return Figure(
+        id=f"johnson-{alpha:g}",
+        caption=f"Mean pressure against contact fraction on loading and unloading, alpha = {alpha:g}.",
+        solution=Panel(
+            xlabel="contact fraction",
+            ylabel="mean pressure / p*",
+            series=[
+                Series(
+                    label="Johnson 1995",
+                    x=curve.tolist(),
+                    y=(wave.mean_pressure(curve * np.pi / 2) / scale).tolist(),
+                ),
+                Series(label="bem", x=fraction, y=(pressure / scale).tolist(), style="points"),
+            ],
+        ),
+        error=Panel(
+            xlabel="contact fraction",
+            ylabel="signed error",
+            series=[
+                Series(
+                    label="mean pressure / p*",
+                    x=fraction,
+                    y=((pressure - exact_pressure) / scale).tolist(),
+                    style="points",
+                ),
+                Series(
+                    label="penetration / amplitude",
+                    x=fraction,
+                    y=((penetration - exact_penetration) / AMPLITUDE).tolist(),
+                    style="points",
+                ),
+            ],
+        ),
+    )
+
+
+def _westergaard() -> Outcome:
+    wave = _wave(0.0)
+    fractions = np.array([0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99])
+    targets = wave.penetration(fractions * np.pi / 2).tolist()
+    result = bem.solve(adapters.scene("sinusoid", {"adhesion": None, "loading": {"targets": targets}}))
+    computed = [state.contact_fraction for state in result.targets]
+    pressure = [state.mean_pressure for state in result.targets]
+    source = Reference(kind="exact", source="Westergaard 1939")
+    rows = (
+        Row(
+            quantity="contact fraction",
+            unit="",
+            reference=source,
+            norm="maximum over states",
+            expected=fractions.tolist(),
+            computed=computed,
+            tolerance=Tolerance(value=1e-10, measured=MEASURED[0.0][0], basis="required"),
+        ),
+        Row(
+            quantity="mean pressure over p*",
+            unit="Pa",
+            reference=source,
+            norm="maximum over states",
+            expected=wave.mean_pressure(fractions * np.pi / 2).tolist(),
+            computed=pressure,
+            scale=wave.full_contact_pressure,
+            tolerance=Tolerance(value=1e-10, measured=MEASURED[0.0][1], basis="required"),
+        ),
+    )
+    error = [a - b for a, b in zip(computed, fractions, strict=True)]
+    figure = Figure(
+        id="westergaard",
+        caption="Contact fraction against penetration without adhesion.",
+        solution=Panel(
+            xlabel="penetration / amplitude",
+            ylabel="contact fraction",
+            series=[
+                Series(label="Westergaard 1939", x=[t / AMPLITUDE for t in targets], y=fractions.tolist()),
+                Series(label="bem", x=[t / AMPLITUDE for t in targets], y=computed, style="points"),
+            ],
+        ),
+        error=Panel(
+            xlabel="penetration / amplitude",
+            ylabel="signed error of the contact fraction",
+            series=[Series(label="bem", x=[t / AMPLITUDE for t in targets], y=error, style="points")],
+        ),
+    )
+    return Outcome(
+        rows=rows,
+        figures=(figure,),
+        counts={
+            "unknowns": max(state.unknowns for state in result.states),
+            "evaluations": sum(state.evaluations for state in result.states),
+        },
+    )
+
+
+MEASURED = {0.0: (0.0, 0.0), 0.1: (0.0, 0.0, 0.0), 0.3: (0.0, 0.0, 0.0), 0.5: (0.0, 0.0, 0.0)}
+
+CASES = (
+    *(
+        Case(
+            id=f"johnson-alpha-{alpha:g}",
+            group="closed forms",
+            level="quick",
+            question="Does the solver follow the JKR curve of one sinusoid along a whole loop, up to pull-off?",
+            equations=EQUATIONS,
+            sources=("johnson1995", "carbone2009"),
+            compute=partial(_johnson, alpha),
+            effects=("half_space", "adhesion", "unloading"),
+            scene=adapters.scene_text("sinusoid"),
+        )
+        for alpha in (0.1, 0.3, 0.5)
+    ),
+    Case(
+        id="westergaard",
+        group="closed forms",
+        level="quick",
+        question="Does contact without adhesion reproduce the sinusoid of Westergaard?",
+        equations="contact fraction 2 psi / pi at Delta = D S (1 - ln S), p = p* S, S = sin^2 psi",
+        sources=("westergaard1939",),
+        compute=_westergaard,
+        effects=("half_space",),
+        scene=adapters.scene_text("sinusoid"),
+    ),
+)
