@@ -96,7 +96,7 @@ def _figures(
     theory = [solve_nonadhesive(spectrum, value * modulus, **solid) for value in curve]
     area = Figure(
         id="landing-area-against-load",
-        caption="Contact area of the paper's profile against load: boundary elements with adhesion, and Persson's theory.",
+        caption="Contact area of the paper's profile against load: solver with adhesion, Persson's theory without.",
         solution=Panel(
             xlabel="mean pressure / E*",
             ylabel="contact fraction",

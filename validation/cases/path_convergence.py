@@ -1,4 +1,4 @@
-"""The loading path does not depend on its increments: a quarter of the increment changes nothing beyond the tolerance."""
+"""The path does not depend on its increments: a quarter of the increment changes nothing beyond the tolerance."""
 
 from __future__ import annotations
 

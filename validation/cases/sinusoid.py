@@ -16,7 +16,8 @@ from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
 AMPLITUDE, WAVELENGTH, YOUNGS_MODULUS, POISSON_RATIO = 1e-4, 0.01, 1e6, 0.5
 EQUATIONS = (
     "p = p* [sin^2 psi - alpha sqrt(tan psi)],  "
-    "Delta = D S (1 - ln S) + alpha p* lambda sqrt(tan psi) ln S / (pi E*),  S = sin^2 psi, psi = pi a / lambda, p* = pi E* D / lambda"
+    "Delta = D S (1 - ln S) + alpha p* lambda sqrt(tan psi) ln S / (pi E*),  "
+    "S = sin^2 psi, psi = pi a / lambda, p* = pi E* D / lambda"
 )
 
 
