@@ -36,7 +36,10 @@ MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes: modes cost 
 
 
 class IllConditionedSystemError(ArithmeticError):
-    """The skeleton matrix is not positive definite to rounding: too few modes, or contact almost complete."""
+    """The skeleton matrix is too large, or not positive definite to rounding: contact almost complete."""
+
+
+MOST_UNKNOWNS = 12_000  # 2.3 GB for matrix and factor
 
 
 class KernelCorrection(Protocol):
@@ -197,6 +200,8 @@ def evaluate(
 
     offsets = np.concatenate([[0], np.cumsum(resolution.modes)])
     unknowns = int(offsets[-1])
+    if unknowns > MOST_UNKNOWNS:
+        raise IllConditionedSystemError(f"{unknowns} unknowns needed, at most {MOST_UNKNOWNS} fit: gaps too narrow")
     x = np.empty(unknowns)
     rhs = np.zeros((unknowns, 2 * count + 2), order="F")
     rhs[:, -1] = 1.0
