@@ -9,8 +9,8 @@ edges, no interpenetration in any gap, decay of the series, mean gap = separatio
 stability and symmetry of the Hessian.
 
 Dimensionless (scaling.py).  Limits: double precision; a patch on which the profile varies by less than
-`SMALLEST_VARIATION` is judged against that instead.  Cost: 0.2 s for 72 patches with 2100
-coefficients on a profile of 1000 harmonics.
+`SMALLEST_VARIATION`, or which carries less than `SMALLEST_CHARGE`, is judged against that instead.
+Cost: 0.2 s for 72 patches with 2100 coefficients on a profile of 1000 harmonics.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 SMALLEST_VARIATION = 1e-6  # rms heights; rounding of u (1e-15) times 1e9
+SMALLEST_CHARGE = 1e-5  # rounding of heights of 1000 harmonics (3e-14) over 1e-8, with a margin of 3
 RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap
 GAP_POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192
@@ -169,7 +170,7 @@ def certify(
             reasons.append(f"asymmetry of the Hessian is {hessian_asymmetry}, limit {demands.hessian_asymmetry:.0e}")
     truncation = judge(
         "truncation",
-        np.array([np.max(np.abs(q[-3:])) / np.max(np.abs(q)) for q in pressure.charges]),
+        np.array([np.max(np.abs(q[-3:])) / max(np.max(np.abs(q)), SMALLEST_CHARGE) for q in pressure.charges]),
         demands.truncation,
         "on patch",
     )
@@ -203,7 +204,7 @@ def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> Fl
     ]
     regular = np.array(ends).ravel()
     if work_of_adhesion is None:
-        loads = np.array([abs(q[0]) for q in pressure.charges])
+        loads = np.array([max(abs(q[0]), SMALLEST_CHARGE) for q in pressure.charges])
         return np.asarray(np.abs(regular) / np.tile(loads, 2))
     radius = np.tile((pressure.right - pressure.left) / 2, 2)
     return np.asarray(np.abs(-regular * np.abs(regular) * np.pi / radius / (4 * work_of_adhesion) - 1))
@@ -211,7 +212,7 @@ def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> Fl
 
 def _tension(pressure: PatchPressure) -> FloatArray:
     """Largest tension of each patch (its regular part q) over the mean of q, (L,)."""
-    return np.array([-np.min(regular_part(q, q.size)) / abs(q[0]) for q in pressure.charges])
+    return np.array([-np.min(regular_part(q, q.size)) / max(abs(q[0]), SMALLEST_CHARGE) for q in pressure.charges])
 
 
 def _contact_residuals(profile: Profile, field: DisplacementField, penetration: float) -> FloatArray:

@@ -33,6 +33,8 @@ INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch
 SEARCH_CLOSURE = 1e-3  # gaps are searched once the edges are this close
 CLOSED_GAP = 1e-3  # of the shortest wavelength, or of the narrower neighbour
 DAMPED_AFTER = 15  # iterations after which a change of sign of K halves the step of its edge
+OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
+ROUNDING = 3e-14  # absolute accuracy of charges: heights of order 1 in double precision
 
 ContactStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
 
@@ -47,12 +49,15 @@ class Contact:
     evaluations: int
 
 
-def edge_closure(state: Evaluation) -> float:
-    """Largest |K| sqrt(r/pi) relative to the load of its patch: the singular part over the mean charge."""
+def edge_closure(state: Evaluation, least_charge: float = 0.0) -> float:
+    """Largest |K| sqrt(r/pi) relative to the load of its patch: the singular part over the mean charge.
+
+    Charges below `least_charge` are judged as if they were that large.
+    """
     radius = np.tile(state.patches.half_width, 2)
     mean = np.array([charge[0] for charge in state.pressure().charges])
     singular = np.abs(state.stress_intensity) * np.sqrt(radius / np.pi)
-    return float(np.max(singular / np.tile(np.maximum(np.abs(mean), 1e-300), 2)))
+    return float(np.max(singular / np.tile(np.maximum(np.abs(mean), max(least_charge, 1e-300)), 2)))
 
 
 def solve_contact(
@@ -76,7 +81,8 @@ def solve_contact(
     penetration, target : float
         Start of Delta under load control, and value of the control.
     tolerance, closure : float
-        Of the evaluation, and of `edge_closure`.
+        Of the evaluation; of `edge_closure`, and of the Newton step still to be made by all edges, as a contact
+        fraction (a gap that closes has hardly any K left), where `ROUNDING` does not limit them.
     allowed : float
         Interpenetration that is not a contact, dimensionless.
     """
@@ -89,11 +95,11 @@ def solve_contact(
         except IllConditionedSystemError:
             return Contact("ill_conditioned", None, measure, count)
         penetration = state.penetration
-        measure = edge_closure(state)
+        measure = edge_closure(state, ROUNDING / closure)
         changed = _without_tension(state)
         if changed is None and measure < SEARCH_CLOSURE:
             changed = _with_new_contacts(elastic, state, allowed)
-            if changed is None and measure <= closure:
+            if changed is None and measure <= closure and _edge_uncertainty(state) <= TWO_PI * closure:
                 return Contact("converged", state, measure, count)
         if changed is None:
             sign = np.sign(state.stress_intensity)
@@ -127,6 +133,13 @@ def bearing_patches(elastic: Elastic, penetration: float) -> Patches:
     if right[0] < left[0]:
         right = np.roll(right, -1)
     return ordered(left, np.where(right < left, right + TWO_PI, right))
+
+
+def _edge_uncertainty(state: Evaluation) -> float:
+    """Sum of the Newton steps that |K| beyond rounding still asks for."""
+    slope = np.abs(np.diagonal(stress_intensity_jacobian(state)))
+    rounding = ROUNDING * np.sqrt(np.pi / np.tile(state.patches.half_width, 2))
+    return float(np.sum(np.maximum(np.abs(state.stress_intensity) - rounding, 0.0) / np.maximum(slope, 1e-300)))
 
 
 def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:
@@ -182,12 +195,22 @@ def _without_tension(state: Evaluation) -> Patches | None:
 
 
 def _with_new_contacts(elastic: Elastic, state: Evaluation, allowed: float) -> Patches | None:
-    """Patches with a new one at every interpenetration; None when there is none."""
+    """Patches with a new one at every interpenetration; None when there is none.
+
+    Beside an edge with K < 0 the surfaces overlap until it has moved: no contact of its own.
+    """
     low = low_minima(gap_field(elastic, state))
-    bad = low.depth < -allowed
+    patches = state.patches
+    slope = np.diagonal(stress_intensity_jacobian(state))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        pending = np.where(state.stress_intensity < 0, -state.stress_intensity / np.maximum(slope, 0.0), 0.0)
+    behind = low.position - patches.right[low.gap]
+    ahead = patches.gap_after[low.gap] - behind
+    following = (low.gap + 1) % patches.count
+    overlap_behind, overlap_ahead = OVERLAP * pending[patches.count + low.gap], OVERLAP * pending[following]
+    bad = (low.depth < -allowed) & (behind > overlap_behind) & (ahead > overlap_ahead)
     if not np.any(bad):
         return None
-    patches = state.patches
     fringe = np.minimum((low.position - patches.right[low.gap]), 0.5 * patches.gap_after[low.gap])
     for position, depth, room in zip(low.position[bad], low.depth[bad], fringe[bad], strict=True):
         if np.any((position - patches.left) % TWO_PI < patches.width):
