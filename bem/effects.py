@@ -26,8 +26,8 @@ EFFECTS = (
     *("half_space", "layer", "adhesion", "slope_term", "unloading", "load_control"),
     *("shapes", "spectra", "pressure_distribution", "width_distributions"),
 )
-AVAILABLE = frozenset({"half_space", "adhesion", "slope_term", "unloading", "shapes"})
-NOT_YET = frozenset({"contact without adhesion", "start from complete contact", "start from a stored state"})
+AVAILABLE = frozenset(EFFECTS)
+NOT_YET = frozenset({"start from complete contact", "start from a stored state"})
 
 SWEEP = 2.6, 1.4  # s at 1000 harmonics and exponent: one sweep in one direction, without adhesion
 ADHESIVE_SWEEP = 12.0, 1.4  # the same with adhesion

@@ -24,8 +24,7 @@ from bem.convex_path import ContactPoint, ConvexPath
 from bem.crossing import at_load
 from bem.effects import effects_of, refuse_unavailable
 from bem.flat import flat_states
-from bem.observe import fields_of
-from bem.patches import ordered
+from bem.patches import PatchPressure, ordered
 from bem.path import Increments, Path, Point, restart
 from bem.problem import Problem, pose
 from bem.profile import Profile
@@ -37,6 +36,7 @@ AnyPoint = Point | ContactPoint
 AnyPath = Path | ConvexPath
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
+OUTPUTS = ("shapes", "spectra", "pressure_distribution", "width_distributions")
 COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
 
 
@@ -221,7 +221,7 @@ class _Run:
             return complete_state(self.problem, self.complete, load, self.branch, target, self._cost(0))
         evaluation = point.state
         if evaluation is None:
-            penetration = 0.0 if load_controlled else min(point.value, 0.0)
+            penetration = self._penetration_of(point)
             return separated_state(self.problem, penetration, self.branch, target, status or "separated", self._cost(0))
         if isinstance(self.path, Path):
             assert isinstance(point, Point)
@@ -278,12 +278,26 @@ class _Run:
         return point.value * self.problem.scales.height
 
     def _store_fields(self, point: AnyPoint) -> None:
-        """Fields asked for at this target."""
+        """Fields asked for at this target; the modules that compute them are imported only then."""
         target = self._target_of(point)
-        stored = fields_of(self.scene, self.problem, point.state, target, self.record.shapes)
-        if stored:
-            self.record.fields.update(stored)
-            self.record.shapes += 1
+        wanted = [name for name in OUTPUTS if self.scene.wants(name, target)]
+        if not wanted:
+            return
+        observables = import_module("bem.observables")
+        record, state = self.record, point.state
+        if point.status == "complete_contact":
+            load = point.value if self.scene.loading.control == "mean_pressure" else self.complete.least_load
+            stored = observables.complete_contact_fields(wanted, self.problem, self.complete, load, record.shapes)
+        else:
+            pressure = PatchPressure(np.empty(0), np.empty(0), ()) if state is None else state.pressure()
+            depth = self._penetration_of(point) if state is None else state.penetration
+            stored = observables.contact_fields(wanted, self.problem, pressure, depth, record.shapes)
+        record.fields.update(stored)
+        record.shapes += 1
+
+    def _penetration_of(self, point: AnyPoint) -> float:
+        """Penetration of surfaces that are apart."""
+        return 0.0 if self.scene.loading.control == "mean_pressure" else min(point.value, 0.0)
 
     def _report(self, index: int) -> None:
         if self.progress is None:
