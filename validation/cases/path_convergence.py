@@ -97,7 +97,7 @@ def _path_convergence() -> Outcome:
     return Outcome(rows=rows, figures=(figure,), tables=(table,), counts=counts)
 
 
-MEASURED = (0.0, 0.0)
+MEASURED = (4.9e-13, 3.2e-13)
 
 CASES = (
     Case(
