@@ -6,7 +6,7 @@ level function or a `functools.partial` of one), since cases run in processes of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from validation.schema import Figure, Level, Row, Table
@@ -22,7 +22,7 @@ class Outcome:
         The comparisons, at least one unless `skipped` says why not.
     figures, tables : tuples
         Data of figures and tables.
-    counts : mapping of str to int
+    counts : dict of str to int
         What the answer cost in unknowns, evaluations, factorisations: gated by baselines in a 20 % band.
     skipped : str
         The reason why the case could not run here, such as an optional package that is absent.
@@ -31,7 +31,7 @@ class Outcome:
     rows: tuple[Row, ...] = ()
     figures: tuple[Figure, ...] = ()
     tables: tuple[Table, ...] = ()
-    counts: Mapping[str, int] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
     skipped: str = ""
 
 
