@@ -1,0 +1,193 @@
+"""Command line: run the cases, render a report again, check and update baselines, run studies.
+
+Exit codes: 0 done and nothing gating failed, 1 something failed (named), 2 bad input, 130 interrupted.
+Progress goes to stderr, one summary line to stdout.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from validation import baseline
+from validation.provenance import provenance
+from validation.registry import CaseError, registry, select
+from validation.report.render import ReportError, write_html
+from validation.runner import Note, run_cases, write_atomically
+from validation.schema import SCHEMA, Report
+from validation.studies import cost
+from validation.verdict import counts, fails
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+REPORT_FILE = "report.json"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; its exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except (CaseError, ReportError, baseline.BaselineError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except OSError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        print("interrupted; what was finished is kept, the same command goes on", file=sys.stderr)
+        return INTERRUPTED
+
+
+def read_report(folder: Path) -> Report:
+    """The report of a folder.
+
+    Raises
+    ------
+    ReportError
+        Missing, not JSON, of another schema, or incomplete.
+    """
+    path = folder / REPORT_FILE
+    try:
+        content = json.loads(path.read_text("utf-8"))
+    except FileNotFoundError as error:
+        raise ReportError(f"{path}: no report there") from error
+    except ValueError as error:
+        raise ReportError(f"{path}: not JSON ({error})") from error
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        found = content.get("schema") if isinstance(content, dict) else type(content).__name__
+        raise ReportError(f"{path}: schema {found!r} is not {SCHEMA!r}")
+    try:
+        return Report.model_validate(content)
+    except ValidationError as error:
+        raise ReportError(f"{path}: {error}") from error
+
+
+def _run(options: argparse.Namespace) -> int:
+    """Run cases and write report.json and report.html."""
+    if options.executor != "local":
+        raise CaseError(f"--executor {options.executor!r} is not available yet; 'local' is")
+    cases = select(registry(), options.level, options.only)
+    folder: Path = options.out
+    begun = time.monotonic()
+    records = run_cases(cases, folder, options.jobs, _say)
+    level = options.level if options.only is None else f"only {options.only}"
+    report = Report(
+        schema=SCHEMA,
+        level=level,
+        command=_command(options),
+        planned=len(cases),
+        provenance=provenance() | {"seconds": round(time.monotonic() - begun, 1), "jobs": options.jobs},
+        cases=records,
+        changes=baseline.changes(records),
+    )
+    write_atomically(folder / REPORT_FILE, report.model_dump_json(by_alias=True, indent=1) + "\n")
+    return _render(report, folder, options.json)
+
+
+def _report(options: argparse.Namespace) -> int:
+    """Render a stored report again."""
+    return _render(read_report(options.folder), options.folder, options.json)
+
+
+def _render(report: Report, folder: Path, as_json: bool) -> int:
+    write_html(report, folder)
+    given = {name: count for name, count in counts(report.cases).items() if count}
+    if as_json:
+        print(json.dumps({"cases": len(report.cases), "verdicts": given, "report": str(folder / "report.html")}))
+    else:
+        told = ", ".join(f"{count} {name}" for name, count in given.items())
+        print(f"{len(report.cases)} cases: {told}; report: {folder / 'report.html'}")
+    return FAILED if fails(report) else DONE
+
+
+def _baseline_check(options: argparse.Namespace) -> int:
+    """Compare a report with the baselines."""
+    report = read_report(options.out)
+    found = baseline.changes(report.cases)
+    for line in found:
+        print(line, file=sys.stderr)
+    print(f"{len(report.cases)} cases compared with their baselines: {len(found)} differences")
+    return FAILED if found else DONE
+
+
+def _baseline_update(options: argparse.Namespace) -> int:
+    """Make a case of a report the new baseline."""
+    report = read_report(options.out)
+    chosen = [record for record in report.cases if record.id == options.case]
+    if not chosen:
+        raise baseline.BaselineError(f"case {options.case!r}: none of {', '.join(r.id for r in report.cases)}")
+    for line in baseline.update(chosen[0], options.reason):
+        print(line)
+    return DONE
+
+
+def _study(options: argparse.Namespace) -> int:
+    """Run a study."""
+    return cost.run(options.out, options.quick, options.jobs)
+
+
+def _say(note: Note) -> None:
+    print(note.text, file=sys.stderr, flush=True)
+
+
+def _command(options: argparse.Namespace) -> str:
+    only = "" if options.only is None else f" --only {options.only}"
+    return f"python -m validation run --level {options.level}{only} --out {options.out.name}"
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    cores = os.cpu_count() or 1
+
+    run = commands.add_parser("run", help="run the cases of a level and write the report")
+    run.add_argument("--level", default="quick", help="quick, standard or full (default: quick)")
+    run.add_argument("--only", metavar="PATTERN", help="cases whose name or group matches, of any level")
+    run.add_argument("--jobs", type=_positive, default=cores, help=f"worker processes (default: {cores})")
+    run.add_argument("--executor", default="local", help="local (default)")
+    run.add_argument("--out", type=Path, required=True, help="folder of the report; what is there already is kept")
+    run.add_argument("--json", action="store_true", help="print the summary as JSON")
+    run.set_defaults(command=_run)
+
+    report = commands.add_parser("report", help="render report.json of a folder again")
+    report.add_argument("folder", type=Path)
+    report.add_argument("--json", action="store_true", help="print the summary as JSON")
+    report.set_defaults(command=_report)
+
+    base = commands.add_parser("baseline", help="compare a report with the baselines, or update one").add_subparsers(
+        required=True, metavar="ACTION"
+    )
+    check = base.add_parser("check")
+    check.add_argument("--out", type=Path, required=True, help="folder of a report")
+    check.set_defaults(command=_baseline_check)
+    change = base.add_parser("update")
+    change.add_argument("case")
+    change.add_argument("--reason", required=True)
+    change.add_argument("--out", type=Path, required=True, help="folder of a report")
+    change.set_defaults(command=_baseline_update)
+
+    study = commands.add_parser("study", help="run a study")
+    study.add_argument("name", choices=("cost",))
+    study.add_argument("--quick", action="store_true", help="the benchmark only")
+    study.add_argument("--jobs", type=_positive, default=1, help="worker processes (default: 1, for clean times)")
+    study.add_argument("--out", type=Path, required=True)
+    study.set_defaults(command=_study)
+    return parser
+
+
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text}: an integer >= 1 is needed")
+    return value
+
+
+if __name__ == "__main__":
+    sys.exit(main())

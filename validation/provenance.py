@@ -1,0 +1,83 @@
+"""Where a report comes from: commit, versions, machine, BLAS; nothing that names a person, a host or a folder."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import subprocess
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_info
+
+PACKAGES = ("numpy", "scipy", "scikit-fem", "meshio", "matplotlib", "pydantic", "jinja2", "threadpoolctl")
+SOURCES = ("bem", "fem_reference", "persson", "validation")
+
+
+def provenance() -> dict[str, Any]:
+    """Facts about code and machine, as plain values."""
+    import numpy  # noqa: F401  (its BLAS is what is asked about)
+
+    blas = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
+    return {
+        "linecontact": _version("linecontact"),
+        "commit": _commit(),
+        "python": platform.python_version(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "processor": _processor(),
+        "cores": os.cpu_count() or 0,
+        "blas": ", ".join(sorted({f"{pool['internal_api']} {pool['version']}" for pool in blas})) or "unknown",
+        "blas_threads_per_worker": 1,
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "sources_sha256": sources_digest(),
+    } | {name: _version(name) for name in PACKAGES}
+
+
+def sources_digest() -> str:
+    """SHA-256 of the source files of the four packages, names and contents."""
+    root = Path(__file__).parents[1]
+    digest = hashlib.sha256()
+    for package in SOURCES:
+        for path in sorted((root / package).rglob("*")):
+            if path.suffix in (".py", ".toml", ".json") and "baselines" not in path.parts:
+                digest.update(path.relative_to(root).as_posix().encode() + b"\0")
+                digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def working_tree() -> tuple[str, bool] | None:
+    """Commit and whether the tree has changes; None outside a checkout of this project."""
+    root = Path(__file__).parents[1]
+    if not (root / ".git").exists():
+        return None
+    commit = subprocess.run(["git", "rev-parse", "HEAD"], cwd=root, capture_output=True, text=True, check=False)
+    status = subprocess.run(["git", "status", "--porcelain"], cwd=root, capture_output=True, text=True, check=False)
+    if commit.returncode != 0 or status.returncode != 0:
+        return None
+    return commit.stdout.strip(), bool(status.stdout.strip())
+
+
+def _commit() -> str:
+    tree = working_tree()
+    if tree is None:
+        return "not a checkout"
+    return tree[0] + (" with changes" if tree[1] else "")
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor() or "unknown"
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or "unknown"

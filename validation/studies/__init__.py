@@ -1,0 +1,1 @@
+"""Studies: longer runs that answer one question about the suite itself."""
