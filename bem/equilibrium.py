@@ -16,7 +16,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
+from scipy.linalg import LinAlgError, cho_factor, eigh
 
 from bem.collocation import Elastic, Evaluation, IllConditionedSystemError, Resolution, evaluate, resolve
 from bem.control import Control
@@ -172,7 +172,7 @@ def balance(
     )
 
 
-NewtonStatus = Literal["converged", "negative_intensity", "indefinite", "long_step", "stalled", "ill_conditioned"]
+NewtonStatus = Literal["converged", "indefinite", "long_step", "stalled", "ill_conditioned"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,9 +187,10 @@ class Corrected:
 def correct(
     system: System, patches: Patches, penetration: float, target: float, tolerance: float, closure: float
 ) -> Corrected:
-    """Newton iteration on G = w from edges close to an equilibrium.
+    """Newton iteration on K = 2 sqrt(w) from edges close to an equilibrium.
 
-    Steps must shrink by half each time, stay below 0.3 of the room of an edge, and pass only through states with
+    K is closer to a linear function of the edges than G = K^2/4, above all where w is small and K changes sign on
+    the way.  Steps must shrink by half each time and stay below 0.3 of the room of an edge, and the end must have
     K > 0 and a positive definite Hessian; anything else ends the iteration with its reason.
     """
     last = np.inf
@@ -199,19 +200,16 @@ def correct(
             here = balance(system, patches, penetration, target, tolerance)
         except IllConditionedSystemError:
             return Corrected("ill_conditioned", None, count)
-        if not here.opening:
-            return Corrected("negative_intensity", None, count)
         room = patches.edge_room
-        scaled = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
-        try:
-            factor = cho_factor(scaled, check_finite=False)
-        except LinAlgError:
-            return Corrected("indefinite", None, count)
-        if here.closure <= closure:
+        if here.opening and here.closure <= closure:
+            try:
+                cho_factor((here.hessian + here.hessian.T) / 2 * np.outer(room, room), check_finite=False)
+            except LinAlgError:
+                return Corrected("indefinite", None, count)
             return Corrected("converged", here, count)
-        step = -cho_solve(factor, here.gradient * room, check_finite=False)
+        step = _newton_step(system, here)
         size = float(np.abs(step).max())
-        if size > LARGEST_NEWTON_STEP:
+        if not size <= LARGEST_NEWTON_STEP:
             return Corrected("long_step", None, count)
         if size > last / 2 and here.closure > 100 * closure:
             return Corrected("stalled", None, count)
@@ -222,6 +220,25 @@ def correct(
         if not patches.is_ordered or travelled.max() > LARGEST_NEWTON_STEP:
             return Corrected("long_step", None, count)
     return Corrected("stalled", None, NEWTON_STEPS)
+
+
+def _newton_step(system: System, here: Balance) -> FloatArray:
+    """Newton step on K = 2 sqrt(w) in units of the room of each edge, (2 L,); infinite where there is none."""
+    state, control = here.state, system.control
+    edges = edge_positions(state.patches)
+    outward = np.repeat([-1.0, 1.0], state.patches.count)
+    jacobian = stress_intensity_jacobian(state)
+    if control.load_weight > 0:
+        jacobian -= (
+            control.load_weight * control.rate(state) * np.outer(state.stress_intensity_rate, here.load_gradient)
+        )
+    diagonal = np.arange(edges.size)
+    jacobian[diagonal, diagonal] -= outward * system.law.work_gradient(edges) / np.sqrt(here.work)
+    try:
+        missing = 2 * np.sqrt(here.work) - state.stress_intensity
+        return np.asarray(np.linalg.solve(jacobian * state.patches.edge_room, missing))
+    except np.linalg.LinAlgError:
+        return np.full(edges.size, np.inf)
 
 
 @dataclass(frozen=True)
