@@ -26,7 +26,8 @@ def error_of(row: Row) -> float:
     """
     expected, computed = _numbers(row.expected), _numbers(row.computed)
     if row.band is None:
-        return float(np.max(np.abs(computed - expected)) / row.scale)
+        with np.errstate(invalid="ignore"):
+            return float(np.max(np.abs(computed - expected)) / row.scale)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = computed / expected
     if not np.all(np.isfinite(ratio)):

@@ -1,6 +1,7 @@
 """What a report holds: rows with numbers, figures as data, cases, provenance.  report.json is this and nothing else.
 
-A row is refused when it lacks a reference, a quantity, a norm or an acceptance rule.  Verdicts are not stored: they
+A row is refused when it lacks a reference, a quantity, a norm or an acceptance rule, or when its rule is not finite:
+an infinite tolerance, scale or uncertainty would accept anything.  Verdicts are not stored: they
 follow from the numbers (verdict.py), so that a changed number changes the verdict.
 """
 
@@ -16,6 +17,7 @@ ReferenceKind = Literal["exact", "manufactured", "FEM", "theory", "independent c
 Norm = Literal["absolute", "relative", "maximum over states", "ratio"]
 Level = Literal["quick", "standard", "full"]
 Text = Annotated[str, Field(min_length=1)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class _Strict(BaseModel):
@@ -27,14 +29,14 @@ class Reference(_Strict):
 
     kind: ReferenceKind
     source: Text
-    uncertainty: float = Field(0.0, ge=0)
+    uncertainty: Finite = Field(0.0, ge=0)
 
 
 class Tolerance(_Strict):
     """Largest accepted error, and where it comes from: 2 to 3 times the error measured, or provisional."""
 
-    value: float = Field(gt=0)
-    measured: float = Field(ge=0)
+    value: Finite = Field(gt=0)
+    measured: Finite = Field(ge=0)
     basis: Literal["measured", "required", "provisional"] = "measured"
 
     @model_validator(mode="after")
@@ -47,8 +49,8 @@ class Tolerance(_Strict):
 class Band(_Strict):
     """A known discrepancy: the ratio computed / expected lies in [low, high], for this cause."""
 
-    low: float
-    high: float
+    low: Finite
+    high: Finite
     cause: Text
     source: Text
     review: Text
@@ -72,8 +74,8 @@ class Row(_Strict):
     norm: Norm
     expected: list[float | None]
     computed: list[float | None]
-    scale: float = Field(1.0, gt=0)
-    uncertainty: float = Field(0.0, ge=0)
+    scale: Finite = Field(1.0, gt=0)
+    uncertainty: Finite = Field(0.0, ge=0)
     tolerance: Tolerance | None = None
     band: Band | None = None
     status: Literal["run", "not run", "not converged", "error"] = "run"
@@ -152,7 +154,7 @@ class CaseRecord(_Strict):
 class Report(_Strict):
     """Contents of report.json."""
 
-    schema_: Literal["linecontact-report/1"] = Field(SCHEMA, alias="schema")
+    schema_: Literal["linecontact-report/1"] = Field("linecontact-report/1", alias="schema")
     level: str
     command: str
     planned: int

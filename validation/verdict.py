@@ -45,6 +45,6 @@ def counts(cases: Iterable[CaseRecord]) -> dict[Verdict, int]:
 
 
 def fails(report: Report) -> bool:
-    """Whether anything gating failed."""
+    """Whether anything gating failed, or fewer or more cases are reported than were planned."""
     given = counts(report.cases)
-    return any(given[verdict] for verdict in GATING)
+    return len(report.cases) != report.planned or any(given[verdict] for verdict in GATING)
