@@ -14,8 +14,9 @@ import multiprocessing
 import os
 import time
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -79,31 +80,49 @@ def run_cases(cases: Iterable[Case], folder: Path, jobs: int, report: Report) ->
 def _computed(
     cases: list[Case], store: Path, code: str, jobs: int, report: Report, done: int, planned: int
 ) -> Iterable[CaseRecord]:
-    """Records as they are finished."""
+    """Records as they are finished; cases that a dying worker took with it run again, each in a pool of its own."""
+
+    def kept(case: Case, record: CaseRecord) -> CaseRecord:
+        nonlocal done
+        _keep(record, case, store, code)
+        done += 1
+        outcome = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
+        report(Note(f"[{done}/{planned}] {case.id}: {outcome}"))
+        return record
+
+    orphans: list[Case] = []
+    for case, record in _finished(cases, store, jobs, report):
+        if record is None:
+            orphans.append(case)
+        else:
+            yield kept(case, record)
+    for orphan in orphans:
+        for case, record in _finished([orphan], store, 1, report):
+            yield kept(case, record or _failed(case, "the worker process ended without an answer", 0.0))
+
+
+def _finished(cases: list[Case], store: Path, jobs: int, report: Report) -> Iterator[tuple[Case, CaseRecord | None]]:
+    """Cases as they end, with their record; None when the pool broke, by this case or by another."""
     if not cases:
         return
     for name in THREAD_VARIABLES:
         os.environ[name] = "1"
     begun = time.monotonic()
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(max_workers=min(jobs, len(cases)), mp_context=context) as pool:
+    workers = min(jobs, len(cases))
+    with ProcessPoolExecutor(max_workers=workers, mp_context=context) as pool:
         running: dict[Future[CaseRecord], Case] = {pool.submit(_run, case, store): case for case in cases}
-        report(Note(f"{len(cases)} cases on {min(jobs, len(cases))} processes"))
+        report(Note(f"{len(cases)} cases on {workers} processes"))
         try:
             while running:
                 finished, _ = wait(running, timeout=PULSE, return_when=FIRST_COMPLETED)
-                elapsed = time.monotonic() - begun
                 if not finished:
-                    names = ", ".join(case.id for case in list(running.values())[:jobs])
-                    report(Note(f"{done} of {planned} done after {elapsed:.0f} s; running or next: {names}"))
+                    names = ", ".join(case.id for case in list(running.values())[:workers])
+                    elapsed = time.monotonic() - begun
+                    report(Note(f"{len(running)} cases left after {elapsed:.0f} s; running: {names}"))
                 for future in finished:
                     case = running.pop(future)
-                    record = _result(future, case)
-                    _keep(record, case, store, code)
-                    done += 1
-                    outcome = "error: " + record.message if record.status == "error" else f"{record.seconds:.1f} s"
-                    report(Note(f"[{done}/{planned}] {case.id}: {outcome}"))
-                    yield record
+                    yield case, _result(future, case)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             for process in multiprocessing.active_children():
@@ -118,17 +137,19 @@ def _run(case: Case, store: Path) -> CaseRecord:
         with threadpool_limits(limits=1):
             outcome = case.compute()
         return _record(case, outcome, time.perf_counter() - begun)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         (store / f"{case.id}.log").write_text(traceback.format_exc())
         return _failed(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)
 
 
-def _result(future: Future[CaseRecord], case: Case) -> CaseRecord:
-    """The record of a finished future; a worker that died is an error too."""
+def _result(future: Future[CaseRecord], case: Case) -> CaseRecord | None:
+    """The record of a finished future, None when the pool broke."""
     try:
         return future.result()
-    except Exception as error:
-        return _failed(case, f"the worker process ended: {error}", 0.0)
+    except BrokenProcessPool:
+        return None
+    except (Exception, SystemExit) as error:
+        return _failed(case, f"{type(error).__name__}: {error}", 0.0)
 
 
 def _record(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
