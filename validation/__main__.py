@@ -74,12 +74,14 @@ def _run(options: argparse.Namespace) -> int:
     if options.executor != "local":
         raise CaseError(f"--executor {options.executor!r} is not available yet; 'local' is")
     cases = select(registry(), options.level, options.only)
+    for case in cases:
+        baseline.read_baseline(case.id)  # a malformed one is told now, not after the run
     folder: Path = options.out
     begun = time.monotonic()
     records = run_cases(cases, folder, options.jobs, _say)
     level = options.level if options.only is None else f"only {options.only}"
     report = Report(
-        schema=SCHEMA,
+        schema_=SCHEMA,
         level=level,
         command=_command(options),
         planned=len(cases),
@@ -120,6 +122,7 @@ def _baseline_check(options: argparse.Namespace) -> int:
 def _baseline_update(options: argparse.Namespace) -> int:
     """Make a case of a report the new baseline."""
     report = read_report(options.out)
+    baseline.refuse_other_sources(report.provenance)
     chosen = [record for record in report.cases if record.id == options.case]
     if not chosen:
         raise baseline.BaselineError(f"case {options.case!r}: none of {', '.join(r.id for r in report.cases)}")

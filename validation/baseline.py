@@ -1,9 +1,10 @@
 """Baselines: what the cases gave when someone last looked, one JSON file a case, and how far a run may be from it.
 
-Quantities of class `converged` are the computed values of a row (the largest by magnitude stands for many), with a
-tolerance tied to that of the row; `count` gates in a band of 20 %, because exact counts flip with the BLAS near events;
+The computed values of a row are pinned by the one farthest from zero, according to the class of the row: `exact` may
+not move, `tight` not by 1e-10, `converged` by twice the tolerance of the row, or 2 % where a band stands in its place;
+`unconverged` is not pinned.  `count` gates in a band of 20 %, because exact counts flip with the BLAS near events;
 `diagnostic` (seconds) is shown and never gates.  A missing baseline is a failure.  An update needs a reason, rewrites
-one case only and prints old and new values.
+one case only, prints old and new values, and is refused from changed sources or from a report of other sources.
 """
 
 from __future__ import annotations
@@ -11,21 +12,22 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from validation.compare import combined_tolerance, error_of
-from validation.provenance import provenance
+from validation.compare import combined_tolerance
+from validation.provenance import provenance, sources_digest, working_tree
 from validation.runner import write_atomically
 from validation.schema import CaseRecord, Row
 from validation.verdict import case_verdicts
 
 FOLDER = Path(__file__).parent / "baselines"
 COUNT_BAND = 0.2
+TIGHT, BANDED = 1e-10, 0.02
 
 
 class BaselineError(ValueError):
@@ -82,7 +84,7 @@ def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
 
 def quantities_of(record: CaseRecord) -> list[Quantity]:
     """What a record pins."""
-    pinned = [_of_row(row) for row in record.rows]
+    pinned = [_of_row(row) for row in record.rows if row.pinned != "unconverged"]
     pinned += [
         Quantity(name=name, value=count, unit="", kind="count", rtol=COUNT_BAND, atol=0, basis="required")
         for name, count in sorted(record.counts.items())
@@ -126,8 +128,11 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
     Raises
     ------
     BaselineError
-        No reason, a case that failed, or a value that is no number.
+        No reason, a case that failed, a value that is no number, sources that are not those of a commit.
     """
+    tree = working_tree()
+    if tree is None or tree[1]:
+        raise BaselineError("the sources have changes that are not committed, or no commit is known: commit first")
     if not reason.strip():
         raise BaselineError("--reason: a text is needed that says why the numbers changed")
     verdicts = case_verdicts(record)
@@ -154,6 +159,18 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
     return [f"{record.id}: {q.name}: {_shown(old.get(q.name))} -> {q.value:.10g}" for q in quantities]
 
 
+def refuse_other_sources(facts: Mapping[str, Any]) -> None:
+    """Refuse the provenance of a report that other sources than the present ones made.
+
+    Raises
+    ------
+    BaselineError
+        The digests differ.
+    """
+    if facts.get("sources_sha256") != sources_digest():
+        raise BaselineError("the report was made by other sources: run it again, then update")
+
+
 def changes(records: Iterable[CaseRecord], folder: Path = FOLDER) -> list[str]:
     """Differences of all records."""
     return [line for record in records for line in differences(record, folder)]
@@ -163,11 +180,16 @@ def _of_row(row: Row) -> Quantity:
     """The value of a row that stands for it: the one farthest from zero."""
     values = [math.nan if value is None else value for value in row.computed]
     value = max(values, key=abs) if not any(math.isnan(v) for v in values) else math.nan
-    tolerance = 0.02 * abs(error_of(row)) if row.tolerance is None else 2 * combined_tolerance(row) * row.scale
-    basis = "measured" if row.tolerance is None else row.tolerance.basis
-    return Quantity(
-        name=row.quantity, value=value, unit=row.unit, kind="converged", rtol=0, atol=tolerance, basis=basis
-    )
+    if row.pinned == "exact":
+        rtol, atol, basis = 0.0, 0.0, "required"
+    elif row.pinned == "tight":
+        rtol, atol, basis = TIGHT, 0.0, "required"
+    elif row.tolerance is None:
+        rtol, atol, basis = BANDED, 0.0, "provisional"
+    else:
+        rtol, atol, basis = 0.0, 2 * combined_tolerance(row) * row.scale, row.tolerance.basis
+    kind = "converged" if row.pinned == "unconverged" else row.pinned
+    return Quantity(name=row.quantity, value=value, unit=row.unit, kind=kind, rtol=rtol, atol=atol, basis=basis)
 
 
 def _shown(value: Any) -> str:

@@ -49,12 +49,18 @@ def sources_digest() -> str:
 
 
 def working_tree() -> tuple[str, bool] | None:
-    """Commit and whether the tree has changes; None outside a checkout of this project."""
+    """Commit and whether sources, baselines apart, have changes; None outside a checkout of this project."""
     root = Path(__file__).parents[1]
     if not (root / ".git").exists():
         return None
     commit = subprocess.run(["git", "rev-parse", "HEAD"], cwd=root, capture_output=True, text=True, check=False)
-    status = subprocess.run(["git", "status", "--porcelain"], cwd=root, capture_output=True, text=True, check=False)
+    status = subprocess.run(
+        ["git", "status", "--porcelain", "--", *SOURCES, ":!validation/baselines"],
+        cwd=root,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if commit.returncode != 0 or status.returncode != 0:
         return None
     return commit.stdout.strip(), bool(status.stdout.strip())

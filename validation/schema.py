@@ -66,6 +66,8 @@ class Row(_Strict):
     """One comparison.
 
     `error` is max |computed - expected| / scale over the values; with a band it is the ratio computed / expected.
+    `pinned` is the class of the computed values in baselines: `exact` (a number of patches), `tight` (quadrature),
+    `converged` (to the tolerance), `unconverged` (shown, never pinned).
     """
 
     quantity: Text
@@ -78,6 +80,7 @@ class Row(_Strict):
     uncertainty: Finite = Field(0.0, ge=0)
     tolerance: Tolerance | None = None
     band: Band | None = None
+    pinned: Literal["exact", "tight", "converged", "unconverged"] = "converged"
     status: Literal["run", "not run", "not converged", "error"] = "run"
     message: str = ""
 

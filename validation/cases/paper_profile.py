@@ -64,6 +64,7 @@ def _paper_profile() -> Outcome:
             expected=[0.0],
             computed=[float(sum(not state.certificate.ok for state in result.states))],
             tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
+            pinned="exact",
         ),
         Row(
             quantity="closure max |G/w - 1| over all states",
