@@ -19,7 +19,7 @@ def scene_text(name: str) -> str:
     return resources.files("validation.cases").joinpath(f"scenes/{name}.toml").read_text("utf-8")
 
 
-def scene(name: str, changes: Mapping[str, Mapping[str, Any]] | None = None) -> Scene:
+def scene(name: str, changes: Mapping[str, Mapping[str, Any] | None] | None = None) -> Scene:
     """A scene of the registry with some keys changed, table by table; None removes a table or key."""
     data = tomllib.loads(scene_text(name))
     for table, keys in (changes or {}).items():

@@ -9,7 +9,7 @@ import numpy as np
 
 import bem
 from bem.result import State
-from persson import solve_nonadhesive
+from persson import DiscreteSpectrum, solve_nonadhesive
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.schema import Band, Figure, Panel, Reference, Row, Series, Table, Tolerance
@@ -88,7 +88,7 @@ def _paper_profile() -> Outcome:
 
 
 def _figures(
-    states: list[State], spectrum: adapters.DiscreteSpectrum, solid: dict[str, float], modulus: float
+    states: list[State], spectrum: DiscreteSpectrum, solid: dict[str, float], modulus: float
 ) -> tuple[Figure, ...]:
     ordered = sorted(states, key=lambda state: state.mean_pressure)
     compressive = [state for state in ordered if state.mean_pressure > 0]

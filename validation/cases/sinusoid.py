@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ def _loop(wave: Sinusoid) -> tuple[Result, float]:
     lowest = float(wave.penetration(fold))
     loading = list(np.linspace(0.02 * closed, closed, 14))
     unloading = list(np.linspace(closed, lowest + 1e-3 * (closed - lowest), 16)[1:])
-    changes = {
+    changes: dict[str, Any] = {
         "adhesion": {"work_of_adhesion": wave.work_of_adhesion},
         "loading": {"targets": [*loading, *unloading, lowest - 0.05 * closed]},
     }

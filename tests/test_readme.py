@@ -1,0 +1,51 @@
+"""The README's snippets work as they stand."""
+
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text("utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "scene.toml").write_text(blocks("toml")[0])
+    return tmp_path
+
+
+def test_there_are_two_commands_first():
+    commands = [line for block in blocks("sh") for line in block.splitlines() if line and not line.startswith("#")]
+    assert "validation run --level standard" in commands[0]
+    assert commands[1].endswith("python -m pytest")
+
+
+def test_scene_is_toml():
+    assert tomllib.loads(blocks("toml")[0])["profile"]["harmonics"] == 60
+
+
+def test_scene_commands_run(folder):
+    for line in blocks("sh")[2].splitlines():
+        command = [sys.executable, *line.split("#")[0].split()[1:]]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+    assert (folder / "result" / "result.json").exists()
+
+
+def test_python_lines_run(folder):
+    done = subprocess.run([sys.executable, "-c", blocks("python")[0]], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.splitlines()) >= 3
+
+
+def test_pictures_exist():
+    for name in re.findall(r"!\[.*?\]\((.*?)\)", README):
+        assert (ROOT / name).exists(), name

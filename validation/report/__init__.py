@@ -1,0 +1,1 @@
+"""The report: figures drawn from numbers, one self-contained page rendered from report.json alone."""

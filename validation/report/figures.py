@@ -1,0 +1,78 @@
+"""Figures as inline SVG, drawn from the numbers of the report alone: solution above, signed error below.
+
+Text stays text, ids are unique on the page, and equal numbers give equal SVG.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Canvas
+
+from validation.schema import Figure, Panel, Series
+
+COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # told apart by colour-blind readers
+MARKERS = ("o", "s", "^", "D", "v", "x")
+SETTINGS: Any = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "linecontact",
+    "font.size": 9.0,
+    "font.family": "sans-serif",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+}
+
+
+def svg_of(figure: Figure, prefix: str) -> str:
+    """The figure as an SVG element; `prefix` makes its ids unique on the page."""
+    with mpl.rc_context(SETTINGS):
+        if figure.error is None:
+            canvas = Canvas(figsize=(6.4, 3.9), layout="constrained")
+            _draw(canvas.subplots(), figure.solution)
+        else:
+            canvas = Canvas(figsize=(6.4, 5.6), layout="constrained")
+            above, below = canvas.subplots(2, 1, height_ratios=(2, 1))
+            _draw(above, figure.solution)
+            _draw(below, figure.error)
+            below.axhline(0.0, color="#888888", linewidth=0.8)
+            below.ticklabel_format(axis="y", style="sci", scilimits=(-3, 3))
+        stream = io.StringIO()
+        canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    text = stream.getvalue()
+    element = text[text.index("<svg") :]
+    element = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', element)
+    element = re.sub(r'(xlink:href|href)="#([^"]+)"', rf'\1="#{prefix}-\2"', element)
+    return re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", element)
+
+
+def _draw(axes: Axes, panel: Panel) -> None:
+    for index, series in enumerate(panel.series):
+        _draw_series(axes, series, COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)])
+    axes.set_xlabel(panel.xlabel)
+    axes.set_ylabel(panel.ylabel)
+    axes.set_xscale(panel.xscale)
+    axes.set_yscale(panel.yscale)
+    axes.legend()
+
+
+def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
+    x, y = _numbers(series.x), _numbers(series.y)
+    if series.style == "band" and series.upper is not None:
+        axes.fill_between(x, y, _numbers(series.upper), color=colour, alpha=0.2, linewidth=0, label=series.label)
+    elif series.style == "points":
+        axes.plot(x, y, marker, color=colour, markersize=3.6, linestyle="none", label=series.label)
+    else:
+        axes.plot(x, y, "--" if series.style == "dashed" else "-", color=colour, linewidth=1.4, label=series.label)
+
+
+def _numbers(values: list[float | None]) -> list[float]:
+    return [math.nan if value is None else value for value in values]
