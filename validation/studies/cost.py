@@ -1,8 +1,8 @@
 """What the paper's profile costs: seconds, memory and counts of each realisation, and whether its path is converged.
 
 The benchmark (quick) runs seeds 0, 1, 2 with 1000 harmonics to 0.02 E*, each alone in a process on one thread, and
-again at a quarter of the increment to show that nothing changes.  The full study adds the cost against the number of harmonics
-with fitted exponents.  Counts can be compared between machines; seconds are for the machine at hand.
+again at a quarter of the increment to show that nothing changes.  The full study adds the cost against the number of
+harmonics with fitted exponents.  Counts can be compared between machines; seconds are for the machine at hand.
 """
 
 from __future__ import annotations
