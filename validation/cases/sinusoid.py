@@ -209,6 +209,69 @@ def _westergaard() -> Outcome:
     )
 
 
+def _convergence() -> Outcome:
+    """The load and stress intensity of a Johnson state at its exact edges, for one tolerance after the other."""
+    wave = _wave(0.3)
+    fraction = 0.6
+    psi = fraction * np.pi / 2
+    half = fraction * WAVELENGTH / 2
+    profile = bem.Profile.from_harmonics(WAVELENGTH, [1], [AMPLITUDE])
+    solid = bem.Solid(YOUNGS_MODULUS, POISSON_RATIO)
+    critical = float(np.sqrt(2 * wave.modulus * wave.work_of_adhesion))
+    unknowns, load_error, intensity_error = [], [], []
+    for exponent in range(0, 14):
+        tolerance = 10.0**-exponent if exponent else 0.3
+        state = bem.ContactState(profile, solid, [[-half, half]], float(wave.penetration(psi)), tolerance=tolerance)
+        if state.evaluation.unknowns in unknowns:
+            continue
+        unknowns.append(state.evaluation.unknowns)
+        load_error.append(abs(state.mean_pressure - float(wave.mean_pressure(psi))) / wave.full_contact_pressure)
+        intensity_error.append(float(np.max(np.abs(state.stress_intensity / critical - 1))))
+    source = Reference(kind="exact", source="Johnson 1995, contact fraction 0.6, alpha 0.3")
+    rows = (
+        Row(
+            quantity="mean pressure over p* at the finest setting",
+            unit="",
+            reference=source,
+            norm="absolute",
+            expected=[0.0],
+            computed=[load_error[-1]],
+            tolerance=Tolerance(value=2e-15, measured=MEASURED_PLATEAU[0]),
+        ),
+        Row(
+            quantity="stress intensity over critical at the finest setting",
+            unit="",
+            reference=source,
+            norm="absolute",
+            expected=[0.0],
+            computed=[intensity_error[-1]],
+            tolerance=Tolerance(value=5e-15, measured=MEASURED_PLATEAU[1]),
+        ),
+    )
+    floor = 1e-17
+    figure = Figure(
+        id="landing-error-against-unknowns",
+        caption="What accuracy costs: error of one adhesive contact against the unknowns of its system.",
+        solution=Panel(
+            xlabel="unknowns",
+            ylabel="relative error",
+            yscale="log",
+            series=[
+                Series(
+                    label=label,
+                    x=[float(n) for n in unknowns],
+                    y=[max(error, floor) for error in errors],
+                    style="points",
+                )
+                for label, errors in (("mean pressure / p*", load_error), ("stress intensity", intensity_error))
+            ],
+        ),
+    )
+    return Outcome(rows=rows, figures=(figure,), counts={"unknowns": unknowns[-1]})
+
+
+MEASURED_PLATEAU = (3e-16, 1.5e-15)
+
 # errors measured on one machine; alpha: mean pressure, penetration, pull-off (0: contact fraction, mean pressure)
 MEASURED = {
     0.0: (2e-11, 8.2e-13),
@@ -231,6 +294,16 @@ CASES = (
             scene=adapters.scene_text("sinusoid"),
         )
         for alpha in (0.1, 0.3, 0.5)
+    ),
+    Case(
+        id="sinusoid-convergence",
+        group="convergence",
+        level="quick",
+        question="How many unknowns does an adhesive contact need for a given accuracy?",
+        equations="geometric decay: the coupled modes of a patch fall as rho^-n, rho from the nearest gap",
+        sources=("johnson1995",),
+        compute=_convergence,
+        effects=("half_space", "adhesion"),
     ),
     Case(
         id="westergaard",
