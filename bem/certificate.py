@@ -31,7 +31,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 SMALLEST_VARIATION = 1e-6  # rms heights; rounding of u (1e-15) times 1e9
-SMALLEST_CHARGE = 1e-5  # rounding of heights of 1000 harmonics (3e-14) over 1e-8, with a margin of 3
+SMALLEST_CHARGE = 1e-6  # per coefficient of a patch: rounding of charges of order 1 (3e-15) over 1e-8, margin 3
 RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap
 GAP_POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192
@@ -102,6 +102,7 @@ def certify(
     min_eigenvalue: float | None = None,
     hessian_asymmetry: float | None = None,
     compliance_ratio: ComplianceRatio | None = None,
+    intensity_rounding: FloatArray | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
     """Check a state with at least one patch and one gap.
@@ -120,6 +121,8 @@ def certify(
         Of the Hessian of the energy, from the solver; an adhesive state without them is not ok.
     compliance_ratio : callable, optional
         Compliance of a layer over that of the half-space for orders m >= 1 (n,), tending to 1.
+    intensity_rounding : (2 L,) array, optional
+        Accuracy of K in double precision, from the solver: an edge is not asked for more than three times that.
     demands : Demands, optional
         Limits.
 
@@ -152,15 +155,19 @@ def certify(
     field = DisplacementField(pressure, compliance_ratio)
     reasons: list[str] = []
 
-    def judge(name: str, values: FloatArray | float, limit: float, place: str) -> float:
+    def judge(name: str, values: FloatArray | float, limit: FloatArray | float, place: str) -> float:
         array = np.atleast_1d(values)
-        worst = int(np.argmax(np.where(np.isnan(array), np.inf, array)))
-        if not array[worst] <= limit:  # also when it is not a number
+        limits = np.broadcast_to(limit, array.shape)
+        worst = int(np.argmax(np.where(np.isnan(array), np.inf, array / limits)))
+        if not array[worst] <= limits[worst]:  # also when it is not a number
             at = f" {place} {worst % left.size}" if place else ""
-            reasons.append(f"{name} {array[worst]:.2e} exceeds {limit:.0e}{at}")
+            reasons.append(f"{name} {array[worst]:.2e} exceeds {limits[worst]:.0e}{at}")
         return float(array[worst])
 
-    closure = judge("closure", _closure(pressure, work_of_adhesion), demands.closure, "at an edge of patch")
+    within: FloatArray | float = demands.closure
+    if intensity_rounding is not None and work_of_adhesion is not None:
+        within = np.maximum(within, 3 * intensity_rounding / np.sqrt(work_of_adhesion))
+    closure = judge("closure", _closure(pressure, work_of_adhesion), within, "at an edge of patch")
     if work_of_adhesion is None:
         judge("tension without adhesion", _tension(pressure), demands.closure, "on patch")
     else:
@@ -170,7 +177,7 @@ def certify(
             reasons.append(f"asymmetry of the Hessian is {hessian_asymmetry}, limit {demands.hessian_asymmetry:.0e}")
     truncation = judge(
         "truncation",
-        np.array([np.max(np.abs(q[-3:])) / max(np.max(np.abs(q)), SMALLEST_CHARGE) for q in pressure.charges]),
+        np.array([np.max(np.abs(q[-3:])) / max(np.max(np.abs(q)), SMALLEST_CHARGE * q.size) for q in pressure.charges]),
         demands.truncation,
         "on patch",
     )
@@ -204,7 +211,7 @@ def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> Fl
     ]
     regular = np.array(ends).ravel()
     if work_of_adhesion is None:
-        loads = np.array([max(abs(q[0]), SMALLEST_CHARGE) for q in pressure.charges])
+        loads = np.array([max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges])
         return np.asarray(np.abs(regular) / np.tile(loads, 2))
     radius = np.tile((pressure.right - pressure.left) / 2, 2)
     return np.asarray(np.abs(-regular * np.abs(regular) * np.pi / radius / (4 * work_of_adhesion) - 1))
@@ -212,7 +219,9 @@ def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> Fl
 
 def _tension(pressure: PatchPressure) -> FloatArray:
     """Largest tension of each patch (its regular part q) over the mean of q, (L,)."""
-    return np.array([-np.min(regular_part(q, q.size)) / max(abs(q[0]), SMALLEST_CHARGE) for q in pressure.charges])
+    return np.array(
+        [-np.min(regular_part(q, q.size)) / max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges]
+    )
 
 
 def _contact_residuals(profile: Profile, field: DisplacementField, penetration: float) -> FloatArray:

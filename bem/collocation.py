@@ -34,6 +34,9 @@ Field = Callable[[FloatArray], FloatArray]
 
 MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes: modes cost as their cube, nodes hardly anything
 
+ROUNDING = 3e-15  # measured absolute accuracy of charges of order 1, per node (heights are of order 1)
+HEIGHT_ROUNDING = 1e-14  # measured absolute accuracy of heights
+
 
 class IllConditionedSystemError(ArithmeticError):
     """The skeleton matrix is too large, or not positive definite to rounding: contact almost complete."""
@@ -124,6 +127,15 @@ class Evaluation:
     series: tuple[FloatArray, ...]
     skeleton: FloatArray
     skeleton_rate: FloatArray
+
+    @property
+    def rounding(self) -> FloatArray:
+        """Absolute accuracy of K at the edges in double precision, (2 L,): that of charges and of Delta."""
+        starts = np.concatenate([[0], np.cumsum(self.resolution.modes)[:-1]])
+        largest = np.maximum.reduceat(np.abs(self.skeleton), starts) * self.resolution.modes / np.pi
+        charge = ROUNDING * self.resolution.nodes * np.maximum(largest, 1.0)
+        from_heights = HEIGHT_ROUNDING * np.abs(self.stress_intensity_rate)
+        return np.asarray(np.tile(charge * np.sqrt(np.pi / self.patches.half_width), 2) + from_heights)
 
     def skeleton_nodes(self) -> FloatArray:
         """Positions of the skeleton charges, (unknowns,)."""

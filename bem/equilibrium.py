@@ -29,6 +29,7 @@ NEWTON_STEPS = 8
 LARGEST_NEWTON_STEP = 0.3  # of the room of an edge
 DESCENT_STEPS = 600
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
+ENERGY_TRUNCATION = 3e-3  # relative error of the energy over the square of the tolerance of the evaluation
 DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
 CLOSED_GAP = 1e-7  # of the period
 VANISHED_WIDTH = 0.02  # of the half width at which a lone JKR contact pulls off
@@ -96,6 +97,11 @@ class Balance:
     def closure(self) -> float:
         """max |G/w - 1| over the edges."""
         return float(np.max(np.abs(self.gradient / self.work)))
+
+    def closed(self, limit: float) -> bool:
+        """Whether |G/w - 1| is at most the limit at every edge, or what rounding of K leaves where w is tiny."""
+        rounding = self.state.rounding / np.sqrt(self.work)
+        return bool(np.all(np.abs(self.gradient / self.work) <= np.maximum(limit, rounding)))
 
     @property
     def opening(self) -> bool:
@@ -201,7 +207,7 @@ def correct(
         except IllConditionedSystemError:
             return Corrected("ill_conditioned", None, count)
         room = patches.edge_room
-        if here.opening and here.closure <= closure:
+        if here.opening and here.closed(closure):
             try:
                 cho_factor((here.hessian + here.hessian.T) / 2 * np.outer(room, room), check_finite=False)
             except LinAlgError:
@@ -370,7 +376,7 @@ def descend(
             hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
             gradient = here.gradient * room
             step = trust_region_step(gradient, hessian, radius)
-            if here.closure <= closure and np.linalg.norm(step) < 0.9 * radius:
+            if here.closed(closure) and np.linalg.norm(step) < 0.9 * radius:
                 return Descent("converged", patches, here, tuple(changes), evaluations)
             predicted = -float(gradient @ step + 0.5 * step @ hessian @ step)
             trial = patches.moved(step * room)
@@ -383,6 +389,7 @@ def descend(
             ahead = balance(system, trial, here.state.penetration, target, tolerance, resolution)
             evaluations += 1
             noise = 1e-13 * (abs(here.potential) + abs(ahead.potential))
+            noise += ENERGY_TRUNCATION * tolerance**2 * (here.state.elastic_energy + ahead.state.elastic_energy)
             actual = here.potential - ahead.potential
             ratio = actual / predicted if predicted > 0 else -1.0
             good = ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1]

@@ -30,11 +30,11 @@ FloatArray = NDArray[np.float64]
 
 ITERATIONS = 400
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
-SEARCH_CLOSURE = 1e-3  # gaps are searched once the edges are this close
+COARSE = 1e-4  # accuracy of the evaluation until the edges are close
+SEARCH_CLOSURE = 1e-3  # how close: then gaps are searched, too
 CLOSED_GAP = 1e-3  # of the shortest wavelength, or of the narrower neighbour
 DAMPED_AFTER = 15  # iterations after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
-ROUNDING = 3e-14  # absolute accuracy of charges: heights of order 1 in double precision
 
 ContactStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
 
@@ -49,15 +49,27 @@ class Contact:
     evaluations: int
 
 
-def edge_closure(state: Evaluation, least_charge: float = 0.0) -> float:
-    """Largest |K| sqrt(r/pi) relative to the load of its patch: the singular part over the mean charge.
+def edge_closure(state: Evaluation) -> float:
+    """Largest |K| sqrt(r/pi) relative to the load of its patch: the singular part over the mean charge."""
+    return float(np.max(np.abs(state.stress_intensity) / _mean_intensity(state)))
 
-    Charges below `least_charge` are judged as if they were that large.
+
+def _mean_intensity(state: Evaluation) -> FloatArray:
+    """|K| of flat punches that carry the loads of the patches, (2 L,)."""
+    mean = np.array([abs(charge[0]) for charge in state.pressure().charges])
+    return np.tile(np.maximum(mean, 1e-300) * np.sqrt(np.pi / state.patches.half_width), 2)
+
+
+def _closed(state: Evaluation, limit: float) -> bool:
+    """Whether |K| and the Newton steps still to be made, as contact fraction, are below the limit or rounding.
+
+    The steps count because a gap that closes has hardly any K left.
     """
-    radius = np.tile(state.patches.half_width, 2)
-    mean = np.array([charge[0] for charge in state.pressure().charges])
-    singular = np.abs(state.stress_intensity) * np.sqrt(radius / np.pi)
-    return float(np.max(singular / np.tile(np.maximum(np.abs(mean), max(least_charge, 1e-300)), 2)))
+    intensity, rounding = np.abs(state.stress_intensity), state.rounding
+    slope = np.maximum(np.abs(np.diagonal(stress_intensity_jacobian(state))), 1e-300)
+    remaining = float(np.sum(np.maximum(intensity - rounding, 0.0) / slope))
+    small = np.all(intensity <= np.maximum(limit * _mean_intensity(state), rounding))
+    return bool(small) and remaining <= TWO_PI * limit
 
 
 def solve_contact(
@@ -81,25 +93,28 @@ def solve_contact(
     penetration, target : float
         Start of Delta under load control, and value of the control.
     tolerance, closure : float
-        Of the evaluation; of `edge_closure`, and of the Newton step still to be made by all edges, as a contact
-        fraction (a gap that closes has hardly any K left), where `ROUNDING` does not limit them.
+        Of the evaluation; of `edge_closure` and of the contact fraction, where rounding does not limit them.
     allowed : float
         Interpenetration that is not a contact, dimensionless.
     """
     damping = np.ones(2 * patches.count)
     last_sign = np.zeros(2 * patches.count)
     measure = np.inf
+    accuracy = max(tolerance, COARSE)
     for count in range(1, ITERATIONS + 1):
         try:
-            state = control.reach(evaluate(elastic, patches, control.guess(penetration, target), tolerance), target)
+            state = control.reach(evaluate(elastic, patches, control.guess(penetration, target), accuracy), target)
         except IllConditionedSystemError:
             return Contact("ill_conditioned", None, measure, count)
         penetration = state.penetration
-        measure = edge_closure(state, ROUNDING / closure)
+        measure = edge_closure(state)
         changed = _without_tension(state)
-        if changed is None and measure < SEARCH_CLOSURE:
+        if changed is None and measure < SEARCH_CLOSURE and accuracy > tolerance:
+            accuracy = tolerance
+            continue
+        if changed is None and _closed(state, SEARCH_CLOSURE):
             changed = _with_new_contacts(elastic, state, allowed)
-            if changed is None and measure <= closure and _edge_uncertainty(state) <= TWO_PI * closure:
+            if changed is None and _closed(state, closure):
                 return Contact("converged", state, measure, count)
         if changed is None:
             sign = np.sign(state.stress_intensity)
@@ -133,13 +148,6 @@ def bearing_patches(elastic: Elastic, penetration: float) -> Patches:
     if right[0] < left[0]:
         right = np.roll(right, -1)
     return ordered(left, np.where(right < left, right + TWO_PI, right))
-
-
-def _edge_uncertainty(state: Evaluation) -> float:
-    """Sum of the Newton steps that |K| beyond rounding still asks for."""
-    slope = np.abs(np.diagonal(stress_intensity_jacobian(state)))
-    rounding = ROUNDING * np.sqrt(np.pi / np.tile(state.patches.half_width, 2))
-    return float(np.sum(np.maximum(np.abs(state.stress_intensity) - rounding, 0.0) / np.maximum(slope, 1e-300)))
 
 
 def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:

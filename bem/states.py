@@ -65,6 +65,7 @@ def equilibrium_state(
         min_eigenvalue=assessment.min_eigenvalue,
         hessian_asymmetry=assessment.hessian_asymmetry,
         compliance_ratio=problem.compliance_ratio,
+        intensity_rounding=state.rounding,
         demands=demands,
     )
     patches = state.patches.canonical()
