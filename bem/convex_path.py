@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bem.collocation import Elastic, Evaluation, evaluate, finer
 from bem.complete_contact import CompleteContact
@@ -19,6 +20,8 @@ from bem.nonadhesive import bearing_patches, solve_contact
 from bem.patches import Patches
 from bem.path import Assessment, Effort, Increments, PathEvent, PathStatus
 from bem.sensitivities import stress_intensity_jacobian
+
+FloatArray = NDArray[np.float64]
 
 HALVINGS = 8
 
@@ -45,15 +48,15 @@ class ConvexPath:
         Only the fine tolerances are used.
     complete : CompleteContact
         Closed form of complete contact, where load control ends.
-    crest : float
-        Position of the highest crest.
+    crests : (n,) array
+        Positions of the highest crests (more than one when equally high).
     """
 
     elastic: Elastic
     control: Control
     increments: Increments
     complete: CompleteContact
-    crest: float
+    crests: FloatArray
     effort: Effort = field(default_factory=Effort)
 
     def advance(self, point: ContactPoint, goal: float) -> Iterator[ContactPoint]:
@@ -118,7 +121,7 @@ class ConvexPath:
         self.effort.unknowns = max(self.effort.unknowns, solved.state.unknowns)
         events: tuple[PathEvent, ...] = ()
         if point.status == "separated":
-            events = (PathEvent("first_touch", 0.0, 0.0, 0.0, self.crest, 0.0),)
+            events = tuple(PathEvent("first_touch", 0.0, 0.0, 0.0, float(crest), 0.0) for crest in self.crests)
         return ContactPoint("converged", value, solved.state, events)
 
     def _start(self, value: float) -> Patches:

@@ -32,6 +32,7 @@ ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
 ENERGY_TRUNCATION = 3e-3  # relative error of the energy over the square of the tolerance of the evaluation
 DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
 CLOSED_GAP = 1e-7  # of the period
+TIED = 1e-3  # relative difference of gaps that close, or patches that vanish, at the same instant
 VANISHED_WIDTH = 0.02  # of the half width at which a lone JKR contact pulls off
 
 
@@ -354,19 +355,20 @@ def descend(
                     resolution = _at_least(resolution, resolution_floor(patches))
                 here = balance(system, patches, penetration, target, tolerance, resolution)
                 evaluations += 1
-            if not here.opening:
+            vanished = _closing(system, here)
+            if vanished is None and not here.opening:
                 wider = _expanded(here)
                 if wider is None:
                     return Descent("not_converged", patches, here, tuple(changes), evaluations)
                 patches, penetration, here = wider, here.state.penetration, None
                 continue
-            vanished = _vanishing(system, here)
+            vanished = vanished or _vanishing(system, here)
             if vanished is not None:
-                change, remaining = vanished
-                changes.append(change)
+                gone, remaining = vanished
+                changes += gone
                 if remaining is None:
                     status: Literal["separated", "complete_contact"] = (
-                        "separated" if change.kind == "detachment" else "complete_contact"
+                        "separated" if gone[0].kind == "detachment" else "complete_contact"
                     )
                     return Descent(status, patches, None, tuple(changes), evaluations)
                 patches, penetration, here = remaining, here.state.penetration, None
@@ -431,30 +433,49 @@ def _expanded(here: Balance) -> Patches | None:
     return moved if moved.is_ordered else None
 
 
-def _vanishing(system: System, here: Balance) -> tuple[Change, Patches | None] | None:
-    """The first gap about to close or patch about to vanish, with the patches that remain (None: none do)."""
+def _closing(system: System, here: Balance) -> tuple[tuple[Change, ...], Patches | None] | None:
+    """The gaps about to close, with the patches that remain (None: none do, contact is complete).
+
+    A gap narrower than the limits closes where both its edges move outward; gaps as narrow as that to within
+    `TIED` close with it, so that symmetric states stay symmetric.
+    """
+    patches = here.state.patches
+    count = patches.count
+    outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
+    gaps = patches.gap_after
+    wavelength = 2 * np.pi / system.elastic.profile.max_order
+    doomed = gaps < min(DOOMED_GAP * wavelength, 0.05 * float(gaps.max()))
+    both = outward[count:] & np.roll(outward[:count], -1)
+    closing = np.flatnonzero((doomed & both) | (gaps < CLOSED_GAP * 2 * np.pi))
+    if closing.size == 0:
+        return None
+    closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min()]
+    positions = patches.right[closing] + gaps[closing] / 2
+    if closing.size == count:
+        return tuple(Change("complete_contact", float(x)) for x in positions), None
+    remaining = patches
+    for x in positions:
+        distance = np.abs((remaining.right + remaining.gap_after / 2 - x + np.pi) % (2 * np.pi) - np.pi)
+        remaining = remaining.merged_after(int(np.argmin(distance)))
+    return tuple(Change("coalescence", float(x)) for x in positions), remaining
+
+
+def _vanishing(system: System, here: Balance) -> tuple[tuple[Change, ...], Patches | None] | None:
+    """The patches about to vanish, with those that remain (None: none do, the surfaces are apart)."""
     patches = here.state.patches
     count = patches.count
     inward = here.gradient > 0
-    gaps = patches.gap_after
-    wavelength = 2 * np.pi / system.elastic.profile.max_order
-    right_closes, next_left_closes = ~inward[count:], np.roll(~inward[:count], -1)
-    doomed = gaps < min(DOOMED_GAP * wavelength, 0.05 * float(gaps.max()))
-    closing = (doomed & right_closes & next_left_closes) | (gaps < CLOSED_GAP * 2 * np.pi)
-    if np.any(closing):
-        index = int(np.flatnonzero(closing)[0])
-        position = float(patches.right[index] + gaps[index] / 2)
-        if count == 1:
-            return Change("complete_contact", position), None
-        return Change("coalescence", position), patches.merged_after(index)
     shrinking = np.flatnonzero(inward[:count] & inward[count:])
-    if shrinking.size:
-        limit = VANISHED_WIDTH * pull_off_half_width(system, patches.center[shrinking])
-        gone = shrinking[patches.half_width[shrinking] < limit]
-        if gone.size:
-            change = Change("detachment", float(patches.center[gone[0]]))
-            return change, (patches.without_patch(int(gone[0])) if count > 1 else None)
-    return None
+    if shrinking.size == 0:
+        return None
+    relative = patches.half_width[shrinking] / pull_off_half_width(system, patches.center[shrinking])
+    if relative.min() >= VANISHED_WIDTH:
+        return None
+    gone = shrinking[relative <= (1 + TIED) * relative.min()]
+    changes = tuple(Change("detachment", float(x)) for x in patches.center[gone])
+    if gone.size == count:
+        return changes, None
+    return changes, Patches(np.delete(patches.left, gone), np.delete(patches.right, gone))
 
 
 def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:

@@ -27,6 +27,7 @@ LOCAL_STEP = 0.1
 GLOBAL_STEP = 0.4
 NEIGHBOURS = 2
 AVALANCHE_ROUNDS = 200
+TIED = 1e-3  # relative difference in depth of contacts that form at the same instant
 
 SettledStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
 
@@ -101,22 +102,27 @@ def settle(
         found = interpenetration(system, end.balance.state, allowed)
         if found.position.size == 0:
             return Settled("converged", end.balance, tuple(changes), evaluations, local_evaluations)
-        deepest = int(np.argmin(found.depth))
-        position = float(found.position[deepest])
-        changes.append(("new_contact", position))
-        patches, index = _with_new_contact(system, patches, position, float(found.depth[deepest]))
-        active = np.array([index])
+        tied = np.flatnonzero(found.depth <= (1 - TIED) * found.depth.min())
+        where = found.position[tied]
+        for position, depth in zip(where, found.depth[tied], strict=True):
+            changes.append(("new_contact", float(position)))
+            patches = _with_new_contact(system, patches, float(position), float(depth))
+        active = np.array([_nearest(patches, float(position)) for position in where])
     return Settled("not_converged", None, tuple(changes), evaluations, local_evaluations)
 
 
-def first_contact(system: System, position: float) -> Patches:
-    """A small patch on a crest that has just been touched, wide enough for its edges to be tensile."""
-    half_width = min(float(1.5 * pull_off_half_width(system, np.array([position]))[0]), 0.25 * np.pi)
-    return ordered(np.array([position - half_width]), np.array([position + half_width]))
+def first_contact(system: System, positions: FloatArray) -> Patches:
+    """Small patches on the crests that have just been touched, wide enough for their edges to be tensile."""
+    widest = 0.25 * np.pi
+    if positions.size > 1:
+        order = np.sort(positions)
+        widest = 0.25 * float(np.min(np.diff(order, append=order[0] + TWO_PI)))
+    half_width = np.minimum(1.5 * pull_off_half_width(system, positions), widest)
+    return ordered(positions - half_width, positions + half_width)
 
 
-def _with_new_contact(system: System, patches: Patches, position: float, depth: float) -> tuple[Patches, int]:
-    """Patches with a new one around a point that interpenetrates by -depth, and its index."""
+def _with_new_contact(system: System, patches: Patches, position: float, depth: float) -> Patches:
+    """Patches with a new one around a point that interpenetrates by -depth."""
     at = np.array([position])
     curvature = max(float(-system.elastic.profile.curvature(at)[0]), 1e-12)
     geometric = np.sqrt(-2 * depth / curvature)
@@ -124,9 +130,12 @@ def _with_new_contact(system: System, patches: Patches, position: float, depth: 
     to_right = np.min((patches.left - position) % TWO_PI)
     to_left = np.min((position - patches.right) % TWO_PI)
     half_width = min(max(lone, float(geometric)), 0.25 * float(to_right), 0.25 * float(to_left))
-    wider = patches.with_patch(position - half_width, position + half_width)
-    distance = np.abs((wider.center - position + np.pi) % TWO_PI - np.pi)
-    return wider, int(np.argmin(distance))
+    return patches.with_patch(position - half_width, position + half_width)
+
+
+def _nearest(patches: Patches, position: float) -> int:
+    """Index of the patch whose centre is nearest."""
+    return int(np.argmin(np.abs((patches.center - position + np.pi) % TWO_PI - np.pi)))
 
 
 def _settled_locally(

@@ -149,13 +149,13 @@ class Path:
     ----------
     system : System
     increments : Increments
-    crest : float
-        Position of the highest crest, where first touch happens.
+    crests : (n,) array
+        Positions of the highest crests (more than one when equally high), where first touch happens.
     """
 
     system: System
     increments: Increments
-    crest: float
+    crests: FloatArray
     effort: Effort = field(default_factory=Effort)
     step: float = 0.0
 
@@ -270,12 +270,12 @@ class Path:
         inc = self.increments
         touch = max(point.value, 0.0)
         settled = settle(
-            self.system, first_contact(self.system, self.crest), touch, touch, inc.tolerance, inc.closure, inc.allowed
+            self.system, first_contact(self.system, self.crests), touch, touch, inc.tolerance, inc.closure, inc.allowed
         )
         self.effort.book(settled)
         if settled.balance is None:
             return Point(settled.status, touch)
-        changes = (("first_touch", self.crest), *settled.changes)
+        changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
         return self._point_after(settled, touch, changes, -settled.balance.potential)
 
     def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:

@@ -37,6 +37,7 @@ AnyPath = Path | ConvexPath
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
 OUTPUTS = ("shapes", "spectra", "pressure_distribution", "width_distributions")
+TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
 COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
 
 
@@ -364,13 +365,13 @@ class _Run:
 def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyPath:
     """The path that the effects of the scene call for."""
     positions, heights = problem.profile.crests
-    crest = float(positions[int(np.argmax(heights))])
+    highest = positions[heights >= heights.max() - TOUCHING]
     increments = _increments(scene, problem)
     if problem.law is None:
-        return ConvexPath(problem.elastic, problem.control, increments, complete, crest)
+        return ConvexPath(problem.elastic, problem.control, increments, complete, highest)
     equilibrium = import_module("bem.equilibrium")
     system = equilibrium.System(problem.elastic, problem.law, problem.control)
-    return Path(system, increments, crest)
+    return Path(system, increments, highest)
 
 
 def _increments(scene: Scene, problem: Problem) -> Increments:
