@@ -120,7 +120,7 @@ def coupling_modes(width: FloatArray, clearance: FloatArray, tolerance: float) -
 @lru_cache(maxsize=4)
 def _size_ladder(ratio: float) -> IntArray:
     sizes = [4, 6, 8]
-    while sizes[-1] < 1_000_000:
+    while sizes[-1] < 1_000_000_000:
         sizes.append(max(sizes[-1] + 2, int(sizes[-1] * ratio)))
     return np.array(sizes)
 

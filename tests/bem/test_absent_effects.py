@@ -1,0 +1,64 @@
+"""An effect that a scene does not name is neither imported nor run."""
+
+import subprocess
+import sys
+
+import pytest
+
+PROGRAM = """
+import sys
+from pathlib import Path
+seen = set()
+def note(frame, event, argument):
+    if event == "call":
+        seen.add(Path(frame.f_code.co_filename).name)
+from bem.scene import parse_scene
+data = {{
+    "solid": {{"youngs_modulus": 1e6, "poisson_ratio": 0.5}},
+    "profile": {{"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 10, "seed": 1}},
+    "loading": {{"control": "separation", "targets": [6e-5, 3e-5]}},
+}}
+data |= {extra}
+scene = parse_scene(data)
+sys.setprofile(note)
+from bem.solver import solve
+result = solve(scene)
+sys.setprofile(None)
+assert result.status == "converged", result.status
+print(*sorted(name for name in sys.modules if name.startswith("bem.")))
+print(*sorted(seen))
+"""
+ADHESION = {"adhesion": {"work_of_adhesion": 0.03}}
+LAYER = {"layer": {"thickness": 0.001}}
+
+
+def modules_and_files(extra):
+    program = PROGRAM.format(extra=extra)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    modules, files = done.stdout.splitlines()
+    return set(modules.split()), set(files.split())
+
+
+@pytest.mark.parametrize(
+    ("extra", "absent"),
+    [({}, ["adhesion", "layer"]), (ADHESION, ["layer"]), (LAYER, ["adhesion"])],
+    ids=["bare", "adhesion", "layer"],
+)
+def test_absent_effects_are_not_imported_and_not_run(extra, absent):
+    modules, files = modules_and_files(extra)
+    assert not {f"bem.{name}" for name in absent} & modules
+    assert not {f"{name}.py" for name in absent} & files
+
+
+def test_outputs_not_asked_for_are_not_imported():
+    modules, _ = modules_and_files(ADHESION)
+    outputs = {"bem.observables", "bem.shapes", "bem.spectra", "bem.pressure_distribution", "bem.width_distributions"}
+    assert not outputs & modules
+
+
+@pytest.mark.parametrize(("extra", "present"), [(ADHESION, "adhesion"), (LAYER, "layer")], ids=["adhesion", "layer"])
+def test_the_trace_sees_effects_that_are_named(extra, present):
+    modules, files = modules_and_files(extra)
+    assert f"bem.{present}" in modules
+    assert f"{present}.py" in files

@@ -1,0 +1,154 @@
+"""Whole scenes: invariance, convergence of the path, energy balance, interruption and resumption."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bem.solver import solve
+
+from .rough import rough_scene
+
+TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
+
+
+@pytest.fixture(scope="module")
+def rough():
+    return solve(rough_scene(TARGETS))
+
+
+def touching(result):
+    return [state for state in result.targets if state.n_patches]
+
+
+def test_every_state_is_converged_and_certified(rough):
+    assert rough.status == "converged"
+    assert [state.target for state in rough.states].count(True) == len(TARGETS)
+    assert all(state.certificate.ok for state in rough.states)
+    assert max(state.certificate.closure for state in touching(rough)) <= 1e-8
+
+
+def test_targets_are_met_in_order(rough):
+    np.testing.assert_allclose([state.separation for state in rough.targets], TARGETS, rtol=1e-12)
+
+
+def test_adhesion_makes_unloading_differ_from_loading(rough):
+    back = solve(rough_scene([60e-6])).targets[0]
+    assert touching(rough)[-1].contact_fraction > 1.05 * back.contact_fraction
+
+
+def test_events_release_energy(rough):
+    assert len(rough.events) >= 10
+    assert min(event.energy_released for event in rough.events) >= 0
+
+
+def test_a_quarter_of_the_increment_changes_nothing(rough):
+    fine = solve(rough_scene(TARGETS, accuracy={"max_increment": 0.0125}))
+    for coarse, other in zip(rough.targets, fine.targets, strict=True):
+        assert abs(coarse.contact_fraction - other.contact_fraction) <= 1e-10  # measured 3e-13
+        assert abs(coarse.mean_pressure - other.mean_pressure) <= 1e-10 * 1e4
+        assert coarse.n_patches == other.n_patches
+
+
+def harmonics_of(scene):
+    surface = scene.surface()
+    return surface.orders, surface.amplitudes, surface.phases
+
+
+def changed(shift=0.0, mirror=False, length=1.0, stress=1.0):
+    """The same physics with the profile shifted or mirrored, or in other units."""
+    orders, amplitudes, phases = harmonics_of(rough_scene(TARGETS))
+    phases = (-phases if mirror else phases) - 2 * np.pi * orders * shift
+    return rough_scene(
+        [target * length for target in TARGETS],
+        solid={"youngs_modulus": 1e6 * stress, "poisson_ratio": 0.5},
+        profile={
+            "kind": "harmonics",
+            "period": 0.01 * length,
+            "orders": orders.tolist(),
+            "amplitudes": (amplitudes * length).tolist(),
+            "phases": phases.tolist(),
+        },
+        adhesion=0.03 * length * stress,
+    )
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"shift": 0.3}, {"mirror": True}, {"length": 1e6}, {"length": 1e-6}, {"stress": 1e6}, {"stress": 1e-6}],
+    ids=["shift", "mirror", "long", "short", "stiff", "soft"],
+)
+def test_invariance(rough, change):
+    other = solve(changed(**change))
+    stress = change.get("stress", 1.0)
+    for state, twin in zip(rough.targets, other.targets, strict=True):
+        assert abs(state.contact_fraction - twin.contact_fraction) <= 1e-10  # measured 4e-12
+        assert abs(state.mean_pressure - twin.mean_pressure / stress) <= 1e-10 * 1e4
+
+
+def test_interruption_keeps_what_converged():
+    seen = []
+
+    def stop(progress):
+        seen.append(progress)
+        if progress.target_index == 2:
+            raise KeyboardInterrupt
+
+    result = solve(rough_scene(TARGETS), progress=stop)
+    assert result.status == "interrupted"
+    assert len(result.targets) == 2
+
+
+def test_resumption_ends_the_same_and_computes_nothing_again(rough):
+    def stop(progress):
+        if progress.target_index == 3:
+            raise KeyboardInterrupt
+
+    half = solve(rough_scene(TARGETS), progress=stop)
+    counts = []
+    whole = solve(rough_scene(TARGETS), progress=lambda progress: counts.append(progress.evaluations), resume=half)
+    assert whole.states[: len(half.states)] == half.states
+    for state, twin in zip(rough.targets, whole.targets, strict=True):
+        assert abs(state.contact_fraction - twin.contact_fraction) <= 1e-10  # measured 2e-13
+    done_before = sum(state.evaluations for state in half.states)
+    spent = sum(state.evaluations for state in rough.states)
+    assert counts[-1] <= spent - 0.8 * done_before
+
+
+def test_a_pressure_on_the_way_becomes_a_target():
+    wanted = [1000.0, 3000.0]
+    loading = {
+        "control": "separation",
+        "targets": [30e-6],
+        "at_mean_pressures": wanted,
+        "stop_at_mean_pressure": 5000.0,
+    }
+    result = solve(rough_scene([], loading=loading))
+    np.testing.assert_allclose([state.mean_pressure for state in result.targets], [*wanted, 5000.0], rtol=1e-9)
+
+
+def test_load_control_meets_the_states_of_separation_control(rough):
+    stable = next(state for state in rough.targets if state.stable_at_fixed_load)
+    twin = solve(rough_scene([stable.mean_pressure], control="mean_pressure")).targets[0]
+    assert abs(twin.mean_pressure - stable.mean_pressure) <= 1e-9 * abs(stable.mean_pressure)
+    assert twin.stable_at_fixed_load
+
+
+def test_a_tension_no_branch_carries_is_unreachable():
+    result = solve(rough_scene([2000.0, -1e6], control="mean_pressure"))
+    assert result.status == "unreachable"
+    assert result.targets[0].status == "converged"
+
+
+def test_without_adhesion_the_path_does_not_matter():
+    direct = solve(rough_scene([40e-6], adhesion=None)).targets[0]
+    winding = solve(rough_scene([30e-6, 60e-6, 20e-6, 40e-6], adhesion=None)).targets[-1]
+    assert abs(direct.contact_fraction - winding.contact_fraction) <= 1e-10
+    assert abs(direct.mean_pressure - winding.mean_pressure) <= 1e-10 * direct.mean_pressure
+    assert replace(direct, evaluations=0).certificate.ok
+
+
+def test_without_adhesion_load_grows_with_penetration():
+    separations = [80e-6, 60e-6, 45e-6, 30e-6, 15e-6]
+    loads = [state.mean_pressure for state in solve(rough_scene(separations, adhesion=None)).targets]
+    assert np.all(np.diff(loads) > 0)
