@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bem.collocation import Elastic, IllConditionedSystemError, Resolution, evaluate, finer, resolve
@@ -46,6 +46,13 @@ def cut(profile, fraction):
 def rough():
     patches, penetration = cut(ROUGH, 0.4)
     return patches, penetration, evaluate(Elastic(ROUGH), patches, penetration, 1e-12)
+
+
+@pytest.fixture(scope="module")
+def many_patches():
+    profile = short_waved(3)
+    patches, penetration = cut(profile, 0.4)
+    return profile, patches, evaluate_dense(profile, patches.left, patches.right, penetration)
 
 
 @pytest.mark.parametrize("alpha", [0.0, 0.1, 0.3, 0.5])
@@ -95,11 +102,9 @@ def test_rough_states_agree_with_the_dense_reference(seed, fraction):
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9, 1e-11])
-def test_error_is_below_the_tolerance(tolerance):
-    profile = short_waved(3)
-    patches, penetration = cut(profile, 0.4)
-    state = evaluate(Elastic(profile), patches, penetration, tolerance)
-    dense = evaluate_dense(profile, patches.left, patches.right, penetration)
+def test_error_is_below_the_tolerance(many_patches, tolerance):
+    profile, patches, dense = many_patches
+    state = evaluate(Elastic(profile), patches, dense.penetration, tolerance)
     error = np.abs(state.stress_intensity - dense.stress_intensity).max() / np.abs(dense.stress_intensity).max()
     assert error <= tolerance  # measured 3e-2 of it; rounding leaves 5e-12
 
@@ -163,6 +168,7 @@ def test_everything_is_linear_in_the_penetration(rough, shift):
     np.testing.assert_allclose(other.edge_slope, slope, rtol=0, atol=1e-8 * np.abs(slope).max())
 
 
+@settings(max_examples=30)
 @given(shift=st.floats(0.1, 6.0), seed=st.integers(0, 5))
 def test_shift_and_mirror_change_nothing(shift, seed):
     profile = Profile.self_affine(2 * np.pi, 0.7, 1.0, 30, seed).scaled()
@@ -229,8 +235,8 @@ def test_correction_of_the_kernel_agrees_with_the_dense_reference(rough):
 
 
 def test_too_many_unknowns_are_refused_by_name():
-    edges = np.arange(400) * (2 * np.pi / 400)
-    patches = Patches(edges, edges + 2 * np.pi / 400 * (1 - 1e-5))
+    edges = np.array([0.0, 3.0])
+    patches = Patches(edges, np.array([3.0 - 1e-7, 6.0]))
     with pytest.raises(IllConditionedSystemError, match="gaps too narrow"):
         evaluate(Elastic(WAVE), patches, 1.0, 1e-12)
 

@@ -1,68 +1,112 @@
-"""Exact derivatives of stress intensities and energy by the edges, against differences and symmetry."""
+"""Derivatives of stress intensities and energy by the edges: central differences, symmetry, the dense reference."""
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from bem.adhesion import Adhesion
 from bem.collocation import Elastic, evaluate
-from bem.contact_state import ContactState
-from bem.layer import layer_kernel
-from bem.scaling import Solid
+from bem.dense import evaluate_dense
+from bem.patches import Patches
+from bem.profile import Profile
 from bem.sensitivities import stress_intensity_jacobian
 
-from .rough import bearing_cut, rough_profile
+ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 0).scaled()
+ELASTIC = Elastic(ROUGH)
+EDGES = 8
 
 
-def differences(function, count, step):
-    """Fourth-order central differences, one column per argument."""
-    columns = []
-    for index in range(count):
-        unit = np.zeros(count)
-        unit[index] = step
-        near, far = ((function(k * unit) - function(-k * unit)) / 2 for k in (1, 2))
-        columns.append((4 * near - far / 2) / (3 * step))
-    return np.stack(columns, axis=-1)
+def cut(profile, fraction):
+    """Patches where the profile is highest, and the penetration of that level."""
+    x, h = profile.grid
+    level = float(np.quantile(h, 1 - fraction))
+    above = h > level
+    left = x[np.flatnonzero(above & ~np.roll(above, 1))] - x[1] / 2
+    right = x[np.flatnonzero(above & ~np.roll(above, -1))] + x[1] / 2
+    right = right if right[0] > left[0] else np.append(right[1:], right[0] + 2 * np.pi)
+    return Patches(left, right), profile.max_height - level
 
 
-@pytest.mark.parametrize("corrections", [(), (layer_kernel(0.8, 0.5, 1e-14),)], ids=["half_space", "layer"])
-def test_jacobian_agrees_with_central_differences(corrections):
-    profile = rough_profile().scaled()
-    patches, penetration = bearing_cut(profile, 0.3)
-    elastic = Elastic(profile, corrections)
-    state = evaluate(elastic, patches, penetration, 1e-12)
-
-    def intensity(outward):
-        return evaluate(elastic, patches.moved(outward), penetration, 1e-12, state.resolution).stress_intensity
-
-    step = 1e-3 * patches.edge_room.min()
-    expected = differences(intensity, 2 * patches.count, step)
-    exact = stress_intensity_jacobian(state)
-    assert np.abs(exact - expected).max() <= 1e-7 * np.abs(expected).max()  # measured 3e-9
+@pytest.fixture(scope="module")
+def rough():
+    patches, penetration = cut(ROUGH, 0.4)
+    assert 2 * patches.count == EDGES
+    return evaluate(ELASTIC, patches, penetration, 1e-13)
 
 
-def test_hessian_of_a_rough_state_is_symmetric():
-    profile = rough_profile(harmonics=1000, seed=0)
-    patches, penetration = bearing_cut(profile.scaled(), 0.2)
-    edges = np.stack([patches.left, patches.right], axis=1) * profile.period / (2 * np.pi)
-    state = ContactState(profile, Solid(1e6, 0.5), edges, penetration * profile.rms_height, tolerance=1e-8)
-    hessian = state.hessian
-    assert np.abs(hessian - hessian.T).max() <= 1e-8 * np.abs(hessian).max()  # measured 1e-15
+def difference(state, edge, quantity):
+    """Fourth-order central difference of a quantity by the outward motion of an edge, sizes held fixed."""
+    step = 2e-4 * state.patches.edge_room[edge]
+
+    def at(amount):
+        moved = state.patches.moved(amount * np.eye(2 * state.patches.count)[edge])
+        return quantity(evaluate(ELASTIC, moved, state.penetration, 1e-13, state.resolution))
+
+    return (8 * (at(step) - at(-step)) - (at(2 * step) - at(-2 * step))) / (12 * step)
 
 
-def test_gradient_and_hessian_are_derivatives_of_the_energy():
-    profile, solid = rough_profile(harmonics=20, seed=3), Solid(1e6, 0.3)
-    patches, penetration = bearing_cut(profile.scaled(), 0.3)
-    edges = np.stack([patches.left, patches.right], axis=1) * profile.period / (2 * np.pi)
+@pytest.mark.parametrize("edge", range(EDGES))
+def test_jacobian_is_the_central_difference(rough, edge):
+    exact = stress_intensity_jacobian(rough)[:, edge]
+    found = difference(rough, edge, lambda state: state.stress_intensity)
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8 * np.abs(exact).max())  # measured 1e-9, asked 1e-7
 
-    def state(shift):
-        return ContactState(
-            profile, solid, edges + shift.reshape(edges.shape), penetration * profile.rms_height,
-            adhesion=Adhesion(0.05, slope_term=True),
-        )  # fmt: skip
 
-    here = state(np.zeros(edges.size))
-    step = 1e-3 * (edges[:, 1] - edges[:, 0]).min()
-    slope = differences(lambda shift: np.array(state(shift).energy), edges.size, step)
-    curvature = differences(lambda shift: state(shift).gradient.ravel(), edges.size, step)
-    assert np.abs(here.gradient.ravel() - slope).max() <= 1e-7 * np.abs(slope).max()  # measured 7e-9
-    assert np.abs(here.hessian - curvature).max() <= 1e-7 * np.abs(curvature).max()
+@pytest.mark.parametrize("edge", range(EDGES))
+def test_energy_derivative_is_the_release_rate(rough, edge):
+    found = difference(rough, edge, lambda state: state.elastic_energy)
+    largest = np.max(rough.stress_intensity**2) / 4
+    assert abs(found - rough.stress_intensity[edge] ** 2 / 4) <= 3e-10 * largest  # measured 1e-10
+
+
+@pytest.mark.parametrize("edge", range(EDGES))
+def test_load_derivative_is_the_mixed_derivative_of_the_energy(rough, edge):
+    found = difference(rough, edge, lambda state: state.load)
+    exact = rough.stress_intensity * rough.stress_intensity_rate / 2
+    assert abs(found - exact[edge]) <= 1e-10 * np.abs(exact).max()  # measured 2e-11
+
+
+def test_energy_derivative_by_penetration_is_the_load(rough):
+    ahead, back = (evaluate(ELASTIC, rough.patches, rough.penetration + d, 1e-13) for d in (0.1, -0.1))
+    assert (ahead.elastic_energy - back.elastic_energy) / 0.2 == pytest.approx(rough.load, rel=1e-12)
+
+
+def test_jacobian_is_that_of_the_dense_reference(rough):
+    patches = rough.patches
+    dense = evaluate_dense(ROUGH, patches.left, patches.right, rough.penetration).stress_intensity_jacobian
+    found = stress_intensity_jacobian(rough)
+    np.testing.assert_allclose(found, dense, rtol=0, atol=1e-9 * np.abs(dense).max())  # measured 1e-10
+
+
+@settings(max_examples=25)
+@given(seed=st.integers(0, 50), fraction=st.floats(0.05, 0.8), shift=st.floats(-1, 1))
+def test_hessian_is_symmetric(seed, fraction, shift):
+    profile = Profile.self_affine(2 * np.pi, 0.7, 1.0, 30, seed).scaled()
+    patches, penetration = cut(profile, fraction)
+    state = evaluate(Elastic(profile), patches, penetration + shift, 1e-12)
+    hessian = state.stress_intensity[:, None] / 2 * stress_intensity_jacobian(state)
+    assert np.abs(hessian - hessian.T).max() <= 1e-8 * np.abs(hessian).max()  # measured 2e-10
+
+
+def test_hessian_of_many_patches_is_symmetric():
+    m = np.arange(60, 251)
+    phases = np.random.default_rng(0).uniform(-np.pi, np.pi, m.size)
+    profile = Profile.from_harmonics(2 * np.pi, m, m**-1.2, phases).scaled()
+    patches, penetration = cut(profile, 0.4)
+    assert patches.count >= 60
+    state = evaluate(Elastic(profile), patches, penetration, 1e-9)
+    hessian = state.stress_intensity[:, None] / 2 * stress_intensity_jacobian(state)
+    assert np.abs(hessian - hessian.T).max() <= 1e-8 * np.abs(hessian).max()  # measured 1e-10
+
+
+@pytest.mark.parametrize("fraction", [0.02, 0.3, 0.8])
+def test_no_edge_moves_another_where_all_stress_intensities_vanish(fraction):
+    """Westergaard: at K = 0 the Jacobian is diagonal and its entries are the slope of the pressure's square root."""
+    psi = np.pi * fraction / 2
+    S = np.sin(psi) ** 2
+    wave = Profile.from_harmonics(2 * np.pi, [1], [1.0])
+    patches = Patches(np.array([-2 * psi]), np.array([2 * psi]))
+    jacobian = stress_intensity_jacobian(evaluate(Elastic(wave), patches, S * (1 - np.log(S)), 1e-13))
+    # sigma = 2 cos(x/2) sqrt(sin(psi)^2 - sin(x/2)^2) -> 2 cos(psi) sqrt(rho sin(2 psi)/2), dK/dout = sqrt(pi/2) of it
+    expected = np.sqrt(2 * np.pi) * np.cos(psi) * np.sqrt(np.sin(psi) * np.cos(psi))
+    np.testing.assert_allclose(jacobian, expected * np.eye(2), rtol=0, atol=1e-11)

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rough_surfaces import rough_scene
 
 from bem.solver import solve
-
-from .rough import rough_scene
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
 
