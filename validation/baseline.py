@@ -1,10 +1,11 @@
 """Baselines: what the cases gave when someone last looked, one JSON file a case, and how far a run may be from it.
 
-The computed values of a row are pinned by the one farthest from zero, according to the class of the row: `exact` may
-not move, `tight` not by 1e-10, `converged` by twice the tolerance of the row, or 2 % where a band stands in its place;
-`unconverged` is not pinned.  `count` gates in a band of 20 %, because exact counts flip with the BLAS near events;
-`diagnostic` (seconds) is shown and never gates.  A missing baseline is a failure.  An update needs a reason, rewrites
-one case only, prints old and new values, and is refused from changed sources or from a report of other sources.
+Every computed value of a row is pinned, or of a long row (all states of a path) the one farthest from zero.  The class
+of the row decides how far it may move: `exact` not at all, `tight` by 1e-10, `converged` by twice the tolerance of the
+row, or 2 % where a band stands in its place; `unconverged` is not pinned.  `count` gates in a band of 20 %, because
+exact counts flip with the BLAS near events; `diagnostic` (seconds) is shown and never gates.  A missing baseline is a
+failure, and so is one that no case owns.  An update needs a reason, rewrites one case only, prints old and new values,
+and is refused from changed sources or from a report of other sources.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,13 +22,14 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from validation.compare import combined_tolerance
-from validation.provenance import provenance, sources_digest, working_tree
+from validation.provenance import provenance, sources_digest, versions, working_tree
 from validation.runner import write_atomically
 from validation.schema import CaseRecord, Row
 from validation.verdict import case_verdicts
 
 FOLDER = Path(__file__).parent / "baselines"
 COUNT_BAND = 0.2
+LONG_ROW = 16  # values; rows with more hold all states of a path, and how many these are may change
 TIGHT, BANDED = 1e-10, 0.02
 
 
@@ -35,7 +38,11 @@ class BaselineError(ValueError):
 
 
 class Quantity(BaseModel):
-    """One pinned value; `kind` is the class of the quantity."""
+    """One pinned value.
+
+    `kind` is the class of the quantity, `basis` says where its tolerances come from, `drift` is the numerical
+    uncertainty that the case itself states (its change under the last refinement), in the unit of the value.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -43,13 +50,14 @@ class Quantity(BaseModel):
     value: float
     unit: str
     kind: Literal["exact", "tight", "converged", "count", "diagnostic"]
-    rtol: float = Field(ge=0)
-    atol: float = Field(ge=0)
+    rtol: float = Field(ge=0, allow_inf_nan=False)
+    atol: float = Field(ge=0, allow_inf_nan=False)
     basis: Literal["measured", "required", "provisional"]
+    drift: float = Field(0.0, ge=0, allow_inf_nan=False)
 
 
 class Baseline(BaseModel):
-    """What is pinned of a case."""
+    """What is pinned of a case; `resolution` holds its counts: unknowns, evaluations and the like."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -58,7 +66,10 @@ class Baseline(BaseModel):
     date: str
     commit: str
     versions: dict[str, str]
+    blas: str
+    blas_threads: int
     scene_sha256: str
+    resolution: dict[str, int]
     quantities: list[Quantity]
 
 
@@ -74,7 +85,7 @@ def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
     if not path.exists():
         return None
     try:
-        found = Baseline.model_validate_json(path.read_text())
+        found = Baseline.model_validate_json(path.read_text("utf-8"))
     except (ValidationError, ValueError) as error:
         raise BaselineError(f"{path.name}: malformed baseline ({error})") from error
     if found.case != case:
@@ -82,17 +93,41 @@ def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
     return found
 
 
+def orphans(cases: Iterable[str], folder: Path = FOLDER) -> list[str]:
+    """Baselines that belong to none of the cases of the registry, one sentence each."""
+    known = set(cases)
+    return [f"{path.name}: no case of this name" for path in sorted(folder.glob("*.json")) if path.stem not in known]
+
+
+def expected_seconds(cases: Iterable[str], folder: Path = FOLDER) -> dict[str, float]:
+    """Seconds that cases took when their baselines were made.
+
+    Raises
+    ------
+    BaselineError
+        A baseline is malformed.
+    """
+    known = [found for case in cases if (found := read_baseline(case, folder)) is not None]
+    return {found.case: q.value for found in known for q in found.quantities if q.name == "seconds"}
+
+
 def quantities_of(record: CaseRecord) -> list[Quantity]:
-    """What a record pins."""
-    pinned = [_of_row(row) for row in record.rows if row.pinned != "unconverged"]
+    """What a record pins, under names that differ."""
+    pinned = [quantity for row in record.rows if row.pinned != "unconverged" for quantity in _of_row(row)]
     pinned += [
         Quantity(name=name, value=count, unit="", kind="count", rtol=COUNT_BAND, atol=0, basis="required")
         for name, count in sorted(record.counts.items())
     ]
-    seconds = Quantity(
-        name="seconds", value=record.seconds, unit="s", kind="diagnostic", rtol=0, atol=0, basis="measured"
+    pinned.append(
+        Quantity(name="seconds", value=record.seconds, unit="s", kind="diagnostic", rtol=0, atol=0, basis="measured")
     )
-    return [*pinned, seconds]
+    seen: Counter[str] = Counter()
+    named = []
+    for quantity in pinned:
+        seen[quantity.name] += 1
+        times = seen[quantity.name]
+        named.append(quantity if times == 1 else quantity.model_copy(update={"name": f"{quantity.name} #{times}"}))
+    return named
 
 
 def differences(record: CaseRecord, folder: Path = FOLDER) -> list[str]:
@@ -111,6 +146,8 @@ def differences(record: CaseRecord, folder: Path = FOLDER) -> list[str]:
     now = {quantity.name: quantity for quantity in quantities_of(record)}
     pinned = {quantity.name: quantity for quantity in baseline.quantities}
     found = [f"{record.id}: {name} is new, not in the baseline" for name in now if name not in pinned]
+    if _scene_digest(record) != baseline.scene_sha256:
+        found.append(f"{record.id}: the scene is not that of the baseline")
     for name, old in pinned.items():
         if name not in now:
             found.append(f"{record.id}: {name} is gone")
@@ -150,8 +187,11 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
         reason=reason,
         date=datetime.now(UTC).date().isoformat(),
         commit=str(facts["commit"]),
-        versions={name: str(facts[name]) for name in ("python", "numpy", "scipy", "blas")},
-        scene_sha256=hashlib.sha256(record.scene.encode()).hexdigest(),
+        versions=versions(),
+        blas=str(facts["blas"]),
+        blas_threads=int(facts["blas_threads_per_worker"]),
+        scene_sha256=_scene_digest(record),
+        resolution=record.counts,
         quantities=quantities,
     )
     folder.mkdir(exist_ok=True)
@@ -176,20 +216,46 @@ def changes(records: Iterable[CaseRecord], folder: Path = FOLDER) -> list[str]:
     return [line for record in records for line in differences(record, folder)]
 
 
-def _of_row(row: Row) -> Quantity:
-    """The value of a row that stands for it: the one farthest from zero."""
-    values = [math.nan if value is None else value for value in row.computed]
-    value = max(values, key=abs) if not any(math.isnan(v) for v in values) else math.nan
-    if row.pinned == "exact":
-        rtol, atol, basis = 0.0, 0.0, "required"
-    elif row.pinned == "tight":
-        rtol, atol, basis = TIGHT, 0.0, "required"
-    elif row.tolerance is None:
-        rtol, atol, basis = BANDED, 0.0, "provisional"
+def _scene_digest(record: CaseRecord) -> str:
+    return hashlib.sha256(record.scene.encode()).hexdigest()
+
+
+def _of_row(row: Row) -> list[Quantity]:
+    """The values of a row that are pinned, with what they may move."""
+    numbers = [math.nan if value is None else value for value in row.computed]
+    if len(numbers) == 1:
+        values = {row.quantity: numbers[0]}
+    elif len(numbers) <= LONG_ROW:
+        values = {f"{row.quantity} [{place}]": value for place, value in enumerate(numbers)}
     else:
-        rtol, atol, basis = 0.0, 2 * combined_tolerance(row) * row.scale, row.tolerance.basis
+        farthest = math.nan if any(math.isnan(value) for value in numbers) else max(numbers, key=abs)
+        values = {f"{row.quantity} [farthest from zero]": farthest}
+    rtol, atol, basis = _tolerances(row)
     kind = "converged" if row.pinned == "unconverged" else row.pinned
-    return Quantity(name=row.quantity, value=value, unit=row.unit, kind=kind, rtol=rtol, atol=atol, basis=basis)
+    return [
+        Quantity(
+            name=name,
+            value=value,
+            unit=row.unit,
+            kind=kind,
+            rtol=rtol,
+            atol=atol,
+            basis=basis,
+            drift=row.uncertainty,
+        )
+        for name, value in values.items()
+    ]
+
+
+def _tolerances(row: Row) -> tuple[float, float, Literal["measured", "required", "provisional"]]:
+    """Relative and absolute tolerance of a pinned value, and their basis."""
+    if row.pinned == "exact":
+        return 0.0, 0.0, "required"
+    if row.pinned == "tight":
+        return TIGHT, 0.0, "required"
+    if row.tolerance is None:
+        return BANDED, 0.0, "provisional"
+    return 0.0, 2 * combined_tolerance(row) * row.scale, row.tolerance.basis
 
 
 def _shown(value: Any) -> str:

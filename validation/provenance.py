@@ -13,7 +13,17 @@ from typing import Any
 
 from threadpoolctl import threadpool_info
 
-PACKAGES = ("numpy", "scipy", "scikit-fem", "meshio", "matplotlib", "pydantic", "jinja2", "threadpoolctl")
+PACKAGES = (
+    "linecontact",
+    "numpy",
+    "scipy",
+    "scikit-fem",
+    "meshio",
+    "matplotlib",
+    "pydantic",
+    "jinja2",
+    "threadpoolctl",
+)
 SOURCES = ("bem", "fem_reference", "persson", "validation")
 
 
@@ -23,9 +33,7 @@ def provenance() -> dict[str, Any]:
 
     blas = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
     return {
-        "linecontact": _version("linecontact"),
         "commit": _commit(),
-        "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "cores": os.cpu_count() or 0,
@@ -33,7 +41,12 @@ def provenance() -> dict[str, Any]:
         "blas_threads_per_worker": 1,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "sources_sha256": sources_digest(),
-    } | {name: _version(name) for name in PACKAGES}
+    } | versions()
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python, of this package and of those it runs on."""
+    return {"python": platform.python_version()} | {name: _version(name) for name in PACKAGES}
 
 
 def sources_digest() -> str:
@@ -53,17 +66,18 @@ def working_tree() -> tuple[str, bool] | None:
     root = Path(__file__).parents[1]
     if not (root / ".git").exists():
         return None
-    commit = subprocess.run(["git", "rev-parse", "HEAD"], cwd=root, capture_output=True, text=True, check=False)
-    status = subprocess.run(
-        ["git", "status", "--porcelain", "--", *SOURCES, ":!validation/baselines"],
-        cwd=root,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    changed = ("status", "--porcelain", "--", *SOURCES, ":!validation/baselines")
+    try:
+        commit, status = _git(root, "rev-parse", "HEAD"), _git(root, *changed)
+    except OSError:  # no git on this machine
+        return None
     if commit.returncode != 0 or status.returncode != 0:
         return None
     return commit.stdout.strip(), bool(status.stdout.strip())
+
+
+def _git(root: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(["git", *words], cwd=root, capture_output=True, text=True, check=False)
 
 
 def _commit() -> str:

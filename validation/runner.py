@@ -1,34 +1,33 @@
 """Runs cases in worker processes, keeps every finished one, and accounts for all of them.
 
-Each case is one process task on one BLAS thread.  Its record is written to OUT/cases/ID.json under a temporary name and
-renamed, with a key over the case and all sources: a run that was interrupted goes on, and a record made by other
-code is computed again.  A case that crashes is a record with its message (traceback in OUT/cases/ID.log), never a
-missing one; planned and reported cases are counted and compared.
+Each case is one task on one BLAS thread; those that took longest when they ran before start first.  The worker writes
+the record to OUT/cases/ID.json under a temporary name and renames it, with a key over the case, all sources and the
+versions of what they run on: a run that was interrupted at any moment goes on, and a record that other code made is
+computed again.  A case that crashes is a record with its message (traceback in OUT/cases/ID.log), never a missing one;
+planned and reported cases are counted and compared.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import multiprocessing
 import os
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from pydantic import ValidationError
-from threadpoolctl import threadpool_limits
 
 from validation.case import Case, Outcome
-from validation.provenance import sources_digest
+from validation.execution import Ended, Running, Started, run_in_processes
+from validation.provenance import sources_digest, versions
 from validation.schema import CaseRecord
 
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-PULSE = 5.0  # s between signs of life
+GUESSED_SECONDS = {"quick": 15.0, "standard": 60.0, "full": 300.0}  # of a case that never ran, by level
 
 
 @dataclass(frozen=True)
@@ -41,7 +40,9 @@ class Note:
 Report = Callable[[Note], None]
 
 
-def run_cases(cases: Iterable[Case], folder: Path, jobs: int, report: Report) -> list[CaseRecord]:
+def run_cases(
+    cases: Iterable[Case], folder: Path, jobs: int, report: Report, expected: Mapping[str, float] | None = None
+) -> list[CaseRecord]:
     """Run what is not there yet; records in the order of the cases.
 
     Parameters
@@ -53,6 +54,8 @@ def run_cases(cases: Iterable[Case], folder: Path, jobs: int, report: Report) ->
         Worker processes.
     report : callable
         Gets a `Note` for every step.
+    expected : mapping of str to float
+        Seconds that cases are expected to take, by id; what earlier runs in this folder took is preferred.
 
     Raises
     ------
@@ -69,87 +72,84 @@ def run_cases(cases: Iterable[Case], folder: Path, jobs: int, report: Report) ->
     if records:
         report(Note(f"{len(records)} of {len(planned)} cases are there already"))
     waiting = [case for case in planned if case.id not in records]
-    waiting.sort(key=lambda case: case.level == "quick")
-    for record in _computed(waiting, store, code, jobs, report, len(records), len(planned)):
+    seconds = {case.id: _expected_seconds(case, store, expected or {}) for case in waiting}
+    waiting.sort(key=lambda case: -seconds[case.id])
+    for record in _computed(waiting, store, code, jobs, report, len(planned), seconds):
         records[record.id] = record
     if set(records) != {case.id for case in planned}:
         raise RuntimeError(f"planned {len(planned)} cases, {len(records)} reported")
+    if sources_digest() != code:
+        report(Note("sources changed while cases ran: run again before trusting this report"))
     return [records[case.id] for case in planned]
 
 
 def _computed(
-    cases: list[Case], store: Path, code: str, jobs: int, report: Report, done: int, planned: int
+    cases: list[Case],
+    store: Path,
+    code: str,
+    jobs: int,
+    report: Report,
+    planned: int,
+    seconds: Mapping[str, float],
 ) -> Iterable[CaseRecord]:
-    """Records as they are finished; cases that a dying worker took with it run again, each in a pool of its own."""
-
-    def kept(case: Case, record: CaseRecord) -> CaseRecord:
-        nonlocal done
-        _keep(record, case, store, code)
-        done += 1
-        outcome = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
-        report(Note(f"[{done}/{planned}] {case.id}: {outcome}"))
-        return record
-
-    orphans: list[Case] = []
-    for case, record in _finished(cases, store, jobs, report):
-        if record is None:
-            orphans.append(case)
-        else:
-            yield kept(case, record)
-    for orphan in orphans:
-        for case, record in _finished([orphan], store, 1, report):
-            yield kept(case, record or _failed(case, "the worker process ended without an answer", 0.0))
-
-
-def _finished(cases: list[Case], store: Path, jobs: int, report: Report) -> Iterator[tuple[Case, CaseRecord | None]]:
-    """Cases as they end, with their record; None when the pool broke, by this case or by another."""
+    """Records as they are finished, told with what is done and what is left."""
     if not cases:
         return
-    for name in THREAD_VARIABLES:
-        os.environ[name] = "1"
-    begun = time.monotonic()
-    context = multiprocessing.get_context("spawn")
     workers = min(jobs, len(cases))
-    with ProcessPoolExecutor(max_workers=workers, mp_context=context) as pool:
-        running: dict[Future[CaseRecord], Case] = {pool.submit(_run, case, store): case for case in cases}
-        report(Note(f"{len(cases)} cases on {workers} processes"))
-        try:
-            while running:
-                finished, _ = wait(running, timeout=PULSE, return_when=FIRST_COMPLETED)
-                if not finished:
-                    names = ", ".join(case.id for case in list(running.values())[:workers])
-                    elapsed = time.monotonic() - begun
-                    report(Note(f"{len(running)} cases left after {elapsed:.0f} s; running: {names}"))
-                for future in finished:
-                    case = running.pop(future)
-                    yield case, _result(future, case)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in multiprocessing.active_children():
-                process.terminate()
-            raise
+    report(Note(f"{len(cases)} cases on {workers} {'process' if workers == 1 else 'processes'}"))
+    begun, left = time.monotonic(), {case.id for case in cases}
+    with closing(run_in_processes(partial(_run, store=store, code=code), cases, workers)) as events:
+        for event in events:
+            if isinstance(event, Started):
+                report(Note(f"{event.item.id}: started"))
+            elif isinstance(event, Running):
+                names = ", ".join(
+                    f"{case.id} ({passed:.0f} s)" for case, passed in zip(event.items, event.seconds, strict=True)
+                )
+                report(Note(f"{len(left)} cases left, {_clock(begun, left, seconds, workers)}; running: {names}"))
+            elif isinstance(event, Ended):
+                record = event.answer
+                if isinstance(record, Exception):
+                    record = _failed(event.item, f"{type(record).__name__}: {record}", 0.0)
+                    _keep(record, event.item, store, code)
+                left.discard(record.id)
+                told = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
+                done = f"[{planned - len(left)}/{planned}]"
+                report(Note(f"{done} {record.id}: {told}; {_clock(begun, left, seconds, workers)}"))
+                yield record
 
 
-def _run(case: Case, store: Path) -> CaseRecord:
-    """One case, in a worker: its record, also when it crashes."""
+def _clock(begun: float, left: Iterable[str], seconds: Mapping[str, float], workers: int) -> str:
+    """Time since the beginning, and the time that what is left would take on all workers."""
+    elapsed = time.monotonic() - begun
+    todo = [seconds[name] for name in left]
+    ahead = max(sum(todo) / workers, max(todo)) if todo else 0.0
+    return f"{elapsed:.0f} s so far, at most about {ahead:.0f} s to go"
+
+
+def _expected_seconds(case: Case, store: Path, expected: Mapping[str, float]) -> float:
+    """What the case took here before, also with other code; else what is expected of it; else a guess by level."""
+    try:
+        before = json.loads((store / f"{case.id}.json").read_text("utf-8"))["record"]["seconds"]
+    except (OSError, ValueError, KeyError, TypeError):
+        before = None
+    if isinstance(before, float) and before > 0:
+        return before
+    return expected.get(case.id, GUESSED_SECONDS[case.level])
+
+
+def _run(case: Case, store: Path, code: str) -> CaseRecord:
+    """One case, in a worker: its record, also when it crashes; stored before it is handed back."""
     begun = time.perf_counter()
+    log = store / f"{case.id}.log"
     try:
-        with threadpool_limits(limits=1):
-            outcome = case.compute()
-        return _record(case, outcome, time.perf_counter() - begun)
+        record = _record(case, case.compute(), time.perf_counter() - begun)
+        log.unlink(missing_ok=True)
     except (Exception, SystemExit) as error:
-        (store / f"{case.id}.log").write_text(traceback.format_exc())
-        return _failed(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)
-
-
-def _result(future: Future[CaseRecord], case: Case) -> CaseRecord | None:
-    """The record of a finished future, None when the pool broke."""
-    try:
-        return future.result()
-    except BrokenProcessPool:
-        return None
-    except (Exception, SystemExit) as error:
-        return _failed(case, f"{type(error).__name__}: {error}", 0.0)
+        log.write_text(traceback.format_exc(), "utf-8")
+        record = _failed(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)
+    _keep(record, case, store, code)
+    return record
 
 
 def _record(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
@@ -178,13 +178,14 @@ def _failed(case: Case, message: str, seconds: float) -> CaseRecord:
 
 
 def _key(case: Case, code: str) -> str:
-    return hashlib.sha256(f"{case.id}\0{case.scene}\0{code}".encode()).hexdigest()
+    parts = (case.id, case.scene, code, json.dumps(versions(), sort_keys=True))
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
 def _stored(case: Case, store: Path, code: str) -> CaseRecord | None:
     """The stored record of a case if the same code made it and it did not crash."""
     try:
-        content = json.loads((store / f"{case.id}.json").read_text())
+        content = json.loads((store / f"{case.id}.json").read_text("utf-8"))
         if content["key"] != _key(case, code):
             return None
         record = CaseRecord.model_validate(content["record"])

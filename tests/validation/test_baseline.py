@@ -2,11 +2,13 @@
 
 import json
 import math
+import platform
+from pathlib import Path
 
 import pytest
 
 from validation import baseline
-from validation.baseline import BaselineError, differences, read_baseline, update
+from validation.baseline import BaselineError, differences, expected_seconds, orphans, read_baseline, update
 from validation.schema import Band, CaseRecord, Reference, Row, Tolerance
 
 TOLERANCE = Tolerance(value=1e-3, measured=4e-4)
@@ -161,8 +163,71 @@ def test_baseline_of_another_case_is_refused(tmp_path):
         read_baseline("d", tmp_path)
 
 
-def test_baseline_names_no_folder_or_host(tmp_path):
+def test_baseline_says_where_it_comes_from_and_names_no_folder_or_host(tmp_path):
     update(record(), "first run", tmp_path)
-    assert set(json.loads((tmp_path / "c.json").read_text())) == {
-        *("case", "reason", "date", "commit", "versions", "scene_sha256", "quantities")
+    text = (tmp_path / "c.json").read_text()
+    assert set(json.loads(text)) == {
+        *("case", "reason", "date", "commit", "versions", "blas", "blas_threads", "scene_sha256"),
+        *("resolution", "quantities"),
     }
+    assert str(Path.home()) not in text
+    assert platform.node() not in text
+
+
+def test_quantity_holds_class_tolerance_basis_and_drift(tmp_path):
+    row = record().rows[0].model_copy(update={"uncertainty": 1e-4})
+    update(record(rows=[row]), "first run", tmp_path)
+    load = read_baseline("c", tmp_path).quantities[0]
+    assert (load.kind, load.unit, load.basis, load.drift) == ("converged", "N/m", "measured", 1e-4)
+    assert (load.rtol, load.atol) == (0.0, 4e-3)
+
+
+def several(*values):
+    row = record().rows[0].model_copy(update={"computed": list(values), "expected": list(values)})
+    return record(rows=[row])
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_every_value_of_a_row_is_pinned(tmp_path, place):
+    values = [1.0, 2.0, 3.0]
+    values[place] += 0.1
+    told = moved(tmp_path, several(1.0, 2.0, 3.0), several(*values))
+    assert [f"load [{place}]" in line for line in told] == [True]
+
+
+def test_long_row_is_pinned_by_its_largest_value(tmp_path):
+    before = [0.1] * 20 + [-7.0]
+    assert "farthest" in moved(tmp_path, several(*before), several(*[0.1] * 25, -7.1))[0]
+    assert differences(several(*[0.1] * 25, -7.0), tmp_path) == []
+
+
+def test_quantities_of_one_name_are_pinned_apart(tmp_path):
+    twice = record(rows=[record(1.0).rows[0], record(2.0).rows[0]])
+    moved_second = record(rows=[record(1.0).rows[0], record(2.1).rows[0]])
+    assert ["load #2" in line for line in moved(tmp_path, twice, moved_second)] == [True]
+
+
+def test_changed_scene_is_told(tmp_path):
+    assert "scene" in moved(tmp_path, record(scene="a = 1"), record(scene="a = 2"))[0]
+
+
+def test_baseline_without_a_case_is_told(tmp_path):
+    update(record(), "first run", tmp_path)
+    assert orphans(["c"], tmp_path) == []
+    assert "c.json" in orphans(["d"], tmp_path)[0]
+
+
+def test_expected_seconds_are_those_of_the_baseline(tmp_path):
+    update(record(seconds=12.5), "first run", tmp_path)
+    assert expected_seconds(["c", "d"], tmp_path) == {"c": 12.5}
+
+
+@pytest.mark.parametrize("name", ["rtol", "atol"])
+def test_infinite_tolerance_is_malformed(tmp_path, name):
+    update(record(), "first run", tmp_path)
+    path = tmp_path / "c.json"
+    content = json.loads(path.read_text())
+    content["quantities"][0][name] = math.inf
+    path.write_text(json.dumps(content))
+    with pytest.raises(BaselineError, match="malformed"):
+        read_baseline("c", tmp_path)

@@ -1,10 +1,16 @@
 """The runner: every planned case is reported, finished ones are kept, a crash is a row, a death harms nobody else."""
 
 import json
+import os
+from contextlib import closing
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 
+from validation import runner
+from validation.execution import Started, run_in_processes
 from validation.runner import run_cases, write_atomically
 from validation.verdict import case_verdicts
 
@@ -70,6 +76,84 @@ def test_finished_case_is_not_run_again(examples, tmp_path):
     assert times_run(tmp_path) == 1
     assert again[0] == first[0]
     assert notes[0].text == "1 of 2 cases are there already"
+
+
+def test_case_is_told_when_it_starts_and_when_it_ends(examples, tmp_path):
+    notes = []
+    run([examples.case("a", examples.agree), examples.case("b", examples.crash)], tmp_path, notes=notes)
+    texts = [note.text for note in notes]
+    for name in "ab":
+        ended = next(place for place, text in enumerate(texts) if f"/2] {name}: " in text)
+        assert texts.index(f"{name}: started") < ended
+    assert texts[-1].startswith("[2/2]")
+    assert "0 s to go" in texts[-1]
+
+
+def started(notes):
+    return [note.text.split(":")[0] for note in notes if note.text.endswith(": started")]
+
+
+def test_longest_case_starts_first(examples, tmp_path):
+    notes = []
+    cases = [examples.case(name, examples.agree) for name in "abc"]
+    run_cases(cases, tmp_path, 1, notes.append, expected={"a": 1.0, "b": 100.0, "c": 10.0})
+    assert started(notes) == ["b", "c", "a"]
+
+
+def test_what_a_case_took_before_goes_before_what_is_expected(examples, tmp_path):
+    cases = [examples.case(name, examples.agree) for name in "ab"]
+    run(cases, tmp_path)
+    for name, seconds in (("a", 1.0), ("b", 100.0)):
+        path = tmp_path / "cases" / f"{name}.json"
+        content = json.loads(path.read_text()) | {"key": "made by other code"}
+        content["record"]["seconds"] = seconds
+        path.write_text(json.dumps(content))
+    notes = []
+    run_cases(cases, tmp_path, 1, notes.append, expected={"a": 1000.0, "b": 1.0})
+    assert started(notes) == ["b", "a"]
+
+
+def test_other_versions_compute_again(examples, tmp_path, monkeypatch):
+    run([examples.noting(tmp_path)], tmp_path)
+    monkeypatch.setattr(runner, "versions", lambda: {"numpy": "of another day"})
+    run([examples.noting(tmp_path)], tmp_path)
+    assert times_run(tmp_path) == 2
+
+
+def test_other_scene_computes_again(examples, tmp_path):
+    run([examples.noting(tmp_path)], tmp_path)
+    run([replace(examples.noting(tmp_path), scene="a = 2")], tmp_path)
+    assert times_run(tmp_path) == 2
+
+
+def test_sources_that_change_during_the_run_are_told(examples, tmp_path, monkeypatch):
+    digests = iter(["before", "after"])
+    monkeypatch.setattr(runner, "sources_digest", lambda: next(digests))
+    notes = []
+    run([examples.case("a", examples.agree)], tmp_path, notes=notes)
+    assert "sources changed" in notes[-1].text
+
+
+def test_case_that_cannot_be_sent_to_a_worker_is_an_error_row(examples, tmp_path):
+    (record,) = run([examples.case("a", lambda: None)], tmp_path)
+    assert case_verdicts(record) == ["error"]
+
+
+def test_environment_is_put_back(examples, tmp_path, monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
+    run([examples.case("a", examples.agree)], tmp_path)
+    assert os.environ["OMP_NUM_THREADS"] == "3"
+    assert "MKL_NUM_THREADS" not in os.environ
+
+
+def test_record_is_on_disk_before_it_is_handed_back(examples, tmp_path):
+    """Whatever ends the run after a case, its record is there."""
+    events = run_in_processes(partial(runner._run, store=tmp_path, code="c"), [examples.case("a", examples.agree)], 1)
+    with closing(events):
+        assert isinstance(next(events), Started)
+        while not (tmp_path / "a.json").exists():
+            next(events)
 
 
 def test_interrupted_run_keeps_what_was_finished(examples, tmp_path):

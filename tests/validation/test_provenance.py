@@ -1,0 +1,104 @@
+"""Provenance: it knows the commit, tells changed sources from changed baselines, and names no folder or host."""
+
+import getpass
+import json
+import platform
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from validation import provenance as module
+from validation.provenance import provenance, sources_digest, versions, working_tree
+
+needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+
+
+def git(root, *words):
+    identity = ("-c", "user.name=a", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false")
+    subprocess.run(["git", *identity, *words], cwd=root, check=True, capture_output=True)
+
+
+@pytest.fixture
+def tree(tmp_path, monkeypatch):
+    """A project tree of two files, of which the module believes to be part."""
+    for name in ("bem/solver.py", "validation/provenance.py", "validation/baselines/a.json"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("one")
+    monkeypatch.setattr(module, "__file__", str(tmp_path / "validation" / "provenance.py"))
+    return tmp_path
+
+
+@pytest.fixture
+def checkout(tree):
+    git(tree, "init", "-q")
+    git(tree, "add", ".")
+    git(tree, "commit", "-q", "-m", "first")
+    return tree
+
+
+@pytest.mark.parametrize(
+    "name", ["commit", "system", "processor", "cores", "blas", "date", "python", "numpy", "linecontact"]
+)
+def test_fact_is_there(name):
+    assert provenance()[name]
+
+
+@pytest.mark.parametrize("private", [str(Path.cwd()), str(Path.home()), platform.node()])
+def test_no_folder_or_host_is_named(private):
+    assert private not in json.dumps(provenance())
+
+
+def test_person_is_not_named(monkeypatch):
+    monkeypatch.setenv("LOGNAME", "somebody-special")
+    assert getpass.getuser() not in json.dumps(provenance())
+
+
+def test_package_that_is_absent_is_said_to_be(monkeypatch):
+    monkeypatch.setattr(module, "PACKAGES", ("no-such-package",))
+    assert versions()["no-such-package"] == "not installed"
+
+
+def test_outside_a_checkout_the_commit_is_not_known(tree):
+    assert working_tree() is None
+    assert provenance()["commit"] == "not a checkout"
+
+
+@needs_git
+def test_clean_checkout_has_a_commit(checkout):
+    commit, changed = working_tree()
+    assert (len(commit), changed) == (40, False)
+
+
+@needs_git
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [("bem/solver.py", True), ("bem/new.py", True), ("validation/baselines/a.json", False), ("notes.txt", False)],
+)
+def test_changed_sources_are_told_from_changed_baselines(checkout, name, changed):
+    (checkout / name).write_text("two")
+    assert working_tree()[1] is changed
+    assert provenance()["commit"].endswith("with changes") is changed
+
+
+@needs_git
+def test_without_git_the_commit_is_not_known(checkout, monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    assert working_tree() is None
+
+
+@pytest.mark.parametrize(
+    ("name", "moves"),
+    [("bem/solver.py", True), ("bem/new.toml", True), ("validation/baselines/a.json", False), ("bem/n.pyc", False)],
+)
+def test_digest_follows_sources_only(tree, name, moves):
+    before = sources_digest()
+    (tree / name).write_text("two")
+    assert (sources_digest() != before) is moves
+
+
+def test_digest_follows_names(tree):
+    before = sources_digest()
+    (tree / "bem" / "solver.py").rename(tree / "bem" / "solve.py")
+    assert sources_digest() != before

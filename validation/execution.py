@@ -1,0 +1,173 @@
+"""Runs a function over items in worker processes, one BLAS thread each, and loses no item.
+
+Items are handed out one by one, so that what is told as running does run.  A worker that dies (out of memory, a
+signal) breaks its whole pool: the items that ran there are run again, each alone, so that only the guilty one fails,
+and the rest goes on in a new pool.  An interrupt ends the workers at once; Ctrl-C in a terminal reaches the parent
+only, which decides.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import time
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import Generic, TypeVar
+
+from threadpoolctl import threadpool_limits
+
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+PULSE = 5.0  # s between signs of life
+
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
+
+
+class WorkerDiedError(RuntimeError):
+    """The process that ran an item ended without an answer."""
+
+
+@dataclass(frozen=True)
+class Started(Generic[Item]):
+    """An item was handed to a free worker."""
+
+    item: Item
+
+
+@dataclass(frozen=True)
+class Ended(Generic[Item, Answer]):
+    """An item has its answer, or the exception that came in its place."""
+
+    item: Item
+    answer: Answer | Exception
+
+
+@dataclass(frozen=True)
+class Running(Generic[Item]):
+    """Nothing ended for a while: what runs, and since when (s)."""
+
+    items: tuple[Item, ...]
+    seconds: tuple[float, ...]
+
+
+def run_in_processes(
+    function: Callable[[Item], Answer], items: Iterable[Item], jobs: int, pulse: float = PULSE
+) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
+    """Events of all items, which start in the order given and end in any.
+
+    Parameters
+    ----------
+    function : callable
+        Importable by name, or a `functools.partial` of such a function.
+    items : iterable
+        What can be pickled.
+    jobs : int
+        Workers at a time, at least 1.
+    pulse : float
+        Seconds between `Running` events.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Workers are ended first; answers of events already given are the caller's.
+    """
+    waiting, suspects = deque(items), list[Item]()
+    with _one_thread_each():
+        while waiting:
+            for event in _one_pool(function, waiting, min(jobs, len(waiting)), pulse):
+                if isinstance(event, Ended) and isinstance(event.answer, WorkerDiedError):
+                    suspects.append(event.item)
+                else:
+                    yield event
+        for item in suspects:
+            yield from _one_pool(function, deque([item]), 1, pulse)
+
+
+def run_alone(
+    function: Callable[[Item], Answer], item: Item, pulse: float = PULSE
+) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
+    """Events of one item in a process of its own, so that its memory and time are its own."""
+    with _one_thread_each():
+        yield from _one_pool(function, deque([item]), 1, pulse)
+
+
+def _one_pool(
+    function: Callable[[Item], Answer], waiting: deque[Item], workers: int, pulse: float
+) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
+    """Events until nothing waits, or until the pool breaks; then all that ran ends with `WorkerDiedError`."""
+    others = set(multiprocessing.active_children())
+    context = multiprocessing.get_context("spawn")
+    running: dict[Future[Answer], tuple[Item, float]] = {}
+    broken = False
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_ignore_interrupts) as pool:
+        try:
+            while running or (waiting and not broken):
+                while waiting and not broken and len(running) < workers:
+                    try:
+                        future = pool.submit(partial(_on_one_thread, function), waiting[0])
+                    except BrokenProcessPool:
+                        broken = True
+                        break
+                    running[future] = waiting.popleft(), time.monotonic()
+                    yield Started(running[future][0])
+                finished, _ = wait(running, timeout=pulse, return_when=FIRST_COMPLETED)
+                if running and not finished:
+                    now = time.monotonic()
+                    yield Running(
+                        tuple(item for item, _ in running.values()),
+                        tuple(now - begun for _, begun in running.values()),
+                    )
+                for future in finished:
+                    item, _ = running.pop(future)
+                    answer = _answer(future)
+                    broken = broken or isinstance(answer, WorkerDiedError)
+                    yield Ended(item, answer)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in set(multiprocessing.active_children()) - others:
+                process.terminate()
+            raise
+
+
+def _answer(future: Future[Answer]) -> Answer | Exception:
+    """The answer of a finished future, or its exception; an interrupt is raised."""
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        return WorkerDiedError("the worker process ended without an answer")
+    except SystemExit as error:
+        return RuntimeError(f"SystemExit: {error}")
+    except Exception as error:
+        return error
+
+
+def _on_one_thread(function: Callable[[Item], Answer], item: Item) -> Answer:
+    """In a worker: libraries loaded before the limit, such as by unpickling, are limited too."""
+    with threadpool_limits(limits=1):
+        return function(item)
+
+
+def _ignore_interrupts() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """The environment that new processes inherit, with one BLAS thread; put back at the end."""
+    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
+    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
