@@ -22,6 +22,7 @@ IntArray = NDArray[np.int64]
 
 _POINTS_PER_WAVELENGTH = 16
 _TAYLOR_TERMS = 14
+_BISECTIONS = 55  # of a crest between its neighbours on the grid: also flat crests, where Newton is slow
 _DERIVATIVE_FACTORS = np.array([[math.perm(k, order) for k in range(_TAYLOR_TERMS)] for order in range(3)], dtype=float)
 
 
@@ -177,12 +178,13 @@ class Profile:
             return np.zeros(1), np.zeros(1)
         x, h = self.grid
         top = np.flatnonzero((h >= np.roll(h, 1)) & (h > np.roll(h, -1)))
-        position = x[top]
         spacing = self.period / x.size
-        for _ in range(6):
-            _, slope, curvature = self.height_slope_curvature(position)
-            safe = np.where(curvature < 0, curvature, -np.inf)
-            position = position + np.clip(-slope / safe, -spacing, spacing)
+        rising, falling = x[top] - spacing, x[top] + spacing
+        for _ in range(_BISECTIONS):
+            position = (rising + falling) / 2
+            up = self.slope(position) > 0
+            rising, falling = np.where(up, position, rising), np.where(up, falling, position)
+        position = (rising + falling) / 2
         return position % self.period, self.height(position)
 
     @cached_property
