@@ -185,7 +185,8 @@ class Profile:
             up = self.slope(position) > 0
             rising, falling = np.where(up, position, rising), np.where(up, falling, position)
         position = (rising + falling) / 2
-        return position % self.period, self.height(position)
+        place = position % self.period
+        return np.where(place < self.period, place, 0.0), self.height(position)
 
     @cached_property
     def _table(self) -> FloatArray:
