@@ -32,7 +32,8 @@ IntArray = NDArray[np.int64]
 
 SMALLEST_VARIATION = 1e-6  # rms heights; rounding of u (1e-15) times 1e9
 SMALLEST_CHARGE = 1e-6  # per coefficient of a patch: rounding of charges of order 1 (3e-15) over 1e-8, margin 3
-RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap
+RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
+ROUNDING = 5e-13  # rms heights; of the displacement on a patch, over the largest charge where that exceeds 1
 GAP_POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192
 REFINEMENTS = 10
@@ -181,10 +182,14 @@ def certify(
         demands.truncation,
         "on patch",
     )
+    magnitude = max(1.0, max(float(np.max(np.abs(q))) for q in pressure.charges))
     residual = judge(
-        "contact residual", _contact_residuals(profile, field, penetration), demands.contact_residual, "on patch"
+        "contact residual",
+        _contact_residuals(profile, field, penetration),
+        max(demands.contact_residual, ROUNDING * magnitude),
+        "on patch",
     )
-    depth, gap_integrals, unresolved = _gaps(profile, field, penetration, behind)
+    depth, gap_integrals, unresolved = _gaps(profile, field, penetration, behind, RESOLVED * magnitude)
     min_gap = -judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
     reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
     separation = profile.max_height - penetration
@@ -237,7 +242,7 @@ def _contact_residuals(profile: Profile, field: DisplacementField, penetration: 
 
 
 def _gaps(
-    profile: Profile, field: DisplacementField, penetration: float, width: FloatArray
+    profile: Profile, field: DisplacementField, penetration: float, width: FloatArray, resolved: float
 ) -> tuple[FloatArray, FloatArray, list[int]]:
     """Depth of interpenetration (minus the smallest gap) and integral of each gap, (L,), and gaps not resolved.
 
@@ -247,8 +252,8 @@ def _gaps(
     """
     contact_level = penetration - profile.max_height
     waves = width * (profile.max_order / (2 * np.pi))
-    series = _displacement_series(field, width, np.ceil(16 + 6 * np.sqrt(waves)).astype(np.int64))
-    unresolved = [i for i, part in enumerate(series) if not np.max(np.abs(part[-3:])) <= RESOLVED]
+    series = _displacement_series(field, width, np.ceil(16 + 6 * np.sqrt(waves)).astype(np.int64), resolved)
+    unresolved = [i for i, part in enumerate(series) if not np.max(np.abs(part[-3:])) <= resolved]
     least = np.ceil(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4)).astype(np.int64)
     grid = np.maximum(least, 2 * np.array([part.size for part in series]))
     points = _clustered(width, grid, range(field.count))
@@ -283,7 +288,9 @@ def _gaps(
     return depth, integrals, unresolved
 
 
-def _displacement_series(field: DisplacementField, width: FloatArray, samples: IntArray) -> list[FloatArray]:
+def _displacement_series(
+    field: DisplacementField, width: FloatArray, samples: IntArray, resolved: float
+) -> list[FloatArray]:
     """Chebyshev coefficients of u in every gap, doubled in number until they have decayed or are too many."""
     series: list[FloatArray] = [np.empty(0)] * field.count
     pending = list(range(field.count))
@@ -292,7 +299,7 @@ def _displacement_series(field: DisplacementField, width: FloatArray, samples: I
         for i, part in zip(pending, np.split(u, np.cumsum(samples[pending])[:-1]), strict=True):
             series[i] = dct(part, type=2) / part.size
         pending = [
-            i for i in pending if np.max(np.abs(series[i][-3:])) > RESOLVED and 2 * samples[i] <= MAX_GAP_SAMPLES
+            i for i in pending if np.max(np.abs(series[i][-3:])) > resolved and 2 * samples[i] <= MAX_GAP_SAMPLES
         ]
         samples[pending] *= 2
     return series
