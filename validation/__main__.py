@@ -1,7 +1,7 @@
 """Command line: run the cases, render a report again, check and update baselines, run studies.
 
 Exit codes: 0 done and nothing gating failed, 1 something failed (named), 2 bad input, 130 interrupted.
-Progress goes to stderr, one summary line to stdout.
+Progress and what failed go to stderr, one summary line to stdout.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from validation import baseline
+from validation.compare import combined_tolerance, error_of
 from validation.provenance import provenance
 from validation.registry import CaseError, registry, select
-from validation.report.render import ReportError, write_html
+from validation.report.render import PAGE, ReportError, write_html
 from validation.runner import Note, run_cases, write_atomically
 from validation.schema import SCHEMA, Report
 from validation.studies import cost
-from validation.verdict import counts, fails
+from validation.verdict import GATING, counts, fails, verdict_of
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REPORT_FILE = "report.json"
@@ -36,6 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return int(options.command(options))
     except (CaseError, ReportError, baseline.BaselineError) as error:
         print(f"error: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except (FileExistsError, IsADirectoryError, NotADirectoryError) as error:
+        print(f"error: {error.filename}: {error.strerror}", file=sys.stderr)
         return BAD_INPUT
     except OSError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -74,18 +78,18 @@ def _run(options: argparse.Namespace) -> int:
     if options.executor != "local":
         raise CaseError(f"--executor {options.executor!r} is not available yet; 'local' is")
     cases = select(registry(), options.level, options.only)
-    for case in cases:
-        baseline.read_baseline(case.id)  # a malformed one is told now, not after the run
+    expected = baseline.expected_seconds(case.id for case in cases)  # a malformed one is told now, not after the run
+    facts = provenance()  # before the run: sources that change meanwhile are not those of the report
     folder: Path = options.out
     begun = time.monotonic()
-    records = run_cases(cases, folder, options.jobs, _say)
+    records = run_cases(cases, folder, options.jobs, _say, expected)
     level = options.level if options.only is None else f"only {options.only}"
     report = Report(
         schema_=SCHEMA,
         level=level,
         command=_command(options),
         planned=len(cases),
-        provenance=provenance() | {"seconds": round(time.monotonic() - begun, 1), "jobs": options.jobs},
+        provenance=facts | {"seconds": round(time.monotonic() - begun, 1), "jobs": options.jobs},
         cases=records,
         changes=baseline.changes(records),
     )
@@ -100,19 +104,43 @@ def _report(options: argparse.Namespace) -> int:
 
 def _render(report: Report, folder: Path, as_json: bool) -> int:
     write_html(report, folder)
+    for line in _failures(report):
+        print(line, file=sys.stderr)
     given = {name: count for name, count in counts(report.cases).items() if count}
+    seconds = report.provenance.get("seconds")
+    page = str(folder / PAGE)
     if as_json:
-        print(json.dumps({"cases": len(report.cases), "verdicts": given, "report": str(folder / "report.html")}))
+        summary = {"cases": len(report.cases), "planned": report.planned, "failed": fails(report)}
+        print(json.dumps(summary | {"verdicts": given, "seconds": seconds, "report": page}))
     else:
         told = ", ".join(f"{count} {name}" for name, count in given.items())
-        print(f"{len(report.cases)} cases: {told}; report: {folder / 'report.html'}")
+        print(f"{len(report.cases)} cases: {told}; {seconds} s; report: {page}")
     return FAILED if fails(report) else DONE
+
+
+def _failures(report: Report) -> list[str]:
+    """What gates, one line each."""
+    lines = []
+    if len(report.cases) != report.planned:
+        lines.append(f"FAILED: {report.planned} cases planned, {len(report.cases)} reported")
+    for case in report.cases:
+        if case.status == "error":
+            lines.append(f"FAILED {case.id}: error, {case.message}")
+        elif case.status == "run" and not case.rows:
+            lines.append(f"FAILED {case.id}: error, it compares nothing")
+        for row in case.rows:
+            verdict = verdict_of(row)
+            if verdict in GATING:
+                allowed = f"{row.band.low:g} to {row.band.high:g}" if row.band else f"{combined_tolerance(row):.3g}"
+                why = row.message or f"error {error_of(row):.3g}, allowed {allowed}"
+                lines.append(f"FAILED {case.id}: {row.quantity}: {verdict}, {why}")
+    return lines
 
 
 def _baseline_check(options: argparse.Namespace) -> int:
     """Compare a report with the baselines."""
     report = read_report(options.out)
-    found = baseline.changes(report.cases)
+    found = baseline.changes(report.cases) + baseline.orphans(case.id for case in registry())
     for line in found:
         print(line, file=sys.stderr)
     print(f"{len(report.cases)} cases compared with their baselines: {len(found)} differences")
@@ -133,7 +161,7 @@ def _baseline_update(options: argparse.Namespace) -> int:
 
 def _study(options: argparse.Namespace) -> int:
     """Run a study."""
-    return cost.run(options.out, options.quick, options.jobs)
+    return cost.run(options.out, options.quick, _say)
 
 
 def _say(note: Note) -> None:
@@ -179,7 +207,6 @@ def _parser() -> argparse.ArgumentParser:
     study = commands.add_parser("study", help="run a study")
     study.add_argument("name", choices=("cost",))
     study.add_argument("--quick", action="store_true", help="the benchmark only")
-    study.add_argument("--jobs", type=_positive, default=1, help="worker processes (default: 1, for clean times)")
     study.add_argument("--out", type=Path, required=True)
     study.set_defaults(command=_study)
     return parser

@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fnmatch import fnmatch
 from importlib import import_module
+from re import fullmatch
 from typing import get_args
 
 from validation.case import Case
 from validation.cases import MODULES
 from validation.schema import Level
 
+ID = r"[A-Za-z0-9][A-Za-z0-9._-]*"
 LEVELS: tuple[Level, ...] = get_args(Level)
 
 
@@ -41,7 +43,10 @@ def registry(modules: Iterable[str] = MODULES) -> tuple[Case, ...]:
 
 
 def select(cases: Iterable[Case], level: str, pattern: str | None = None) -> tuple[Case, ...]:
-    """Cases of a level and those below it, or of all levels those whose name or group matches a pattern.
+    """Cases of a level and those below it, or of all levels those that a pattern names.
+
+    A pattern that is the name of a case chooses that case only; any other those in whose name or group it occurs, or
+    whose name or group it matches as a shell pattern.
 
     Raises
     ------
@@ -54,7 +59,9 @@ def select(cases: Iterable[Case], level: str, pattern: str | None = None) -> tup
     if pattern is None:
         included = LEVELS[: LEVELS.index(level) + 1]
         return tuple(case for case in every if case.level in included)
-    chosen = tuple(case for case in every if fnmatch(case.id, pattern) or fnmatch(case.group, pattern))
+    chosen = tuple(case for case in every if case.id == pattern) or tuple(
+        case for case in every if any(pattern in name or fnmatch(name, pattern) for name in (case.id, case.group))
+    )
     if not chosen:
         raise CaseError(f"--only {pattern!r} matches none of: {', '.join(case.id for case in every)}")
     return chosen
@@ -64,5 +71,7 @@ def _check(case: Case) -> None:
     for name in ("id", "group", "question", "equations", "sources"):
         if not getattr(case, name):
             raise CaseError(f"case {case.id!r}: {name} is empty")
+    if not fullmatch(ID, case.id):
+        raise CaseError(f"case {case.id!r}: the id names files; letters, digits, dots, hyphens and underscores only")
     if case.level not in LEVELS:
         raise CaseError(f"case {case.id!r}: level {case.level!r} is none of {', '.join(LEVELS)}")

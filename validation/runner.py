@@ -106,7 +106,10 @@ def _computed(
                 names = ", ".join(
                     f"{case.id} ({passed:.0f} s)" for case, passed in zip(event.items, event.seconds, strict=True)
                 )
-                report(Note(f"{len(left)} cases left, {_clock(begun, left, seconds, workers)}; running: {names}"))
+                rest = dict(seconds)
+                for case, passed in zip(event.items, event.seconds, strict=True):
+                    rest[case.id] = max(seconds[case.id] - passed, 0.0)
+                report(Note(f"{len(left)} of {planned} left, {_clock(begun, left, rest, workers)}; running: {names}"))
             elif isinstance(event, Ended):
                 record = event.answer
                 if isinstance(record, Exception):
@@ -124,7 +127,7 @@ def _clock(begun: float, left: Iterable[str], seconds: Mapping[str, float], work
     elapsed = time.monotonic() - begun
     todo = [seconds[name] for name in left]
     ahead = max(sum(todo) / workers, max(todo)) if todo else 0.0
-    return f"{elapsed:.0f} s so far, at most about {ahead:.0f} s to go"
+    return f"{elapsed:.0f} s so far, about {ahead:.0f} s to go"
 
 
 def _expected_seconds(case: Case, store: Path, expected: Mapping[str, float]) -> float:

@@ -44,6 +44,12 @@ def test_incomplete_case_is_refused(module, name):
         registry(module(case(**{name: "" if name != "sources" else ()})))
 
 
+@pytest.mark.parametrize("name", ["../a", "a/b", ".a", "a b", "a\n"])
+def test_id_that_could_not_name_a_file_is_refused(module, name):
+    with pytest.raises(CaseError, match="names files"):
+        registry(module(case(id=name)))
+
+
 def test_unknown_level_of_a_case_is_refused(module):
     with pytest.raises(CaseError, match="'now'"):
         registry(module(case(level="now")))
@@ -60,7 +66,7 @@ def test_level_includes_those_below(level, chosen):
     assert "".join(found.id for found in select(cases, level)) == chosen
 
 
-@pytest.mark.parametrize(("pattern", "chosen"), [("a", "a"), ("[ab]", "ab"), ("closed*", "abc"), ("c", "c")])
+@pytest.mark.parametrize(("pattern", "chosen"), [("a", "a"), ("[ab]", "ab"), ("closed*", "abc"), ("c", "c"), ("forms", "abc"), ("b", "b")])
 def test_pattern_chooses_by_name_or_group_at_any_level(pattern, chosen):
     cases = [case(), case(id="b", level="full"), case(id="c")]
     assert "".join(found.id for found in select(cases, "quick", pattern)) == chosen

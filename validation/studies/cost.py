@@ -1,152 +1,319 @@
 """What the paper's profile costs: seconds, memory and counts of each realisation, and whether its path is converged.
 
 The benchmark (quick) runs seeds 0, 1, 2 with 1000 harmonics to 0.02 E*, each alone in a process on one thread, and
-again at a quarter of the increment to show that nothing changes.  The full study adds the cost against the number of
-harmonics with fitted exponents.  Counts can be compared between machines; seconds are for the machine at hand.
+again at a quarter of the increment: contact fraction and separation at the loads asked for must not change beyond
+1e-6 of themselves.  The full study adds seed 0 with 125 to 4000 harmonics and fits exponents.  A run that fails is a
+line with its message.  Counts, memory and digits gate; seconds are reported, they are those of the machine at hand.
 """
 
 from __future__ import annotations
 
 import json
-import multiprocessing
-import resource
+import math
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 import bem
-from bem.result import Progress
+from bem.result import FINAL_STATUSES, Progress
 from validation import adapters
 from validation.compare import fitted_order
-from validation.runner import write_atomically
+from validation.execution import Ended, Running, run_alone
+from validation.provenance import provenance
+from validation.runner import Note, write_atomically
+from validation.schema import Table
 
-SEEDS = (0, 1, 2)
+SCHEMA = "linecontact-cost/1"
+FILE = "cost.json"
+SEEDS, PAPER_HARMONICS = (0, 1, 2), 1000
 HARMONICS = (125, 250, 500, 1000, 2000, 4000)
-INCREMENT = 0.05  # rms heights
+INCREMENT = 0.05  # rms heights, the default of a scene
+SECONDS, MEGABYTES, CLOSURE, DRIFT = 60.0, 2048.0, 1e-8, 1e-6  # asked of one realisation
+FITTED = ("wall_seconds", "cpu_seconds", "peak_megabytes", "unknowns", "evaluations", "patches")
+
+
+@dataclass(frozen=True)
+class Task:
+    """A realisation at a largest increment (rms heights)."""
+
+    seed: int
+    harmonics: int
+    increment: float
 
 
 @dataclass(frozen=True)
 class Run:
-    """One realisation: cost, and what path convergence is judged by."""
+    """What a realisation cost, and what path convergence is judged by."""
 
     seed: int
     harmonics: int
     increment: float
     status: str
-    wall_seconds: float
-    cpu_seconds: float
-    peak_megabytes: float
-    unknowns: int
-    evaluations: int
-    accepted: int
-    rejected: int
-    events: int
-    states: int
-    certificates_not_ok: int
-    worst_closure: float
-    contact_fractions: tuple[float, ...]
-    separations: tuple[float, ...]
+    wall_seconds: float = math.nan
+    cpu_seconds: float = math.nan
+    peak_megabytes: float = math.nan
+    unknowns: int = 0
+    patches: int = 0
+    evaluations: int = 0
+    accepted: int = 0
+    rejected: int = 0
+    events: int = 0
+    states: int = 0
+    failed_states: int = 0
+    certificates_not_ok: int = 0
+    worst_closure: float = math.nan
+    contact_fractions: tuple[float, ...] = ()
+    separations: tuple[float, ...] = ()
+    loads_asked_for: int = 0
 
 
-def run(folder: Path, quick: bool, jobs: int) -> int:
-    """Run the study, print its table, write cost.json; 1 when a state failed or a path is not converged.
+COLUMNS = [column.name for column in fields(Run) if column.name not in ("contact_fractions", "separations")]
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Largest change at a quarter of the increment, relative; infinite when loads are missing on one side."""
+
+    seed: int
+    contact_fraction: float
+    separation: float
+
+
+def tasks_of(quick: bool) -> list[Task]:
+    """The realisations of the study, in order."""
+    benchmark = [Task(seed, PAPER_HARMONICS, increment) for increment in (INCREMENT, INCREMENT / 4) for seed in SEEDS]
+    sweep = [Task(0, harmonics, INCREMENT) for harmonics in HARMONICS if harmonics != PAPER_HARMONICS]
+    return benchmark if quick else benchmark + sweep
+
+
+def run(
+    folder: Path,
+    quick: bool,
+    report: Callable[[Note], None],
+    tasks: Sequence[Task] | None = None,
+    measure: Callable[[Task], Run] | None = None,
+) -> int:
+    """Run the study, print its table, write cost.json; 1 when anything that gates is not reached.
 
     Parameters
     ----------
     folder : Path
     quick : bool
         Only the benchmark.
-    jobs : int
-        Processes at a time; 1 gives clean times.
+    report : callable
+        Gets a `Note` for every step.
+    tasks : sequence of Task, optional
+        Others than those of the study.
+    measure : callable, optional
+        Another measurement than `measured`, importable by name.
     """
-    tasks = [(seed, 1000, increment) for seed in SEEDS for increment in (INCREMENT, INCREMENT / 4)]
-    if not quick:
-        tasks += [(0, harmonics, INCREMENT) for harmonics in HARMONICS if harmonics != 1000]
+    folder.mkdir(parents=True, exist_ok=True)
+    chosen = tasks_of(quick) if tasks is None else list(tasks)
+    facts = provenance()
     runs: list[Run] = []
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(max_workers=jobs, mp_context=context, max_tasks_per_child=1) as pool:
-        for done, found in enumerate(pool.map(_one, tasks), 1):
-            runs.append(found)
-            print(f"[{done}/{len(tasks)}] {_line(found)}", file=sys.stderr, flush=True)
-    drift = max(_drift(runs, seed) for seed in SEEDS)
-    content = {"runs": [asdict(found) for found in runs], "path_drift": drift}
+    for done, task in enumerate(chosen, 1):
+        runs.append(_alone(measure or measured, task, f"[{done}/{len(chosen)}]", report))
+        report(Note(f"[{done}/{len(chosen)}] {_line(runs[-1])}"))
+        _write(folder, facts, runs, len(chosen))
+    met = judged(runs, drifts_of(runs))
     print(HEADING)
     for found in runs:
         print(_line(found))
-    print(f"largest change at a quarter of the increment: {drift:.1e} (contact fraction; separation in rms heights)")
-    if not quick:
-        curve = [found for found in runs if found.seed == 0 and found.increment == INCREMENT and found.harmonics >= 250]
-        order = fitted_order([found.harmonics for found in curve], [found.cpu_seconds for found in curve])
-        content["exponent"] = order
-        print(f"cost grows as harmonics^{order:.2f} from {curve[0].harmonics} to {curve[-1].harmonics}")
-    folder.mkdir(parents=True, exist_ok=True)
-    write_atomically(folder / "cost.json", json.dumps(content, indent=1))
-    good = all(found.status == "converged" and found.certificates_not_ok == 0 for found in runs)
-    return 0 if good and drift <= 1e-6 else 1
+    for name, order in exponents_of(runs).items():
+        print(f"{name} grows as harmonics^{order:.2f}")
+    for name, text, good, _ in met:
+        print(f"{'met' if good else 'NOT MET'}: {name}: {text}")
+    return 0 if all(good for _, _, good, gates in met if gates) else 1
 
 
-def _one(task: tuple[int, int, float]) -> Run:
-    """One realisation, in a process of its own."""
-    seed, harmonics, increment = task
-    changes: dict[str, Any] = {
-        "profile": {"seed": seed, "harmonics": harmonics},
-        "accuracy": {"max_increment": increment},
-    }
-    posed = adapters.scene("paper_profile", changes)
+def measured(task: Task) -> Run:
+    """One realisation, in a process of its own: its peak memory is that of the process."""
+    posed = adapters.scene(
+        "paper_profile",
+        {
+            "profile": {"seed": task.seed, "harmonics": task.harmonics},
+            "accuracy": {"max_increment": task.increment},
+        },
+    )
     last: list[Progress] = []
-    with threadpool_limits(limits=1):
-        wall, cpu = time.perf_counter(), time.process_time()
-        result = bem.solve(posed, progress=last.append)
-        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+
+    def note(progress: Progress) -> None:
+        last[:] = [progress]
+
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = bem.solve(posed, progress=note)
+    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    asked = len(posed.loading.at_mean_pressures) + (posed.loading.stop_at_mean_pressure is not None)
+    targets = result.targets[:asked]
     return Run(
-        seed=seed,
-        harmonics=harmonics,
-        increment=increment,
+        seed=task.seed,
+        harmonics=task.harmonics,
+        increment=task.increment,
         status=result.status,
         wall_seconds=wall,
         cpu_seconds=cpu,
-        peak_megabytes=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        unknowns=max(state.unknowns for state in result.states),
-        evaluations=last[-1].evaluations,
-        accepted=last[-1].increments_accepted,
-        rejected=last[-1].increments_rejected,
+        peak_megabytes=_peak_megabytes(),
+        unknowns=max((state.unknowns for state in result.states), default=0),
+        patches=max((state.n_patches for state in result.states), default=0),
+        evaluations=last[-1].evaluations if last else 0,
+        accepted=last[-1].increments_accepted if last else 0,
+        rejected=last[-1].increments_rejected if last else 0,
         events=len(result.events),
         states=len(result.states),
+        failed_states=sum(state.status not in FINAL_STATUSES for state in result.states),
         certificates_not_ok=sum(not state.certificate.ok for state in result.states),
-        worst_closure=max(state.certificate.closure or 0.0 for state in result.states),
-        contact_fractions=tuple(state.contact_fraction for state in result.targets),
-        separations=tuple(state.separation for state in result.targets),
+        worst_closure=max((state.certificate.closure or 0.0 for state in result.states), default=math.nan),
+        contact_fractions=tuple(state.contact_fraction for state in targets),
+        separations=tuple(state.separation for state in targets),
+        loads_asked_for=asked,
     )
 
 
-def _drift(runs: list[Run], seed: int) -> float:
-    """Largest change of contact fraction and separation (in rms heights) at a quarter of the increment."""
-    coarse, fine = (
-        next(r for r in runs if (r.seed, r.harmonics, r.increment) == (seed, 1000, increment))
-        for increment in (INCREMENT, INCREMENT / 4)
+def drifts_of(runs: Iterable[Run]) -> list[Drift]:
+    """Change between each run and the one of the same realisation at the smallest increment."""
+    found = []
+    known = list(runs)
+    for run in known:
+        finer = [
+            other
+            for other in known
+            if (other.seed, other.harmonics) == (run.seed, run.harmonics) and other.increment < run.increment
+        ]
+        if finer:
+            finest = min(finer, key=lambda other: other.increment)
+            found.append(
+                Drift(
+                    run.seed,
+                    _change(run.contact_fractions, finest.contact_fractions, run.loads_asked_for),
+                    _change(run.separations, finest.separations, run.loads_asked_for),
+                )
+            )
+    return found
+
+
+def exponents_of(runs: Iterable[Run]) -> dict[str, float]:
+    """Exponents p of cost ~ harmonics^p, over the runs that ended well at the default increment with seed 0."""
+    curve = [run for run in runs if run.seed == 0 and run.increment == INCREMENT and run.status == "converged"]
+    if len({run.harmonics for run in curve}) < 2:
+        return {}
+    sizes = [run.harmonics for run in curve]
+    costs = {name: [getattr(run, name) for run in curve] for name in FITTED}
+    return {name: fitted_order(sizes, values) for name, values in costs.items() if _worst(values) > 0 < min(values)}
+
+
+def judged(runs: Sequence[Run], drifts: Sequence[Drift]) -> list[tuple[str, str, bool, bool]]:
+    """What is asked for: name, what was found, whether it is met, whether it gates."""
+    paper = [run for run in runs if run.harmonics == PAPER_HARMONICS and run.increment == INCREMENT] or list(runs)
+    slowest, largest = _worst(run.cpu_seconds for run in paper), _worst(run.peak_megabytes for run in paper)
+    closure = _worst(run.worst_closure for run in runs)
+    unfinished = [f"seed {run.seed}, {run.harmonics}: {run.status}" for run in runs if not _complete(run)]
+    failed = sum(run.failed_states for run in runs)
+    not_ok = sum(run.certificates_not_ok for run in runs)
+    area = _worst(drift.contact_fraction for drift in drifts)
+    gap = _worst(drift.separation for drift in drifts)
+    return [
+        ("every load reached", "; ".join(unfinished) or f"{len(runs)} runs", not unfinished, True),
+        ("no failed state", f"{failed}", failed == 0, True),
+        ("every certificate ok", f"{not_ok} are not", not_ok == 0, True),
+        (f"closure <= {CLOSURE:g}", f"{closure:.1e}", closure <= CLOSURE, True),
+        (f"contact fraction at a quarter of the increment within {DRIFT:g}", f"{area:.1e}", area <= DRIFT, True),
+        (f"separation at a quarter of the increment within {DRIFT:g}", f"{gap:.1e}", gap <= DRIFT, True),
+        (f"below {MEGABYTES:g} MB", f"{largest:.0f} MB", largest < MEGABYTES, True),
+        (f"at most {SECONDS:g} s of one core (not gating)", f"{slowest:.1f} s", slowest <= SECONDS, False),
+    ]
+
+
+def _write(folder: Path, facts: dict[str, Any], runs: Sequence[Run], planned: int) -> None:
+    """cost.json with the runs so far."""
+    drifts = drifts_of(runs)
+    table = Table(
+        caption="Cost of loading the paper's profile to 0.02 E*, one thread.",
+        columns=COLUMNS,
+        rows=[[_cell(getattr(found, name)) for name in COLUMNS] for found in runs],
     )
-    if len(coarse.separations) != len(fine.separations):
-        return float("inf")
-    area = max(abs(a - b) for a, b in zip(coarse.contact_fractions, fine.contact_fractions, strict=True))
-    gap = max(abs(a - b) for a, b in zip(coarse.separations, fine.separations, strict=True)) / 50e-6
-    return max(area, gap)
+    content = {
+        "schema": SCHEMA,
+        "provenance": facts,
+        "planned": planned,
+        "runs": [asdict(found) for found in runs],
+        "table": table.model_dump(mode="json"),
+        "drifts": [asdict(drift) for drift in drifts],
+        "exponents": exponents_of(runs),
+        "met": {name: bool(good) for name, _, good, _ in judged(runs, drifts)},
+    }
+    write_atomically(folder / FILE, json.dumps(_plain(content), indent=1, allow_nan=False) + "\n")
+
+
+def _complete(run: Run) -> bool:
+    return run.status == "converged" and len(run.separations) == run.loads_asked_for > 0
+
+
+def _alone(measure: Callable[[Task], Run], task: Task, place: str, report: Callable[[Note], None]) -> Run:
+    """A run in a process of its own, or a line with its message."""
+    name = f"{place} seed {task.seed}, {task.harmonics} harmonics, increment {task.increment:g}"
+    report(Note(f"{name}: started"))
+    answer: Run | Exception | None = None
+    with closing(run_alone(measure, task)) as events:
+        for event in events:
+            if isinstance(event, Running):
+                report(Note(f"{name}: {event.seconds[0]:.0f} s"))
+            elif isinstance(event, Ended):
+                answer = event.answer
+    if isinstance(answer, Run):
+        return answer
+    return Run(task.seed, task.harmonics, task.increment, f"{type(answer).__name__}: {answer}")
+
+
+def _change(coarse: Sequence[float], fine: Sequence[float], asked: int) -> float:
+    """Largest relative change; infinite unless every load asked for is on both sides."""
+    if not len(coarse) == len(fine) == asked or not asked:
+        return math.inf
+    return _worst(abs(a - b) / abs(b) if b else math.inf for a, b in zip(coarse, fine, strict=True))
+
+
+def _worst(values: Iterable[float]) -> float:
+    """The largest; nan when there is none or one is no number."""
+    known = list(values)
+    return math.nan if not known or any(math.isnan(value) for value in known) else max(known)
+
+
+def _peak_megabytes() -> float:
+    """Largest resident memory of this process; nan where the system does not tell (Windows)."""
+    if sys.platform == "win32":
+        return math.nan
+    import resource  # absent on Windows
+
+    unit = 2**20 if sys.platform == "darwin" else 2**10
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
+
+
+def _cell(value: Any) -> str | float | int | None:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _plain(value: Any) -> Any:
+    """JSON knows neither nan nor infinity: null."""
+    if isinstance(value, dict):
+        return {name: _plain(content) for name, content in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(content) for content in value]
+    return _cell(value)
 
 
 HEADING = (
-    "seed harmonics increment status     wall/s  cpu/s   MB unknowns evaluations accepted rejected events states "
-    "not-ok closure"
+    "seed harmonics increment  wall/s   cpu/s     MB unknowns patches evaluations accepted rejected events states "
+    "failed not-ok closure status"
 )
 
 
 def _line(found: Run) -> str:
     return (
-        f"{found.seed:4d} {found.harmonics:9d} {found.increment:9.4f} {found.status:10s} {found.wall_seconds:6.1f} "
-        f"{found.cpu_seconds:6.1f} {found.peak_megabytes:4.0f} {found.unknowns:8d} {found.evaluations:11d} "
-        f"{found.accepted:8d} {found.rejected:8d} {found.events:6d} {found.states:6d} {found.certificates_not_ok:6d} "
-        f"{found.worst_closure:.1e}"
+        f"{found.seed:4d} {found.harmonics:9d} {found.increment:9.4f} {found.wall_seconds:7.1f} "
+        f"{found.cpu_seconds:7.1f} {found.peak_megabytes:6.0f} {found.unknowns:8d} {found.patches:7d} "
+        f"{found.evaluations:11d} {found.accepted:8d} {found.rejected:8d} {found.events:6d} {found.states:6d} "
+        f"{found.failed_states:6d} {found.certificates_not_ok:6d} {found.worst_closure:.1e} {found.status}"
     )
