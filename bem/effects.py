@@ -27,12 +27,12 @@ EFFECTS = (
     *("shapes", "spectra", "pressure_distribution", "width_distributions"),
 )
 AVAILABLE = frozenset(EFFECTS)
-NOT_YET = frozenset({"start from complete contact", "start from a stored state"})
+NOT_YET: frozenset[str] = frozenset()
 
-SWEEP = 2.6, 1.4  # s at 1000 harmonics and exponent: one sweep in one direction, without adhesion
-ADHESIVE_SWEEP = 12.0, 1.4  # the same with adhesion
+SWEEP = 10.0, 1.4  # s at 1000 harmonics and exponent: one sweep in one direction, without adhesion
+ADHESIVE_SWEEP = 28.0, 1.15  # the same with adhesion
 LAYER_SHARE = 0.5  # of the sweeps, in addition
-TARGET = 0.3, 1.2  # one target: polish, certificate, error estimate
+TARGET = 0.5, 1.2  # one target: polish, certificate, error estimate
 OUTPUT = 0.1, 1.0  # fields, spectra or a distribution at one target
 
 
