@@ -32,6 +32,7 @@ ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
 ENERGY_TRUNCATION = 3e-3  # relative error of the energy over the square of the tolerance of the evaluation
 DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
 CLOSED_GAP = 1e-7  # of the period
+LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
 TIED = 1e-3  # relative difference of gaps that close, or patches that vanish, at the same instant
 VANISHED_WIDTH = 0.02  # of the half width at which a lone JKR contact pulls off
 
@@ -437,14 +438,15 @@ def _closing(system: System, here: Balance) -> tuple[tuple[Change, ...], Patches
     """The gaps about to close, with the patches that remain (None: none do, contact is complete).
 
     A gap narrower than the limits closes where both its edges move outward; gaps as narrow as that to within
-    `TIED` close with it, so that symmetric states stay symmetric.
+    `TIED` close with it, so that symmetric states stay symmetric.  At fixed penetration the mean gap is fixed too,
+    and the last gap stays.
     """
     patches = here.state.patches
     count = patches.count
     outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
     gaps = patches.gap_after
     wavelength = 2 * np.pi / system.elastic.profile.max_order
-    doomed = gaps < min(DOOMED_GAP * wavelength, 0.05 * float(gaps.max()))
+    doomed = gaps < min(DOOMED_GAP * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
     both = outward[count:] & np.roll(outward[:count], -1)
     closing = np.flatnonzero((doomed & both) | (gaps < CLOSED_GAP * 2 * np.pi))
     if closing.size == 0:
@@ -452,6 +454,8 @@ def _closing(system: System, here: Balance) -> tuple[tuple[Change, ...], Patches
     closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min()]
     positions = patches.right[closing] + gaps[closing] / 2
     if closing.size == count:
+        if system.control.load_weight == 0:
+            return None
         return tuple(Change("complete_contact", float(x)) for x in positions), None
     remaining = patches
     for x in positions:

@@ -19,13 +19,17 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from bem.collocation import Evaluation, finer
+from bem.complete_contact import CompleteContact
 from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct
 from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
+from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
 from bem.patches import Patches
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which they are orthogonal
 
 PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
 
@@ -151,11 +155,17 @@ class Path:
     increments : Increments
     crests : (n,) array
         Positions of the highest crests (more than one when equally high), where first touch happens.
+    complete : CompleteContact
+        Where the path ends, and may begin.
+    flaw : float, optional
+        Width of the gap from which complete contact opens when the load falls; without it, it never does.
     """
 
     system: System
     increments: Increments
     crests: FloatArray
+    complete: CompleteContact
+    flaw: float | None = None
     effort: Effort = field(default_factory=Effort)
     step: float = 0.0
 
@@ -163,6 +173,7 @@ class Path:
         """Yield every accepted point from `point` to the goal; the last one is at the goal or has failed."""
         self.step = self.step or self.increments.largest / 4
         direction = np.sign(goal - point.value)
+        closing = self._closing_value
         blocked: float | None = None
         while point.value != goal:
             if point.balance is None:
@@ -171,6 +182,10 @@ class Path:
                 if point.balance is None:
                     return
                 continue
+            if direction > 0 and point.value >= closing - self.increments.smallest * (1 + 1e-9) and goal >= closing:
+                point = Point("complete_contact", goal, None, self._closed(point, goal))
+                yield point
+                return
             step = min(self.step, self.increments.largest, self._step_within_reach(point))
             if blocked is not None:
                 if direction * (blocked - point.value) <= 0:
@@ -178,8 +193,9 @@ class Path:
                 else:
                     step = min(step, max(abs(blocked - point.value) / 2, self.increments.smallest))
             step = max(step, self.increments.smallest)
-            if step >= abs(goal - point.value) * (1 - 1e-12):
-                step, value = abs(goal - point.value), goal
+            end = min(goal, closing - self.increments.smallest) if goal >= closing else goal
+            if step >= abs(end - point.value) * (1 - 1e-12):
+                step, value = abs(end - point.value), end
             else:
                 value = point.value + direction * step
             accepted, found = self._attempt(point, value)
@@ -207,7 +223,7 @@ class Path:
     def polish(self, point: Point) -> Point:
         """The point at the accuracy of a target; an event within the coarse accuracy is resolved here."""
         if point.balance is None:
-            return point
+            return Point(point.status, point.value)
         inc, state = self.increments, point.balance.state
         fine = correct(self.system, state.patches, state.penetration, point.value, inc.fine_tolerance, inc.fine_closure)
         self.effort.evaluations += fine.evaluations
@@ -264,7 +280,9 @@ class Path:
         )
 
     def _advance_without_edges(self, point: Point, goal: float) -> Point:
-        """From separated surfaces to first touch (at value 0), or on to the goal."""
+        """From separated surfaces to first touch (at value 0), from complete contact to its opening, or to the goal."""
+        if point.status == "complete_contact":
+            return self._opened(point, goal)
         if point.status != "separated" or goal < 0:
             return Point(point.status, goal)
         inc = self.increments
@@ -277,6 +295,57 @@ class Path:
             return Point(settled.status, touch)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
         return self._point_after(settled, touch, changes, -settled.balance.potential)
+
+    @property
+    def _closing_value(self) -> float:
+        """Penetration at which contact is complete; infinite when the load takes part in the control."""
+        return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
+
+    def _closed(self, point: Point, value: float) -> tuple[PathEvent, ...]:
+        """The last gaps close where the separation vanishes: a continuous end of the branch, no energy is released."""
+        assert point.balance is not None
+        state = point.balance.state
+        middles = state.patches.right + state.patches.gap_after / 2
+        changes = tuple(("complete_contact", float(x)) for x in middles)
+        return _events(changes, value, self.system.elastic.profile.max_height, state.load, 0.0)
+
+    def _complete_load(self, value: float) -> float:
+        """Load of complete contact at a value of a control that knows the load."""
+        control = self.system.control
+        return (value - control.penetration_weight * self.system.elastic.profile.max_height) / control.load_weight
+
+    def _opened(self, point: Point, goal: float) -> Point:
+        """Complete contact at the goal, or the equilibrium into which it opens on the way there."""
+        inc, system = self.increments, self.system
+        highest = system.elastic.profile.max_height
+        if system.control.load_weight == 0:
+            if goal >= self._closing_value:
+                return Point("complete_contact", goal)
+            value = max(goal, highest - inc.smallest)
+            start, at = first_gap(system, self.complete, highest - value), value
+        else:
+            if self.flaw is None:
+                return Point("complete_contact", goal)
+            load = opening_load(system, self.complete, self.flaw, inc.fine_tolerance)
+            value = min(point.value, system.control.value(highest, load))
+            if goal > value:
+                return Point("complete_contact", goal)
+            start, at = with_gap(lowest_pressure(self.complete), 1.02 * self.flaw), highest
+        settled = settle(system, start, at, value, inc.tolerance, inc.closure, inc.allowed)
+        self.effort.book(settled)
+        opening = (("opening", lowest_pressure(self.complete)),)
+        changes = (*opening, *settled.changes)
+        if settled.balance is None:
+            opened = _events(opening, value, highest, self._complete_load(value), np.nan)
+            if settled.status != "separated":
+                return Point(settled.status, value, None, opened)
+            pulled = (("pull_off", settled.changes[-1][1]),)
+            return Point(settled.status, value, None, (*opened, *_events(pulled, value, 0.0, 0.0, np.nan)))
+        released = 0.0
+        if system.control.load_weight > 0:
+            before = complete_potential(system, self.complete, settled.balance.state, value)
+            released = before - settled.balance.potential
+        return self._point_after(settled, value, changes, released)
 
     def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:
         """Newton from the predicted edges; the new point (None: left the branch) and its interpenetrations."""
@@ -329,14 +398,19 @@ class Path:
         )
         self.effort.book(settled)
         before = start.balance.potential + self.system.control.work(start.balance.state, value - start.value)
+        broken = symmetry_breaking(start.balance) if branch_ends and settled.changes else ()
         if settled.balance is None:
-            changes = settled.changes
+            changes, load = (*broken, *settled.changes), 0.0
+            penetration = self.system.control.guess(start.balance.state.penetration, value)
+            released = np.nan
             if settled.status == "separated":
                 changes = (*changes[:-1], ("pull_off", changes[-1][1]))
-            released = before if settled.status == "separated" else np.nan
-            penetration = self.system.control.guess(start.balance.state.penetration, value)
-            return Point(settled.status, value, None, _events(changes, value, penetration, 0.0, released))
-        return self._point_after(settled, value, settled.changes, before - settled.balance.potential)
+                released = before if self.system.control.load_weight == 0 else np.nan  # a dead tension falls for ever
+            elif settled.status == "complete_contact":
+                penetration, load = self.system.elastic.profile.max_height, start.balance.state.load
+                released = before - complete_potential(self.system, self.complete, start.balance.state, value)
+            return Point(settled.status, value, None, _events(changes, value, penetration, load, released))
+        return self._point_after(settled, value, (*broken, *settled.changes), before - settled.balance.potential)
 
     def _point_after(
         self, settled: Settled, value: float, changes: tuple[tuple[str, float], ...], released: float
@@ -361,14 +435,28 @@ class Path:
         return 0.5 * LARGEST_NEWTON_STEP / speed if speed > 0 else np.inf
 
 
-def unstable_patches(here: Balance) -> IntArray:
-    """Patches that move most in the softest mode of the Hessian."""
-    patches = here.state.patches
-    room = patches.edge_room
+def softest_mode(here: Balance) -> FloatArray:
+    """Mode of least stiffness, in units of the room of each edge, (2 L,)."""
+    room = here.state.patches.edge_room
     hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
     _, mode = eigh(hessian, subset_by_index=[0, 0])
-    size = np.abs(mode[:, 0])
-    return np.unique(np.flatnonzero(size > 0.3 * size.max()) % patches.count)
+    return np.asarray(mode[:, 0])
+
+
+def unstable_patches(here: Balance) -> IntArray:
+    """Patches that move most in the softest mode of the Hessian."""
+    size = np.abs(softest_mode(here))
+    return np.unique(np.flatnonzero(size > 0.3 * size.max()) % here.state.patches.count)
+
+
+def symmetry_breaking(here: Balance) -> tuple[tuple[str, float], ...]:
+    """A bifurcation where the softest mode does no work with the load: it breaks a symmetry that loading keeps."""
+    mode, patches = softest_mode(here), here.state.patches
+    pull = here.load_gradient * patches.edge_room
+    if abs(mode @ pull) > SYMMETRIC * np.linalg.norm(pull):
+        return ()
+    moving = int(np.argmax(np.abs(mode))) % patches.count
+    return (("bifurcation", float(patches.center[moving])),)
 
 
 def restart(path: Path, patches: Patches, penetration: float, value: float) -> Point:

@@ -115,7 +115,18 @@ class _Run:
         self.pressures_done = 0
         self.kept = np.inf
         self.branch = "loading"
-        self.point: AnyPoint = _separated(scene, min(0.0, self.goals[0][1]))
+        self.point = self._start()
+
+    def _start(self) -> AnyPoint:
+        """Where the path begins: surfaces apart, complete contact, or a stored state."""
+        first = self.goals[0][1]
+        if self.scene.start_state is not None:
+            self.branch = self.scene.start_state.branch
+            return self._point_of(self.scene.start_state)
+        if self.scene.loading.initial != "complete_contact":
+            return _separated(self.scene, min(0.0, first))
+        fixed = self.problem.control.load_weight == 0
+        return _bare_point(self.scene, "complete_contact", self.problem.profile.max_height if fixed else first + 1.0)
 
     def take_over(self, result: Result) -> None:
         """Keep the states of an interrupted result and stand at the last equilibrium of it."""
@@ -216,9 +227,10 @@ class _Run:
             self.on_state(self.result("interrupted"))
 
     def _described(self, point: AnyPoint, target: bool, status: str | None) -> State:
-        load_controlled = self.scene.loading.control == "mean_pressure"
         if point.status == "complete_contact":
-            load = point.value if load_controlled else np.nan
+            control, highest = self.problem.control, self.problem.profile.max_height
+            loaded = control.load_weight > 0
+            load = (point.value - control.penetration_weight * highest) / control.load_weight if loaded else np.nan
             return complete_state(self.problem, self.complete, load, self.branch, target, self._cost(0))
         evaluation = point.state
         if evaluation is None:
@@ -371,7 +383,8 @@ def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyP
         return ConvexPath(problem.elastic, problem.control, increments, complete, highest)
     equilibrium = import_module("bem.equilibrium")
     system = equilibrium.System(problem.elastic, problem.law, problem.control)
-    return Path(system, increments, highest)
+    flaw = None if scene.loading.flaw is None else scene.loading.flaw / problem.scales.length
+    return Path(system, increments, highest, complete, flaw)
 
 
 def _increments(scene: Scene, problem: Problem) -> Increments:
