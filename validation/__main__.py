@@ -78,7 +78,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.executor != "local":
         raise CaseError(f"--executor {options.executor!r} is not available yet; 'local' is")
     cases = select(registry(), options.level, options.only)
-    expected = baseline.expected_seconds(case.id for case in cases)  # a malformed one is told now, not after the run
+    expected = baseline.expected_seconds([case.id for case in cases], baseline.FOLDER)  # a malformed one is told now
     facts = provenance()  # before the run: sources that change meanwhile are not those of the report
     folder: Path = options.out
     begun = time.monotonic()
@@ -91,7 +91,7 @@ def _run(options: argparse.Namespace) -> int:
         planned=len(cases),
         provenance=facts | {"seconds": round(time.monotonic() - begun, 1), "jobs": options.jobs},
         cases=records,
-        changes=baseline.changes(records),
+        changes=baseline.changes(records, baseline.FOLDER),
     )
     write_atomically(folder / REPORT_FILE, report.model_dump_json(by_alias=True, indent=1) + "\n")
     return _render(report, folder, options.json)
@@ -140,7 +140,8 @@ def _failures(report: Report) -> list[str]:
 def _baseline_check(options: argparse.Namespace) -> int:
     """Compare a report with the baselines."""
     report = read_report(options.out)
-    found = baseline.changes(report.cases) + baseline.orphans(case.id for case in registry())
+    found = baseline.changes(report.cases, baseline.FOLDER)
+    found += baseline.orphans([case.id for case in registry()], baseline.FOLDER)
     for line in found:
         print(line, file=sys.stderr)
     print(f"{len(report.cases)} cases compared with their baselines: {len(found)} differences")
@@ -154,7 +155,7 @@ def _baseline_update(options: argparse.Namespace) -> int:
     chosen = [record for record in report.cases if record.id == options.case]
     if not chosen:
         raise baseline.BaselineError(f"case {options.case!r}: none of {', '.join(r.id for r in report.cases)}")
-    for line in baseline.update(chosen[0], options.reason):
+    for line in baseline.update(chosen[0], options.reason, baseline.FOLDER):
         print(line)
     return DONE
 
@@ -213,10 +214,9 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _positive(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text}: an integer >= 1 is needed")
-    return value
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 1 is needed")
+    return int(text)
 
 
 if __name__ == "__main__":

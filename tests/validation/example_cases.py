@@ -1,6 +1,7 @@
 """Cases that agree, crash, die, are skipped, or count how often they ran; importable by worker processes."""
 
 import os
+import time
 from functools import partial
 from pathlib import Path
 
@@ -22,6 +23,15 @@ def _row(computed: float) -> Row:
 
 def agree() -> Outcome:
     return Outcome(rows=(_row(1.0),), counts={"unknowns": 7})
+
+
+def deviate() -> Outcome:
+    return Outcome(rows=(_row(1.5),))
+
+
+def wait() -> Outcome:
+    time.sleep(600)
+    return agree()
 
 
 def crash() -> Outcome:

@@ -1,0 +1,37 @@
+"""Measurements for the cost study that converge, fail or die at once; importable by worker processes."""
+
+import os
+
+from validation.studies.cost import Run, Task
+
+
+def converge(task: Task) -> Run:
+    return Run(
+        seed=task.seed,
+        harmonics=task.harmonics,
+        increment=task.increment,
+        status="converged",
+        wall_seconds=2.0,
+        cpu_seconds=1e-6 * task.harmonics**2,
+        peak_megabytes=100.0,
+        unknowns=task.harmonics,
+        patches=7,
+        evaluations=5,
+        states=3,
+        worst_closure=1e-10,
+        contact_fractions=(0.1, 0.2),
+        separations=(3e-5, 2e-5 * (1 + 1e-8 * task.increment)),
+        loads_asked_for=2,
+    )
+
+
+def crash(task: Task) -> Run:
+    if task.seed == 1:
+        raise ZeroDivisionError("the matrix is singular")
+    return converge(task)
+
+
+def die(task: Task) -> Run:
+    if task.seed == 1:
+        os._exit(9)
+    return converge(task)

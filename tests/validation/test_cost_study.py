@@ -1,0 +1,149 @@
+"""The cost study: what gates, drift, exponents; a run that fails stays in the table; one small measurement for real."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from validation.studies import cost
+from validation.studies.cost import Drift, Task, drifts_of, exponents_of, judged, measured, tasks_of
+
+
+@pytest.fixture
+def examples(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    import example_runs
+
+    return example_runs
+
+
+@pytest.fixture
+def pair(examples):
+    """A run and the same at a quarter of the increment."""
+    return [examples.converge(Task(0, 1000, increment)) for increment in (0.05, 0.0125)]
+
+
+STEADY = (Drift(0, 1e-9, 1e-9),)
+PAIR = (Task(0, 100, 0.05), Task(0, 100, 0.0125))
+
+
+def unmet(runs, drifts=STEADY):
+    return [name for name, _, good, _ in judged(runs, drifts) if not good]
+
+
+def test_benchmark_is_three_realisations_and_their_quarter_increments():
+    tasks = tasks_of(quick=True)
+    assert {(task.seed, task.harmonics) for task in tasks} == {(seed, 1000) for seed in (0, 1, 2)}
+    assert sorted(task.increment for task in tasks) == [0.0125] * 3 + [0.05] * 3
+
+
+def test_full_study_goes_from_125_to_4000_harmonics():
+    swept = {task.harmonics for task in tasks_of(quick=False) if (task.seed, task.increment) == (0, 0.05)}
+    assert swept == {125, 250, 500, 1000, 2000, 4000}
+
+
+def test_nothing_is_unmet_by_good_runs(pair):
+    assert unmet(pair, drifts_of(pair)) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        ({"status": "not_converged"}, "every load reached"),
+        ({"loads_asked_for": 3}, "every load reached"),
+        ({"failed_states": 1}, "no failed state"),
+        ({"certificates_not_ok": 1}, "every certificate ok"),
+        ({"worst_closure": 1.1e-8}, "closure <= 1e-08"),
+        ({"worst_closure": float("nan")}, "closure <= 1e-08"),
+        ({"peak_megabytes": 2049.0}, "below 2048 MB"),
+        ({"cpu_seconds": 61.0}, "at most 60 s of one core (not gating)"),
+    ],
+)
+def test_what_is_not_reached_is_named(pair, change, name):
+    assert unmet([replace(pair[0], **change), pair[1]]) == [name]
+
+
+def test_seconds_do_not_gate(pair):
+    assert [name for name, _, _, gates in judged(pair, drifts_of(pair)) if not gates] == [
+        "at most 60 s of one core (not gating)"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("change", "names"),
+    [
+        ({"contact_fraction": 1.1e-6}, ["contact fraction at a quarter of the increment within 1e-06"]),
+        ({"separation": 1.1e-6}, ["separation at a quarter of the increment within 1e-06"]),
+        ({"separation": float("nan")}, ["separation at a quarter of the increment within 1e-06"]),
+    ],
+)
+def test_path_that_is_not_converged_is_named(pair, change, names):
+    assert unmet(pair, [Drift(1, 1e-9, 1e-9), replace(Drift(0, 1e-9, 1e-9), **change)]) == names
+
+
+def test_no_path_convergence_without_a_finer_run(pair):
+    assert len(unmet(pair[:1], drifts_of(pair[:1]))) == 2
+
+
+def test_drift_is_the_largest_relative_change(pair):
+    coarse = replace(pair[0], contact_fractions=(0.1, 0.202), separations=(3.3e-5, 2e-5))
+    fine = replace(pair[1], contact_fractions=(0.1, 0.2), separations=(3e-5, 2e-5))
+    (drift,) = drifts_of([coarse, fine])
+    assert drift.contact_fraction == pytest.approx(0.01, rel=1e-12)
+    assert drift.separation == pytest.approx(0.1, rel=1e-12)
+
+
+def test_drift_compares_a_realisation_with_itself_only(pair):
+    other = replace(pair[1], seed=1)
+    assert drifts_of([pair[0], other]) == []
+
+
+def test_missing_load_is_infinite_drift(pair):
+    (drift,) = drifts_of([pair[0], replace(pair[1], separations=(3e-5,))])
+    assert drift.separation == float("inf")
+
+
+def test_exponent_of_a_power_law_is_found(examples):
+    runs = [examples.converge(Task(0, harmonics, 0.05)) for harmonics in (125, 500, 4000)]
+    found = exponents_of(runs)
+    assert found["cpu_seconds"] == pytest.approx(2.0, abs=1e-12)
+    assert found["unknowns"] == pytest.approx(1.0, abs=1e-12)
+    assert found["patches"] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("change", [{"status": "error"}, {"seed": 1}, {"increment": 0.0125}])
+def test_exponent_leaves_out_other_runs(examples, change):
+    runs = [examples.converge(Task(0, harmonics, 0.05)) for harmonics in (125, 500)]
+    outlier = replace(examples.converge(Task(0, 4000, 0.05)), cpu_seconds=1e6, **change)
+    assert exponents_of([*runs, outlier]) == exponents_of(runs)
+
+
+def study(folder, measure, tasks=PAIR):
+    return cost.run(folder, True, lambda note: None, tasks, measure)
+
+
+def test_study_writes_and_prints_its_table(examples, tmp_path, capsys):
+    assert study(tmp_path, examples.converge) == 0
+    stored = json.loads((tmp_path / "cost.json").read_text())
+    assert stored["schema"] == "linecontact-cost/1"
+    assert [row[:3] for row in stored["table"]["rows"]] == [[0, 100, 0.05], [0, 100, 0.0125]]
+    assert "0       100    0.0125" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("kind", "message"), [("crash", "ZeroDivisionError: the matrix"), ("die", "WorkerDiedError")])
+def test_run_that_fails_is_a_line_with_its_message(examples, tmp_path, capsys, kind, message):
+    tasks = (Task(1, 100, 0.05), Task(0, 100, 0.05), Task(0, 100, 0.0125))
+    assert study(tmp_path, getattr(examples, kind), tasks) == 1
+    told = capsys.readouterr().out
+    assert "NOT MET: every load reached: seed 1, 100: " + message in told
+    stored = json.loads((tmp_path / "cost.json").read_text())
+    assert [run["status"][:5] for run in stored["runs"]] == [message[:5], "conve", "conve"]
+
+
+def test_measurement_reaches_the_loads_and_counts():
+    found = measured(Task(0, 20, 0.05))
+    assert (found.status, len(found.separations)) == ("converged", 8)
+    assert (found.failed_states, found.certificates_not_ok) == (0, 0)
+    assert found.worst_closure < 1e-8
+    assert min(found.cpu_seconds, found.unknowns, found.evaluations, found.accepted, found.peak_megabytes) > 0

@@ -1,0 +1,302 @@
+"""The command line: exit codes, what stdout and stderr say, bad input told before anything is run."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from validation import __main__ as command_line
+from validation import baseline
+from validation.__main__ import main
+
+HERE = Path(__file__).parent
+
+
+@pytest.fixture
+def examples(monkeypatch, tmp_path):
+    """The example cases, and baselines in a folder of their own, from sources that count as committed."""
+    monkeypatch.syspath_prepend(str(HERE))
+    monkeypatch.setattr(baseline, "FOLDER", tmp_path / "baselines")
+    monkeypatch.setattr(baseline, "working_tree", lambda: ("0" * 40, False))
+    import example_cases
+
+    return example_cases
+
+
+@pytest.fixture
+def cases(examples, monkeypatch):
+    """Replace the registry: name of the case to name of its function."""
+
+    def use(**computes):
+        found = tuple(
+            examples.case(name, getattr(examples, compute), sources=("johnson1995",))
+            for name, compute in computes.items()
+        )
+        monkeypatch.setattr(command_line, "registry", lambda: found)
+
+    return use
+
+
+def run(out, *words):
+    return main(["run", "--jobs", "1", "--out", str(out), *words])
+
+
+def report_of(out):
+    return json.loads((out / "report.json").read_text())
+
+
+def test_run_that_agrees_ends_with_0_and_one_line(cases, tmp_path, capsys):
+    cases(fine="agree")
+    assert run(tmp_path / "out") == 0
+    told = capsys.readouterr()
+    assert told.out.count("\n") == 1
+    assert told.out.startswith("1 cases: 1 agrees; ")
+    assert str(tmp_path / "out" / "report.html") in told.out
+    assert "[1/1] fine" in told.err
+
+
+def test_run_writes_report_and_page(cases, tmp_path):
+    cases(fine="agree")
+    run(tmp_path)
+    assert (tmp_path / "report.html").exists()
+    written = report_of(tmp_path)
+    assert (written["planned"], [case["id"] for case in written["cases"]]) == (1, ["fine"])
+
+
+@pytest.mark.parametrize("fact", ["commit", "blas", "date", "seconds", "sources_sha256", "jobs"])
+def test_report_holds_its_provenance(cases, tmp_path, fact):
+    cases(fine="agree")
+    run(tmp_path)
+    assert report_of(tmp_path)["provenance"][fact]
+
+
+def test_report_names_no_folder_of_the_machine(cases, tmp_path):
+    cases(fine="agree")
+    run(tmp_path / "out")
+    assert str(tmp_path) not in (tmp_path / "out" / "report.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("compute", "message"),
+    [
+        ("deviate", "FAILED bad: load: deviates, error 0.5, allowed 0.1"),
+        ("crash", "FAILED bad: error, ZeroDivisionError: the matrix is singular"),
+        ("die", "FAILED bad: error, WorkerDiedError"),
+    ],
+)
+def test_what_fails_is_named_and_ends_with_1(cases, tmp_path, capsys, compute, message):
+    cases(fine="agree", bad=compute)
+    assert run(tmp_path) == 1
+    assert message in capsys.readouterr().err
+    assert [case["id"] for case in report_of(tmp_path)["cases"]] == ["fine", "bad"]
+
+
+def test_skipped_case_is_counted_and_does_not_gate(cases, tmp_path, capsys):
+    cases(fine="agree", peers="skip")
+    assert run(tmp_path) == 0
+    assert "1 not run" in capsys.readouterr().out
+
+
+def test_summary_as_json(cases, tmp_path, capsys):
+    cases(fine="agree", bad="deviate")
+    assert run(tmp_path, "--json") == 1
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["verdicts"] == {"agrees": 1, "deviates": 1}
+    assert (summary["cases"], summary["planned"], summary["failed"]) == (2, 2, True)
+
+
+def test_only_runs_what_it_names(cases, tmp_path):
+    cases(fine="agree", bad="deviate")
+    assert run(tmp_path, "--only", "fine") == 0
+    assert [case["id"] for case in report_of(tmp_path)["cases"]] == ["fine"]
+
+
+def test_same_command_does_not_compute_again(examples, monkeypatch, tmp_path):
+    monkeypatch.setattr(command_line, "registry", lambda: (examples.noting(tmp_path),))
+    run(tmp_path)
+    run(tmp_path)
+    assert (tmp_path / "runs").read_text() == "x"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--only", "other"], "matches none of: fine, bad"),
+        (["--level", "now"], "quick, standard, full"),
+        (["--executor", "cluster"], "'cluster' is not available yet"),
+        (["--jobs", "0"], "an integer >= 1"),
+        (["--jobs", "two"], "an integer >= 1"),
+    ],
+)
+def test_bad_request_is_told_before_anything_is_written(cases, tmp_path, capsys, words, message):
+    cases(fine="agree", bad="deviate")
+    assert exit_code(["run", "--out", str(tmp_path / "out"), *words]) == 2
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def exit_code(words):
+    """Exit code, also where argparse ends the program."""
+    try:
+        return main(words)
+    except SystemExit as error:
+        return error.code
+
+
+def test_folder_that_is_a_file_is_bad_input(cases, tmp_path, capsys):
+    cases(fine="agree")
+    (tmp_path / "out").write_text("mine")
+    assert run(tmp_path / "out") == 2
+    assert "out" in capsys.readouterr().err
+    assert (tmp_path / "out").read_text() == "mine"
+
+
+def test_malformed_baseline_is_told_before_the_run(cases, tmp_path, capsys):
+    cases(fine="agree")
+    baseline.FOLDER.mkdir()
+    (baseline.FOLDER / "fine.json").write_text("{")
+    assert run(tmp_path / "out") == 2
+    assert "fine.json: malformed baseline" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda path: path.unlink(), "no report there"),
+        (lambda path: path.write_text("{"), "not JSON"),
+        (lambda path: path.write_text('{"schema": "other/2"}'), "'other/2' is not"),
+        (lambda path: path.write_text("[]"), "schema 'list'"),
+        (lambda path: path.write_text('{"schema": "linecontact-report/1"}'), "planned"),
+    ],
+    ids=["missing", "cut off", "other schema", "list", "incomplete"],
+)
+@pytest.mark.parametrize("words", [["report"], ["baseline", "check", "--out"]], ids=["report", "check"])
+def test_report_that_cannot_be_read_is_bad_input(cases, stored, capsys, damage, message, words):
+    damage(stored / "report.json")
+    assert main([*words, str(stored)]) == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.fixture
+def stored(cases, tmp_path, capsys):
+    """A report of one case that agrees."""
+    cases(fine="agree")
+    assert run(tmp_path / "stored") == 0
+    capsys.readouterr()
+    return tmp_path / "stored"
+
+
+def test_report_is_rendered_again_from_its_numbers(stored):
+    content = report_of(stored)
+    content["cases"][0]["rows"][0]["computed"] = [1.5]
+    (stored / "report.json").write_text(json.dumps(content))
+    before = (stored / "report.html").read_text()
+    assert main(["report", str(stored)]) == 1
+    assert (stored / "report.html").read_text() != before
+
+
+def test_report_with_fewer_cases_than_planned_fails(stored, capsys):
+    content = report_of(stored) | {"planned": 2}
+    (stored / "report.json").write_text(json.dumps(content))
+    assert main(["report", str(stored)]) == 1
+    assert "2 cases planned, 1 reported" in capsys.readouterr().err
+
+
+def update(stored, case="fine", reason="first run"):
+    return main(["baseline", "update", case, "--reason", reason, "--out", str(stored)])
+
+
+def test_missing_baseline_fails_the_check(stored, capsys):
+    assert main(["baseline", "check", "--out", str(stored)]) == 1
+    assert "fine: no baseline" in capsys.readouterr().err
+
+
+def test_update_then_check(stored, capsys):
+    assert update(stored) == 0
+    assert "fine: load: none -> 1" in capsys.readouterr().out
+    assert main(["baseline", "check", "--out", str(stored)]) == 0
+
+
+def test_check_names_what_moved(stored, capsys):
+    update(stored)
+    content = report_of(stored)
+    content["cases"][0]["counts"]["unknowns"] = 20
+    (stored / "report.json").write_text(json.dumps(content))
+    assert main(["baseline", "check", "--out", str(stored)]) == 1
+    assert "unknowns was 7, is 20" in capsys.readouterr().err
+
+
+def test_baseline_that_no_case_owns_fails_the_check(stored, capsys):
+    update(stored)
+    (baseline.FOLDER / "gone.json").write_text("{}")
+    assert main(["baseline", "check", "--out", str(stored)]) == 1
+    assert "gone.json: no case of this name" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("case", "reason", "message"), [("other", "why", "case 'other': none of fine"), ("fine", " ", "--reason")]
+)
+def test_update_of_nothing_or_for_nothing_is_refused(stored, capsys, case, reason, message):
+    assert update(stored, case, reason) == 2
+    assert message in capsys.readouterr().err
+    assert not baseline.FOLDER.exists()
+
+
+def test_update_from_a_report_of_other_sources_is_refused(stored, capsys):
+    content = report_of(stored)
+    content["provenance"]["sources_sha256"] = "of another day"
+    (stored / "report.json").write_text(json.dumps(content))
+    assert update(stored) == 2
+    assert "other sources" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("words", "quick"), [(["--quick"], True), ([], False)])
+def test_study_is_run_with_its_options(monkeypatch, tmp_path, words, quick):
+    given = []
+    monkeypatch.setattr(command_line.cost, "run", lambda folder, quick, report: given.append((folder, quick)) or 1)
+    assert main(["study", "cost", "--out", str(tmp_path), *words]) == 1
+    assert given == [(tmp_path, quick)]
+
+
+@pytest.mark.parametrize("words", [[], ["dance"], ["study", "dance"], ["run"], ["baseline", "update", "a"]])
+def test_incomplete_or_unknown_command_is_bad_input(words):
+    assert exit_code(words) == 2
+
+
+INTERRUPTED = """
+import sys
+sys.path.insert(0, {here!r})
+import example_cases as examples
+from validation import __main__ as command_line
+cases = (examples.case("first", examples.agree), examples.case("second", examples.wait))
+command_line.registry = lambda: cases
+sys.exit(command_line.main(["run", "--jobs", "1", "--out", {out!r}]))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_interrupt_ends_with_130_and_keeps_what_was_finished(tmp_path):
+    out = tmp_path / "out"
+    process = subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED.format(here=str(HERE), out=str(out))],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env=os.environ | {"PYTHONPATH": str(HERE)},
+    )
+    for line in process.stderr:
+        if "second: started" in line:
+            break
+    time.sleep(0.2)
+    os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C in a terminal: parent and workers
+    _, told = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "interrupted" in told
+    assert "Traceback" not in told
+    assert sorted(path.name for path in (out / "cases").iterdir()) == ["first.json"]
