@@ -128,13 +128,16 @@ class Evaluation:
     skeleton: FloatArray
     skeleton_rate: FloatArray
 
-    @property
-    def rounding(self) -> FloatArray:
-        """Absolute accuracy of K at the edges in double precision, (2 L,): that of charges and of Delta."""
+    def rounding(self, penetration_rate: float) -> FloatArray:
+        """Absolute accuracy of K at the edges in double precision, (2 L,): that of charges and of heights.
+
+        An error of all heights acts like one of Delta, of which a control lets `penetration_rate` pass: 1 at
+        fixed penetration, 0 at fixed load.
+        """
         starts = np.concatenate([[0], np.cumsum(self.resolution.modes)[:-1]])
         largest = np.maximum.reduceat(np.abs(self.skeleton), starts) * self.resolution.modes / np.pi
         charge = ROUNDING * self.resolution.nodes * np.maximum(largest, 1.0)
-        from_heights = HEIGHT_ROUNDING * np.abs(self.stress_intensity_rate)
+        from_heights = HEIGHT_ROUNDING * penetration_rate * np.abs(self.stress_intensity_rate)
         return np.asarray(np.tile(charge * np.sqrt(np.pi / self.patches.half_width), 2) + from_heights)
 
     def skeleton_nodes(self) -> FloatArray:

@@ -52,6 +52,10 @@ class PenetrationControl:
         """dDelta / dtarget at fixed edges."""
         return 1.0
 
+    def penetration_rate(self, state: Evaluation) -> float:
+        """Share of an error in the heights that is left as an error of Delta: all of it."""
+        return 1.0
+
     def stiffen(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
         """Hessian of the potential, (2 L, 2 L)."""
         return hessian
@@ -103,6 +107,10 @@ class LinearControl:
     def rate(self, state: Evaluation) -> float:
         """dDelta / dtarget at fixed edges."""
         return 1.0 / (self.penetration_weight + self.load_weight * state.load_rate)
+
+    def penetration_rate(self, state: Evaluation) -> float:
+        """Share of an error in the heights that is left as an error of Delta, from 0 (load control) to 1."""
+        return self.penetration_weight * self.rate(state)
 
     def stiffen(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
         """Hessian of the potential, (2 L, 2 L)."""

@@ -84,6 +84,8 @@ class Balance:
         What the equilibrium minimises.
     energy : float
         U = U_el + U_ad.
+    rounding : (2 L,) array
+        Accuracy of K in double precision.
     """
 
     state: Evaluation
@@ -94,6 +96,7 @@ class Balance:
     load_gradient: FloatArray
     potential: float
     energy: float
+    rounding: FloatArray
 
     @property
     def closure(self) -> float:
@@ -102,7 +105,7 @@ class Balance:
 
     def closed(self, limit: float) -> bool:
         """Whether |G/w - 1| is at most the limit at every edge, or what rounding of K leaves where w is tiny."""
-        rounding = self.state.rounding / np.sqrt(self.work)
+        rounding = self.rounding / np.sqrt(self.work)
         return bool(np.all(np.abs(self.gradient / self.work) <= np.maximum(limit, rounding)))
 
     @property
@@ -177,6 +180,7 @@ def balance(
         load_gradient=load_gradient,
         potential=system.control.potential(state, energy, target),
         energy=energy,
+        rounding=state.rounding(system.control.penetration_rate(state)),
     )
 
 

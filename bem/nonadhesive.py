@@ -60,12 +60,12 @@ def _mean_intensity(state: Evaluation) -> FloatArray:
     return np.tile(np.maximum(mean, 1e-300) * np.sqrt(np.pi / state.patches.half_width), 2)
 
 
-def _closed(state: Evaluation, limit: float) -> bool:
+def _closed(state: Evaluation, control: Control, limit: float) -> bool:
     """Whether |K| and the Newton steps still to be made, as contact fraction, are below the limit or rounding.
 
     The steps count because a gap that closes has hardly any K left.
     """
-    intensity, rounding = np.abs(state.stress_intensity), state.rounding
+    intensity, rounding = np.abs(state.stress_intensity), state.rounding(control.penetration_rate(state))
     slope = np.maximum(np.abs(np.diagonal(stress_intensity_jacobian(state))), 1e-300)
     remaining = float(np.sum(np.maximum(intensity - rounding, 0.0) / slope))
     small = np.all(intensity <= np.maximum(limit * _mean_intensity(state), rounding))
@@ -112,9 +112,9 @@ def solve_contact(
         if changed is None and measure < SEARCH_CLOSURE and accuracy > tolerance:
             accuracy = tolerance
             continue
-        if changed is None and _closed(state, SEARCH_CLOSURE):
+        if changed is None and _closed(state, control, SEARCH_CLOSURE):
             changed = _with_new_contacts(elastic, state, allowed)
-            if changed is None and _closed(state, closure):
+            if changed is None and _closed(state, control, closure):
                 return Contact("converged", state, measure, count)
         if changed is None:
             sign = np.sign(state.stress_intensity)

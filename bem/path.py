@@ -20,7 +20,7 @@ from scipy.linalg import eigh
 
 from bem.collocation import Evaluation, finer
 from bem.complete_contact import CompleteContact
-from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct
+from bem.equilibrium import ENERGY_TRUNCATION, LARGEST_NEWTON_STEP, Balance, System, balance, correct
 from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
@@ -382,7 +382,10 @@ class Path:
         return step * (1 - fraction), max(min(step * fraction + shortest / 2, 0.9 * step), shortest)
 
     def _resolve(self, start: Point, value: float, branch_ends: bool, fine: bool = False) -> Point:
-        """Settle an event at `value`: from the last good edges, or from an equilibrium that interpenetrates."""
+        """Settle an event at `value`: from the last good edges, or from an equilibrium that interpenetrates.
+
+        A jump of the edges that releases no energy is none: Newton only did not reach that far.
+        """
         assert start.balance is not None
         inc = self.increments
         tolerance, closure = (inc.fine_tolerance, inc.fine_closure) if fine else (inc.tolerance, inc.closure)
@@ -410,7 +413,10 @@ class Path:
                 penetration, load = self.system.elastic.profile.max_height, start.balance.state.load
                 released = before - complete_potential(self.system, self.complete, start.balance.state, value)
             return Point(settled.status, value, None, _events(changes, value, penetration, load, released))
-        return self._point_after(settled, value, (*broken, *settled.changes), before - settled.balance.potential)
+        released = before - settled.balance.potential
+        if not settled.changes and released <= ENERGY_TRUNCATION * tolerance**2 * settled.balance.state.elastic_energy:
+            return Point(settled.status, value, settled.balance, (), self.tangent(settled.balance))
+        return self._point_after(settled, value, (*broken, *settled.changes), released)
 
     def _point_after(
         self, settled: Settled, value: float, changes: tuple[tuple[str, float], ...], released: float

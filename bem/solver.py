@@ -397,11 +397,24 @@ def _increments(scene: Scene, problem: Problem) -> Increments:
     fine = min(1e-8, 1e-2 * tolerance)
     return Increments(
         largest=largest,
-        smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit),
+        smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
         fine_tolerance=max(fine, 1e-14),
         fine_closure=max(1e-1 * fine, 1e-12),
         allowed=0.5 * max(1e-10, 1e-3 * tolerance),
     )
+
+
+def _jump_distance(problem: Problem) -> float:
+    """Half the distance a^2 kappa over which a lone contact of the rms curvature jumps in, in rms heights.
+
+    a = (w / (pi kappa^2))^(1/3), Barquins, J. Adhesion 26 (1988) 1: weak adhesion acts over short distances.
+    """
+    if problem.law is None:
+        return np.inf
+    profile = problem.profile
+    work = float(problem.law.work_of_adhesion(np.zeros(1))[0])
+    curvature = float(np.sqrt(np.sum((profile.orders**2 * profile.amplitudes) ** 2) / 2))
+    return 0.5 * float(np.cbrt(work**2 / curvature))
 
 
 def _separated(scene: Scene, value: float) -> AnyPoint:

@@ -65,7 +65,7 @@ def equilibrium_state(
         min_eigenvalue=assessment.min_eigenvalue,
         hessian_asymmetry=assessment.hessian_asymmetry,
         compliance_ratio=problem.compliance_ratio,
-        intensity_rounding=state.rounding,
+        intensity_rounding=state.rounding(problem.control.penetration_rate(state)),
         demands=demands,
     )
     patches = state.patches.canonical()
