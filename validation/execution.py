@@ -155,6 +155,7 @@ def _on_one_thread(function: Callable[[Item], Answer], item: Item) -> Answer:
 
 
 def _ignore_interrupts() -> None:
+    """In a worker: an interrupted solver would hand back a part of its path as if it were the whole."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 

@@ -1,6 +1,7 @@
 """Cases that agree, crash, die, are skipped, or count how often they ran; importable by worker processes."""
 
 import os
+import signal
 import time
 from functools import partial
 from pathlib import Path
@@ -30,7 +31,16 @@ def deviate() -> Outcome:
 
 
 def wait() -> Outcome:
-    time.sleep(600)
+    """Like the solver, an interrupt ends it early with an answer, which must not be taken for the whole."""
+    try:
+        time.sleep(600)
+    except KeyboardInterrupt:
+        return agree()
+    raise AssertionError("it should have been ended")
+
+
+def dawdle() -> Outcome:
+    time.sleep(1.5)
     return agree()
 
 
@@ -65,6 +75,10 @@ def threads() -> Outcome:
     from threadpoolctl import threadpool_info
 
     return Outcome(rows=(_row(1.0),), counts={"threads": max(pool["num_threads"] for pool in threadpool_info())})
+
+
+def interrupts() -> Outcome:
+    return Outcome(rows=(_row(1.0),), counts={"ignored": int(signal.getsignal(signal.SIGINT) is signal.SIG_IGN)})
 
 
 def case(name: str, compute: object, **changes: object) -> Case:

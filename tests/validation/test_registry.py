@@ -66,7 +66,9 @@ def test_level_includes_those_below(level, chosen):
     assert "".join(found.id for found in select(cases, level)) == chosen
 
 
-@pytest.mark.parametrize(("pattern", "chosen"), [("a", "a"), ("[ab]", "ab"), ("closed*", "abc"), ("c", "c"), ("forms", "abc"), ("b", "b")])
+@pytest.mark.parametrize(
+    ("pattern", "chosen"), [("a", "a"), ("[ab]", "ab"), ("closed*", "abc"), ("c", "c"), ("forms", "abc"), ("b", "b")]
+)
 def test_pattern_chooses_by_name_or_group_at_any_level(pattern, chosen):
     cases = [case(), case(id="b", level="full"), case(id="c")]
     assert "".join(found.id for found in select(cases, "quick", pattern)) == chosen

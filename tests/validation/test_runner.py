@@ -53,6 +53,12 @@ def test_case_that_ends_badly_is_an_error_row_and_spares_the_others(examples, tm
     assert case_verdicts(fine) == ["agrees"]
 
 
+def test_case_that_ran_beside_a_dying_worker_has_its_own_answer(examples, tmp_path):
+    cases = [examples.case("slow", examples.dawdle), examples.case("die", examples.die)]
+    slow, die = run(cases, tmp_path, jobs=2)
+    assert (case_verdicts(slow), case_verdicts(die)) == (["agrees"], ["error"])
+
+
 def test_traceback_of_a_crash_is_kept(examples, tmp_path):
     run([examples.case("crash", examples.crash)], tmp_path)
     assert "in crash" in (tmp_path / "cases" / "crash.log").read_text()
@@ -67,6 +73,11 @@ def test_skipped_case_is_not_run_with_its_reason(examples, tmp_path):
 def test_workers_use_one_thread(examples, tmp_path):
     (record,) = run([examples.case("threads", examples.threads)], tmp_path)
     assert record.counts == {"threads": 1}
+
+
+def test_workers_leave_interrupts_to_the_parent(examples, tmp_path):
+    (record,) = run([examples.case("a", examples.interrupts)], tmp_path)
+    assert record.counts == {"ignored": 1}
 
 
 def test_finished_case_is_not_run_again(examples, tmp_path):

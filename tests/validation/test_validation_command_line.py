@@ -276,7 +276,7 @@ import example_cases as examples
 from validation import __main__ as command_line
 cases = (examples.case("first", examples.agree), examples.case("second", examples.wait))
 command_line.registry = lambda: cases
-sys.exit(command_line.main(["run", "--jobs", "1", "--out", {out!r}]))
+sys.exit(command_line.main(["run", "--jobs", "2", "--out", {out!r}]))
 """
 
 
@@ -291,9 +291,9 @@ def test_interrupt_ends_with_130_and_keeps_what_was_finished(tmp_path):
         env=os.environ | {"PYTHONPATH": str(HERE)},
     )
     for line in process.stderr:
-        if "second: started" in line:
+        if "first: " in line and "started" not in line:
             break
-    time.sleep(0.2)
+    time.sleep(1.0)  # one worker waits for work, the other is at it
     os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C in a terminal: parent and workers
     _, told = process.communicate(timeout=30)
     assert process.returncode == 130
