@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -42,6 +43,10 @@ def wait() -> Outcome:
 def dawdle() -> Outcome:
     time.sleep(1.5)
     return agree()
+
+
+def call(compute: Callable[[], Outcome]) -> Outcome:
+    return compute()
 
 
 def crash() -> Outcome:

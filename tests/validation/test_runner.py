@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from validation import runner
-from validation.execution import Started, run_in_processes
+from validation.execution import Running, Started, run_in_processes
 from validation.runner import run_cases, write_atomically
 from validation.verdict import case_verdicts
 
@@ -102,6 +102,14 @@ def test_case_is_told_when_it_starts_and_when_it_ends(examples, tmp_path):
 
 def started(notes):
     return [note.text.split(":")[0] for note in notes if note.text.endswith(": started")]
+
+
+def test_long_case_gives_signs_of_life(examples):
+    events = list(run_in_processes(examples.call, [examples.dawdle], 1, pulse=0.2))
+    alive = [event for event in events if isinstance(event, Running)]
+    assert len(alive) >= 3
+    assert alive[-1].items == (examples.dawdle,)
+    assert alive[0].seconds < alive[-1].seconds
 
 
 def test_longest_case_starts_first(examples, tmp_path):
