@@ -1,0 +1,129 @@
+"""The gap outside contact: Johnson's closed form, the mean-gap identity, and the minima that are found."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rough_surfaces import bearing_cut
+
+from bem.collocation import Elastic, evaluate
+from bem.gap import gap_field, low_minima
+from bem.patches import Patches
+from bem.profile import Profile
+
+WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
+
+
+def johnson(fraction, alpha):
+    psi = np.pi * fraction / 2
+    S, root = np.sin(psi) ** 2, alpha * np.sqrt(np.tan(psi))
+    return Patches(np.array([-2 * psi]), np.array([2 * psi])), S * (1 - np.log(S)) + root * np.log(S)
+
+
+def exact_gap(x, fraction, alpha):
+    """The pressure continued past the edge is the slope of the gap; its integral with s = sin(x/2)."""
+    s, sine = np.abs(np.sin(x / 2)), np.sin(np.pi * fraction / 2)
+    root = np.sqrt(s**2 - sine**2)
+    logarithm = np.log((s + root) / sine)
+    return 2 * (s * root - sine**2 * logarithm) + 2 * alpha * np.sqrt(np.tan(np.pi * fraction / 2)) * logarithm
+
+
+def clustered(patches, count):
+    """Points of every gap, clustered at its edges, their weights, and the gap they lie in."""
+    node, weight = np.polynomial.legendre.leggauss(count)
+    angle = np.pi / 2 * (node + 1)
+    width = patches.gap_after[:, None]
+    x = patches.right[:, None] + width * (1 - np.cos(angle)) / 2
+    return x.ravel(), (weight * np.sin(angle) * np.pi / 4 * width).ravel(), np.repeat(np.arange(patches.count), count)
+
+
+@pytest.mark.parametrize("alpha", [0.0, 0.3])
+@pytest.mark.parametrize("fraction", [0.02, 0.4, 0.9, 0.99])
+def test_gap_of_one_wave_is_johnsons(fraction, alpha):
+    patches, penetration = johnson(fraction, alpha)
+    field = gap_field(Elastic(WAVE), evaluate(Elastic(WAVE), patches, penetration, 1e-13))
+    x, _, gap = clustered(patches, 40)
+    # measured 8e-13 at fraction 0.99, where the pressure is largest, 3e-13 elsewhere
+    np.testing.assert_allclose(field(x, gap), exact_gap(x, fraction, alpha), rtol=0, atol=2e-12)
+
+
+@settings(max_examples=20)
+@given(seed=st.integers(0, 50), fraction=st.floats(0.1, 0.7), shift=st.floats(-0.5, 0.5))
+def test_mean_gap_is_the_separation(seed, fraction, shift):
+    """For any edges, in equilibrium or not: the mean displacement is zero."""
+    profile = Profile.self_affine(2 * np.pi, 0.7, 1.0, 30, seed).scaled()
+    patches, penetration = bearing_cut(profile, fraction)
+    field = gap_field(Elastic(profile), evaluate(Elastic(profile), patches, penetration + shift, 1e-13))
+    x, weight, gap = clustered(patches, 300)
+    separation = profile.max_height - penetration - shift
+    assert np.sum(weight * field(x, gap)) / (2 * np.pi) == pytest.approx(separation, abs=1e-10)  # measured 1e-12
+
+
+@pytest.mark.parametrize(("alpha", "power"), [(0.0, 1.5), (0.3, 0.5)], ids=["K = 0", "K > 0"])
+def test_gap_opens_beside_the_edge_with_its_power_of_the_distance(alpha, power):
+    patches, penetration = johnson(0.4, alpha)
+    field = gap_field(Elastic(WAVE), evaluate(Elastic(WAVE), patches, penetration, 1e-13))
+    near = field(patches.right[0] + np.array([1e-5, 4e-5]), np.zeros(2, dtype=np.int64))
+    assert np.log2(near[1] / near[0]) / 2 == pytest.approx(power, abs=2e-4)
+
+
+def test_negative_stress_intensity_interpenetrates_beside_the_edge():
+    patches, penetration = johnson(0.4, 0.3)
+    squeezed = evaluate(Elastic(WAVE), patches, penetration + 0.5, 1e-13)
+    assert np.all(squeezed.stress_intensity < 0)
+    field = gap_field(Elastic(WAVE), squeezed)
+    assert field(patches.right + 1e-4, np.zeros(1, dtype=np.int64))[0] < 0
+    assert low_minima(field).depth.min() < -1e-4
+
+
+def two_waves(depth, half_width=0.5):
+    """A high crest at 0 in contact and a lower one at pi that comes within `depth` of touching."""
+    profile = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])
+    patches, elastic = Patches(np.array([-half_width]), np.array([half_width])), Elastic(profile)
+    here = evaluate(elastic, patches, 0.3, 1e-13)
+    at_crest = np.array([np.pi])
+
+    def clearance(penetration):
+        state = evaluate(elastic, patches, penetration, 1e-13)
+        return gap_field(elastic, state)(at_crest, np.zeros(1, dtype=np.int64))[0]
+
+    slope = clearance(1.3) - clearance(0.3)  # linear in the penetration
+    penetration = here.penetration + (depth - clearance(0.3)) / slope
+    return gap_field(elastic, evaluate(elastic, patches, penetration, 1e-13))
+
+
+BETWEEN_POINTS = pytest.mark.xfail(reason="low_minima ends with one parabola over a tenth of a wave: wrong by 4e-4")
+
+
+@pytest.mark.parametrize(
+    "half_width",
+    [0.5, pytest.param(0.6, marks=BETWEEN_POINTS)],
+    ids=["crest on the grid", "crest between its points"],
+)
+@pytest.mark.parametrize("depth", [1e-4, 1e-9, -1e-9, -1e-4, -1e-2])
+def test_minimum_is_found_with_its_place_and_depth(depth, half_width):
+    field = two_waves(depth, half_width)
+    found = low_minima(field)
+    nearest = int(np.argmin(np.abs(found.position - np.pi)))
+    assert found.position[nearest] == pytest.approx(np.pi, abs=1e-7)
+    assert found.depth[nearest] == pytest.approx(depth, abs=1e-12)
+
+
+def test_minimum_above_the_threshold_is_left_out():
+    assert low_minima(two_waves(0.6)).position.size == 0
+
+
+def test_all_overlaps_of_a_rough_state_are_found():
+    """Every interval of a fine grid in which the surfaces overlap holds a minimum that was reported."""
+    profile = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 1).scaled()
+    patches, _ = bearing_cut(profile, 0.1)
+    elastic = Elastic(profile)
+    field = gap_field(elastic, evaluate(elastic, patches, 2.5, 1e-12))
+    found = low_minima(field)
+    x, _, gap = clustered(patches, 600)
+    below = field(x, gap) < -1e-3
+    runs = np.split(np.flatnonzero(below), np.flatnonzero(np.diff(np.flatnonzero(below)) > 1) + 1)
+    beyond = [run for run in runs if run[0] % 600 > 0 and run[-1] % 600 < 599]  # not beside an edge with K < 0
+    assert len(beyond) >= 3
+    for run in beyond:
+        assert np.any((found.position >= x[run[0]]) & (found.position <= x[run[-1]]))
