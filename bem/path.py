@@ -384,22 +384,25 @@ class Path:
     def _resolve(self, start: Point, value: float, branch_ends: bool, fine: bool = False) -> Point:
         """Settle an event at `value`: from the last good edges, or from an equilibrium that interpenetrates.
 
+        What the accuracy between targets leaves undecided (a shallow minimum, or none) that of targets decides.
         A jump of the edges that releases no energy is none: Newton only did not reach that far.
         """
         assert start.balance is not None
         inc = self.increments
-        tolerance, closure = (inc.fine_tolerance, inc.fine_closure) if fine else (inc.tolerance, inc.closure)
-        settled = settle(
-            self.system,
-            start.balance.state.patches,
-            start.balance.state.penetration,
-            value,
-            tolerance,
-            closure,
-            inc.allowed,
-            unstable_patches(start.balance) if branch_ends else None,
-        )
-        self.effort.book(settled)
+        for tolerance, closure in ((inc.tolerance, inc.closure), (inc.fine_tolerance, inc.fine_closure))[int(fine) :]:
+            settled = settle(
+                self.system,
+                start.balance.state.patches,
+                start.balance.state.penetration,
+                value,
+                tolerance,
+                closure,
+                inc.allowed,
+                unstable_patches(start.balance) if branch_ends else None,
+            )
+            self.effort.book(settled)
+            if settled.status != "not_converged":
+                break
         before = start.balance.potential + self.system.control.work(start.balance.state, value - start.value)
         broken = symmetry_breaking(start.balance) if branch_ends and settled.changes else ()
         if settled.balance is None:

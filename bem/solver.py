@@ -397,11 +397,17 @@ def _increments(scene: Scene, problem: Problem) -> Increments:
     fine = min(1e-8, 1e-2 * tolerance)
     return Increments(
         largest=largest,
+        tolerance=min(Increments.tolerance, 0.1 * _critical_intensity(problem)),
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
         fine_tolerance=max(fine, 1e-14),
         fine_closure=max(1e-1 * fine, 1e-12),
         allowed=0.5 * max(1e-10, 1e-3 * tolerance),
     )
+
+
+def _critical_intensity(problem: Problem) -> float:
+    """Least critical K: the coarse evaluation, whose K is off by 3e-2 times its tolerance, must resolve it."""
+    return np.inf if problem.law is None else 2 * float(np.sqrt(problem.law.work_of_adhesion(np.zeros(1))[0]))
 
 
 def _jump_distance(problem: Problem) -> float:
