@@ -317,7 +317,7 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
     missing = radius**2 - float(step @ step)
     if values[0] < 0 and missing > 1e-3 * radius**2:
         leading = vectors[np.argmax(np.abs(vectors[:, 0])), 0]
-        step[0] += np.copysign(np.sqrt(missing), step[0] if step[0] != 0 else leading)
+        step[0] = np.copysign(np.sqrt(step[0] ** 2 + missing), step[0] if step[0] != 0 else leading)
     return np.asarray(vectors @ step)
 
 

@@ -27,6 +27,7 @@ IntArray = NDArray[np.int64]
 
 SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
 POINTS_PER_WAVELENGTH = 10
+REFINEMENTS, REFINEMENT_RATIO = 2, 20.0  # of a minimum: parabolas on ever shorter bases, 1/400 of a grid cell at last
 NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
 
 
@@ -142,7 +143,13 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
         return GapMinima(np.empty(0), np.empty(0), np.empty(0, dtype=np.int64))
     triple = np.stack([inner - 1, inner, inner + 1])
     exact = field(position[triple].ravel(), gap[triple].ravel()).reshape(triple.shape)
-    vertex, depth = _parabola_vertex(position[triple], exact)
+    x, owner = position[triple], gap[triple]
+    vertex, depth = _parabola_vertex(x, exact)
+    reach = np.minimum(x[1] - x[0], x[2] - x[1])
+    for _ in range(REFINEMENTS):
+        reach = reach / REFINEMENT_RATIO
+        x = np.stack([vertex - reach, vertex, vertex + reach])
+        vertex, depth = _parabola_vertex(x, field(x.ravel(), owner.ravel()).reshape(x.shape))
     return GapMinima(vertex, depth, gap[inner])
 
 

@@ -111,6 +111,8 @@ def ordered(left: FloatArray, right: FloatArray) -> Patches:
     """
     shift = np.floor(left / TWO_PI) * TWO_PI
     start, stop = left - shift, right - shift
+    beyond = start >= TWO_PI  # -tiny + 2 pi is 2 pi itself in floating point: a rounding below zero belongs to zero
+    start, stop = np.where(beyond, 0.0, start), np.where(beyond, right, stop)
     order = np.argsort(start)
     return Patches(start[order], stop[order])
 

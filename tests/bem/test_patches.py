@@ -43,7 +43,7 @@ def test_order_does_not_depend_on_where_counting_starts(patches, turns, cut):
         -1e-9,
         0.0,
         5 * TWO_PI,
-        pytest.param(-1e-17, marks=pytest.mark.xfail(reason="-tiny + 2 pi is 2 pi itself in floating point")),
+        -1e-17,
     ],
 )
 def test_left_edges_lie_in_the_period(left):
