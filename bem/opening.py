@@ -3,7 +3,8 @@
 Under the JKR model a gap of zero width needs infinite tension, so that complete contact opens only
 
 - at a flaw: a gap of given width where the pressure of complete contact is lowest.  Its K is a linear function of the
-  load; it opens when the larger of its two K reaches the critical one, K = 2 sqrt(w);
+  load; it opens when the larger of its two K reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no
+  adhesion: what the opening releases is counted from the flawed state;
 - or because the separation is prescribed: s > 0 is the mean gap, so that there is one.  It begins at the same
   place with zero width, and the branch is continuous there (Johnson, Int. J. Solids Struct. 32 (1995) 423).
 

@@ -342,9 +342,9 @@ class Path:
             pulled = (("pull_off", settled.changes[-1][1]),)
             return Point(settled.status, value, None, (*opened, *_events(pulled, value, 0.0, 0.0, np.nan)))
         released = 0.0
-        if system.control.load_weight > 0:
-            before = complete_potential(system, self.complete, settled.balance.state, value)
-            released = before - settled.balance.potential
+        if self.flaw is not None and system.control.load_weight > 0:
+            flawed = with_gap(lowest_pressure(self.complete), self.flaw)
+            released = balance(system, flawed, highest, value, inc.tolerance).potential - settled.balance.potential
         return self._point_after(settled, value, changes, released)
 
     def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:

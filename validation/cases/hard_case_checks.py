@@ -1,0 +1,256 @@
+"""Independent checks of the hard cases: closed forms, the dense route, invariances, restarts.
+
+A check takes the scene and its result and returns findings, one text for each that fails; an empty list means that
+nothing was found against the result.  Tolerances are stated beside the error measured.  SI units.
+"""
+
+from __future__ import annotations
+
+import copy
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.contact_state import ContactState
+from bem.dense import evaluate_dense
+from bem.layer import Layer
+from bem.profile import Profile
+from bem.result import Result, State, write_result
+from bem.scaling import Scales, Solid
+from bem.scene import Scene, parse_scene
+from bem.solver import solve
+
+Table = dict[str, Any]
+Check = Callable[[Table, Scene, Result], list[str]]
+
+CLOSED_FORM = 1e-8  # of p* and of the amplitude; measured 2e-10 at contact fraction 0.9999
+DENSE = 1e-7  # of the pressure unit; measured 1e-8 (K at the tolerance of the scene)
+INVARIANCE = 1e-9  # of contact fraction and pressure unit; measured 1e-10
+SAME_END = 1e-8  # of contact fraction and pressure unit, along other increments; measured 1e-9
+EQUAL = 1e-6  # of the widths of patches; measured 1e-8
+
+
+def with_edges(result: Result) -> list[State]:
+    """Target states that have patches and gaps."""
+    return [state for state in result.targets if state.edges]
+
+
+def pressure_unit(scene: Scene) -> float:
+    """h'_rms E* / 2, the pressure against which errors are measured."""
+    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+    return 0.5 * scene.surface().rms_slope * solid.plane_strain_modulus
+
+
+def westergaard(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """Pressure and penetration of one wave without adhesion, at the solver's own contact width."""
+    return _wave(scene, result, 0.0)
+
+
+def johnson(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """The same with adhesion (Johnson, Int. J. Solids Struct. 32 (1995) 423)."""
+    return _wave(scene, result, tables["adhesion"]["work_of_adhesion"])
+
+
+def _wave(scene: Scene, result: Result, work: float) -> list[str]:
+    surface = scene.surface()
+    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+    amplitude, period = float(surface.amplitudes[0]), surface.period
+    peak = np.pi * solid.plane_strain_modulus * amplitude / period
+    alpha = np.sqrt(2 * solid.plane_strain_modulus * work / period) / peak
+    findings = []
+    for state in with_edges(result):
+        gap = np.pi / 2 * (1 - state.contact_fraction)  # the complement keeps the digits near complete contact
+        share, tangent = np.cos(gap) ** 2, np.sqrt(1 / np.tan(gap))
+        pressure = peak * (share - alpha * tangent)
+        penetration = amplitude * (share * (1 - np.log(share)) + alpha * tangent * np.log(share))
+        error = abs(state.mean_pressure - pressure) / max(peak, abs(pressure))
+        shift = abs(state.penetration - penetration) / amplitude
+        if not (error <= CLOSED_FORM and shift <= CLOSED_FORM):
+            findings.append(f"closed form missed by {error:.1e} p*, {shift:.1e} D at {state.contact_fraction:.6g}")
+    return findings
+
+
+def dense(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """Mean pressure at the edges of every target by the dense route."""
+    surface = scene.surface()
+    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+    scales = Scales(surface.period, surface.rms_height, solid.plane_strain_modulus)
+    findings = []
+    for state in with_edges(result):
+        edges = np.array(state.edges) / scales.length
+        reference = evaluate_dense(surface.scaled(), edges[:, 0], edges[:, 1], state.penetration / scales.height)
+        pressure = reference.load / (2 * np.pi) * scales.stress
+        error = abs(pressure - state.mean_pressure) / max(pressure_unit(scene), abs(pressure))
+        if not error <= DENSE:
+            findings.append(f"dense route differs by {error:.1e} at separation {state.separation:.4g}")
+    return findings
+
+
+def doubled(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """Mean pressure at the edges of every target with a layer, at the finest resolution."""
+    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+    layer = Layer(tables["layer"]["thickness"])
+    findings = []
+    for state in with_edges(result):
+        fine = ContactState(scene.surface(), solid, state.edges, state.penetration, layer, tolerance=1e-13)
+        error = abs(fine.mean_pressure - state.mean_pressure) / max(pressure_unit(scene), abs(fine.mean_pressure))
+        if not error <= DENSE:
+            findings.append(f"doubled resolution differs by {error:.1e} at separation {state.separation:.4g}")
+    return findings
+
+
+def uniform_load(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """A flat profile carries exactly the load asked for, at separation zero."""
+    expected = [(target, 0.0, 1.0) for target in scene.loading.targets]
+    found = [(state.mean_pressure, state.separation, state.contact_fraction) for state in result.targets]
+    return [] if found == expected else [f"flat profile gives {found}"]
+
+
+def equal_patches(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """All patches of every target are equally wide."""
+    return [text for state in with_edges(result) for text in _unequal(state)]
+
+
+def equal_until_bifurcation(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """The patches are equally wide before the first bifurcation, and not after it."""
+    first = next((event.penetration for event in result.events if event.kind == "bifurcation"), np.inf)
+    findings = []
+    for state in with_edges(result):
+        if state.branch != "loading":
+            break
+        if state.penetration < first:
+            findings += _unequal(state)
+            if not (state.certificate.min_eigenvalue or 0.0) > 0:
+                findings.append("smallest eigenvalue not positive before the bifurcation")
+        elif state.n_patches == max(scene.profile.orders or (1,)) and not _unequal(state):
+            findings.append(f"still symmetric beyond the bifurcation at {first:.4g} m")
+    return findings
+
+
+def _unequal(state: State) -> list[str]:
+    widths = np.array([b - a for a, b in state.edges])
+    spread = float(np.ptp(widths) / widths.mean())
+    return [] if spread <= EQUAL else [f"patches differ by {spread:.1e} at separation {state.separation:.4g}"]
+
+
+def shift(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """A profile shifted along the period gives the same states."""
+    surface = scene.surface()
+    moved = Profile(surface.period, surface.orders, surface.amplitudes, surface.phases + 1.0 * surface.orders)
+    return _compare("shift", result, solve(parse_scene(tables | {"profile": _harmonics(moved)})), scene)
+
+
+def mirror(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """A mirrored profile gives the same states."""
+    surface = scene.surface()
+    mirrored = Profile(surface.period, surface.orders, surface.amplitudes, -surface.phases)
+    return _compare("mirror", result, solve(parse_scene(tables | {"profile": _harmonics(mirrored)})), scene)
+
+
+def units_up(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """Lengths and stresses in units a million times larger."""
+    return _in_units(tables, scene, result, 1e6)
+
+
+def units_down(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """Lengths and stresses in units a million times smaller."""
+    return _in_units(tables, scene, result, 1e-6)
+
+
+def _in_units(tables: Table, scene: Scene, result: Result, factor: float) -> list[str]:
+    scaled = copy.deepcopy(tables)
+    scaled["solid"]["youngs_modulus"] *= factor
+    for key in ("period", "rms_height"):
+        scaled["profile"][key] *= factor
+    scaled["loading"]["targets"] = [target * factor for target in tables["loading"]["targets"]]
+    if "adhesion" in scaled:
+        scaled["adhesion"]["work_of_adhesion"] *= factor**2
+    return _compare(f"units times {factor:g}", result, solve(parse_scene(scaled)), scene, factor)
+
+
+def plane_strain_only(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """The same E* with nu = 0 gives the same states on a half-space."""
+    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+    other = {"youngs_modulus": solid.plane_strain_modulus, "poisson_ratio": 0.0}
+    return _compare("nu = 0 with the same E*", result, solve(parse_scene(tables | {"solid": other})), scene)
+
+
+def target_alone(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """Without adhesion the last target alone gives the same state."""
+    alone = tables["loading"] | {"targets": tables["loading"]["targets"][-1:]}
+    return _compare("last target alone", result, solve(parse_scene(tables | {"loading": alone})), scene, last_only=True)
+
+
+def smaller_increments(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """Ten times smaller increments give the same states."""
+    finer = {"max_increment": scene.accuracy.max_increment / 10}
+    other = solve(parse_scene(tables | {"accuracy": finer}))
+    return _compare("ten times smaller increments", result, other, scene, tolerance=SAME_END)
+
+
+def restart(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """The path taken up from a stored target state in mid-path ends in the same state."""
+    middle = [k for k, state in enumerate(result.states) if state.target][-2]
+    rest = tables["loading"] | {
+        "targets": tables["loading"]["targets"][-1:],
+        "initial": {"result": "stored", "state": middle},
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        write_result(result, Path(folder) / "stored")
+        again = solve(parse_scene(tables | {"loading": rest}, folder))
+    return _compare("restart", result, again, scene, last_only=True, tolerance=1e-10)
+
+
+def _harmonics(surface: Profile) -> Table:
+    def plain(values: NDArray[Any]) -> list[Any]:
+        return list(values.tolist())
+
+    return {
+        "kind": "harmonics",
+        "period": surface.period,
+        "orders": plain(surface.orders),
+        "amplitudes": plain(surface.amplitudes),
+        "phases": plain(surface.phases),
+    }
+
+
+def _compare(
+    name: str,
+    result: Result,
+    other: Result,
+    scene: Scene,
+    factor: float = 1.0,
+    last_only: bool = False,
+    tolerance: float = INVARIANCE,
+) -> list[str]:
+    """Contact fractions and pressures of two results."""
+    if other.status != result.status:
+        return [f"{name}: status {other.status}, not {result.status}"]
+    ours, theirs = result.targets, other.targets
+    if last_only:
+        ours, theirs = ours[-1:], theirs[-1:]
+    if len(ours) != len(theirs):
+        return [f"{name}: {len(theirs)} targets, not {len(ours)}"]
+    findings = []
+    for one, two in zip(ours, theirs, strict=True):
+        fraction = abs(two.contact_fraction - one.contact_fraction)
+        unit = max(pressure_unit(scene), abs(one.mean_pressure))
+        pressure = abs(two.mean_pressure / factor - one.mean_pressure) / unit if one.edges else 0.0
+        if not (fraction <= tolerance and pressure <= tolerance):
+            findings.append(
+                f"{name}: area differs by {fraction:.1e}, pressure by {pressure:.1e} at {one.separation:.4g}"
+            )
+    return findings
+
+
+CHECKS: dict[str, Check] = {
+    check.__name__: check
+    for check in (
+        *(westergaard, johnson, dense, doubled, uniform_load, equal_patches, equal_until_bifurcation, shift, mirror),
+        *(units_up, units_down, plane_strain_only, target_alone, smaller_increments, restart),
+    )
+}
