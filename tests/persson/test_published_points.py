@@ -32,7 +32,7 @@ def test_area_is_linear_at_small_load():
 
 def test_full_contact_has_the_energy_of_every_line():
     spectrum = self_affine(lines=20)
-    contact = solve_nonadhesive(spectrum, 50 * MODULUS, **SOLID)
+    contact = solve_nonadhesive(spectrum, 2 * MODULUS, **SOLID)
     energy = MODULUS * np.sum(spectrum.wavenumbers * spectrum.amplitudes**2) / 8
     assert contact.contact_fraction == 1.0
     assert contact.elastic_energy == pytest.approx(energy, rel=1e-12)  # measured 2e-15
