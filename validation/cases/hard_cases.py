@@ -46,7 +46,7 @@ class HardCase:
     reduced, full : dict
         Scenes, SI.
     targets : tuple of str
-        Expected status of each target state of the reduced scene; of the full one as well where it has as many.
+        Expected status of each target state of the reduced scene.
     checks : tuple of str
         Independent checks, by their names in hard_case_checks.py.
     status : str
@@ -66,6 +66,12 @@ class HardCase:
     status: str = "converged"
     events: tuple[str, ...] = ()
     samples: Samples | None = None
+
+    @property
+    def targets_of_full(self) -> tuple[str, ...]:
+        """Expected status of each target state of the full scene: the same, or all converged where it has others."""
+        count = len(self.full["loading"]["targets"])
+        return self.targets if count == len(self.targets) else ("converged",) * count
 
 
 def rough(harmonics: int, hurst: float = 0.7, rms_height: float = RMS_HEIGHT, seed: int = 0) -> Table:
@@ -189,7 +195,7 @@ def _hard_cases() -> list[HardCase]:
             scene(
                 waves([1], [WAVE]),
                 "penetration",
-                [johnson_penetration(f) for f in (0.05, 0.3, 0.6, 0.9, 0.99, 0.999, 0.9999, 0.5, 0.1)],
+                [johnson_penetration(f) for f in (0.3, 0.6, 0.9, 0.99, 0.999, 0.9999, 0.5, 0.1)],
                 WAVE_WORK,
             ),
             same * 4,
