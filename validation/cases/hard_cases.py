@@ -205,9 +205,17 @@ def _hard_cases() -> list[HardCase]:
             "complete_contact_and_back_by_separation",
             "separation zero admits complete contact only; the way back opens a gap",
             scene(waves([1], [WAVE]), "separation", [3e-5, 0.0, 3e-5], WAVE_WORK),
-            scene(rough(1000), "separation", [3e-5, 0.0, 3e-5], WORK, True),
+            scene(waves([1], [WAVE]), "separation", [3e-5, 0.0, 3e-5], WAVE_WORK, max_increment=0.005),
             ("converged", "complete_contact", "converged"),
             ("johnson",),
+            events=("first_touch", "complete_contact", "opening"),
+        ),
+        HardCase(
+            "rough_complete_contact_and_back_by_separation",
+            "the last gaps of a rough profile close one by one as the separation vanishes",
+            scene(rough(40), "separation", [3e-5, 0.0, 3e-5], WORK, True),
+            scene(rough(1000), "separation", [3e-5, 0.0, 3e-5], WORK, True),
+            ("converged", "complete_contact", "converged"),
             events=("first_touch", "complete_contact", "opening"),
         ),
         HardCase(
