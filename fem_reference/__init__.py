@@ -1,1 +1,27 @@
-"""Finite element reference: a plane-strain periodic layer with JKR closure."""
+"""Finite element reference: a plane-strain periodic layer on a rigid profile, with JKR closure.
+
+An independent second opinion on the boundary element solver: no Green's function, no code and no derived quantity
+shared with it. `solve` computes one state with the uncertainty of every quantity, `refine` the same on a sequence of
+meshes with the observed order, `write_fields` exports to ParaView, `read_layer_mesh` takes a Gmsh mesh with named
+boundaries.
+"""
+
+from fem_reference.elasticity import SingularSystemError
+from fem_reference.mesh import Resolution
+from fem_reference.problem import InvalidProblemError, Problem
+from fem_reference.refine import Estimate, Refinement, refine
+from fem_reference.result import Interface, Result
+from fem_reference.solve import solve
+
+__all__ = [
+    "Estimate",
+    "Interface",
+    "InvalidProblemError",
+    "Problem",
+    "Refinement",
+    "Resolution",
+    "Result",
+    "SingularSystemError",
+    "refine",
+    "solve",
+]

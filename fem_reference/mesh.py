@@ -46,8 +46,8 @@ class Resolution:
     """
 
     order: int = 4
-    cells: int = 10
-    tip_levels: int = 20
+    cells: int = 8
+    tip_levels: int = 18
 
     def __post_init__(self) -> None:
         if self.order not in (2, 4):
@@ -58,8 +58,8 @@ class Resolution:
             raise InvalidProblemError("resolution", f"tip_levels must lie in 4..24, got {self.tip_levels!r}")
 
     def coarser(self) -> "Resolution":
-        """Return the next coarser member: 3/4 of the cells, the tip error larger by the same (4/3)^(2 order)."""
-        cells = max(4, round(0.75 * self.cells))
+        """The next coarser member: 3/4 of the cells, rounded up, tip levels fewer by 2 order log2 of the ratio."""
+        cells = max(4, int(np.ceil(0.75 * self.cells)))
         levels = round(2 * self.order * np.log2(self.cells / cells))
         return replace(self, cells=cells, tip_levels=max(4, self.tip_levels - levels))
 

@@ -1,0 +1,333 @@
+"""The JKR closure: contact edges at which the stress intensity is the critical one.
+
+    K_e = sqrt(2 E* gamma sqrt(1 + h'(e)^2))      at every edge (K_e = 0 without adhesion),
+
+at given penetration, total displacement or load. Far from the closure every edge moves the way that lowers the
+energy (out where K < K_c); near it Newton's method takes over: the Jacobian by differences on a coarse
+P2/P1 mesh that moves with the edges, updated by Broyden's formula (Math. Comp. 19 (1965) 577,
+doi:10.1090/S0025-5718-1965-0198670-6), then the same Jacobian as a chord on finer meshes, where two or three
+evaluations suffice. A step never changes a patch or a gap by more than a fraction of itself, so the edges keep their
+order; a patch that shrinks away, a gap that closes, and a stalled iteration are outcomes with names.
+
+Stability under the same control: the Hessian of the potential energy in the outward motions of the edges,
+
+    H_ef = (K_e / E*) dK_e/d(out_f) - delta_ef dw_e/d(out_e),
+
+positive definite at a minimum; symmetric for the exact solution.
+
+Units: as in `problem` (dimensionless).
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from fem_reference.contact import UnitStates, solve_unit_states
+from fem_reference.crests import crest_patches, scaled_patches
+from fem_reference.energy_release import EdgeStates, EdgeValues, edge_states
+from fem_reference.mesh import NARROWEST, LayerMesh, Resolution, layer_mesh, moved
+from fem_reference.problem import FloatArray, InvalidProblemError, Problem
+
+ControlKind = Literal["penetration", "total_displacement", "mean_pressure"]
+Outcome = Literal["converged", "no_equilibrium", "not_converged"]
+
+LARGEST_CHANGE = 0.3  # of a patch or gap in one step
+REMESH = 0.35  # relative change of a patch or gap after which the mesh is made anew
+ITERATIONS = 40
+FAR = 0.5  # relative residual above which a Newton step must lower the energy, or a plain downhill step is taken
+NEAR = 3.0  # relative residual below which a Jacobian by differences is worth its cost
+VANISHED = 1e-3  # of its start: a patch or gap that shrank so far is gone
+CLOSED = 1e-8  # relative residual of K that ends the iteration
+SCAN = np.geomspace(0.01, 0.97, 10)  # depths of the starting family, of the total height of the profile
+
+
+@dataclass(frozen=True)
+class Control:
+    """What is prescribed: its kind and its dimensionless value."""
+
+    kind: ControlKind
+    value: float
+
+    def load(self, states: UnitStates) -> float:
+        """Load per period at which the states meet the control."""
+        if self.kind == "mean_pressure":
+            return self.value
+        response = states.penetration if self.kind == "penetration" else states.displacement_of_plate
+        return float((self.value - response[0]) / response[1])
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """One solved mesh at its controlled load."""
+
+    states: UnitStates
+    edge_states: EdgeStates | None
+    load: float
+    resolution: Resolution
+
+    @property
+    def values(self) -> EdgeValues:
+        """Stress intensity, release rate and defect at the edges; empty in complete contact."""
+        if self.edge_states is None:
+            none = np.zeros((0, 2))
+            return EdgeValues(none, none, none)
+        return self.edge_states.at_load(self.load)
+
+    @property
+    def edges(self) -> FloatArray:
+        """Contact edges (n_patches, 2), periods."""
+        return self.states.mesh.edges
+
+
+def evaluate(problem: Problem, mesh: LayerMesh, resolution: Resolution, control: Control) -> Evaluation:
+    """Solve on a mesh and find the load that meets the control."""
+    states = solve_unit_states(problem, mesh, resolution.order)
+    edges = edge_states(states) if mesh.edges.size else None
+    return Evaluation(states, edges, control.load(states), resolution)
+
+
+def residual(problem: Problem, evaluation: Evaluation) -> FloatArray:
+    """(K - K_c) over a fixed scale at every edge, shape (2 n_patches,).
+
+    The scale is the larger of K_c and E* sqrt(width) / 10, the stress intensity of a fair share of the rms height.
+    """
+    edges = evaluation.edges
+    critical = problem.critical_stress_intensity(edges)
+    geometric = 0.1 * problem.plane_strain_modulus * np.sqrt(np.diff(edges, axis=1))
+    return np.asarray(((evaluation.values.stress_intensity - critical) / np.maximum(critical, geometric)).ravel())
+
+
+@dataclass(frozen=True)
+class Closure:
+    """A closed (or failed) set of edges on one mesh.
+
+    Parameters
+    ----------
+    outcome : str
+        `converged`, `no_equilibrium` or `not_converged`.
+    message : str
+    evaluation : Evaluation
+        At the last edges.
+    residual : float
+        Largest relative residual of K.
+    jacobian : FloatArray, shape (2 n_patches, 2 n_patches)
+        d residual / d edge.
+    """
+
+    outcome: Outcome
+    message: str
+    evaluation: Evaluation
+    residual: float
+    jacobian: FloatArray
+
+
+def intervals(edges: FloatArray) -> FloatArray:
+    """Lengths (2 n_patches,) of patch, gap, patch, gap, ... round the period."""
+    return np.asarray(np.diff(np.append(edges.ravel(), edges[0, 0] + 1.0)))
+
+
+def start_edges(
+    problem: Problem, crests: FloatArray, control: Control, resolution: Resolution, factor: float
+) -> FloatArray:
+    """Edges (n_patches, 2) of the family of `crests` where the closure is nearest to being met, stably.
+
+    Raises
+    ------
+    InvalidProblemError
+        Naming `value` when every contact of the family opens at every edge: nothing stays in contact.
+    """
+    grid = np.linspace(0.0, 1.0, 256 * problem.highest_order)
+    total = problem.highest - float(problem.height(grid).min())
+    means, family, opening = [], [], []
+    for share in SCAN:
+        edges = crest_patches(problem, crests, float(share * total))
+        mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
+        opened = residual(problem, evaluate(problem, mesh, resolution, control))
+        means.append(float(opened.mean()))
+        opening.append(bool(np.all(opened > 0.0)))
+        family.append(edges)
+    if all(opening):
+        raise InvalidProblemError("value", "detaches everything: every edge of every contact tried opens")
+    mean = np.array(means)
+    stable = np.flatnonzero((mean[:-1] < 0.0) & (mean[1:] >= 0.0))
+    if stable.size:
+        k = int(stable[-1])
+        share = mean[k] / (mean[k] - mean[k + 1])
+        return scaled_patches((1.0 - share) * family[k] + share * family[k + 1], factor)
+    return scaled_patches(family[int(np.argmin(np.abs(mean)))], factor)
+
+
+def difference_jacobian(
+    problem: Problem, mesh: LayerMesh, resolution: Resolution, control: Control, base: FloatArray
+) -> FloatArray:
+    """D residual / d edge by forward differences on the moving mesh, shape (2 n_patches, 2 n_patches)."""
+    edges = mesh.edges
+    lengths = intervals(edges)
+    columns = []
+    for e in range(edges.size):
+        step = 1e-5 * min(lengths[e], lengths[e - 1])
+        shifted = edges.ravel().copy()
+        shifted[e] += step
+        there = evaluate(problem, moved(mesh, shifted.reshape(edges.shape)), resolution, control)
+        columns.append((residual(problem, there) - base) / step)
+    return np.array(columns).T
+
+
+def _limited(edges: FloatArray, step: FloatArray) -> FloatArray:
+    """The step shortened so that no patch or gap changes by more than `LARGEST_CHANGE` of itself."""
+    lengths = intervals(edges)
+    change = np.diff(np.append(step, step[0]))
+    largest = float(np.max(np.abs(change) / lengths))
+    return step * min(1.0, LARGEST_CHANGE / largest) if largest > 0.0 else step
+
+
+def close(
+    problem: Problem,
+    edges: FloatArray,
+    resolution: Resolution,
+    control: Control,
+    jacobian: FloatArray | None = None,
+) -> Closure:
+    """Find the edges at which the residual vanishes on meshes of one resolution.
+
+    Parameters
+    ----------
+    problem : Problem
+    edges : FloatArray, shape (n_patches, 2)
+        Start.
+    resolution : Resolution
+    control : Control
+    jacobian : FloatArray, optional
+        From a coarser closure; without it one is made by differences and renewed when convergence is slow.
+    """
+    own = jacobian is None
+    mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
+    here = evaluate(problem, mesh, resolution, control)
+    now = residual(problem, here)
+    size = float(np.max(np.abs(now)))
+    slope = difference_jacobian(problem, mesh, resolution, control, now) if jacobian is None else jacobian
+    diverging = False
+
+    def ended(outcome: Outcome, message: str) -> Closure:
+        return Closure(outcome, message, here, size, slope)
+
+    for _ in range(ITERATIONS):
+        if size < CLOSED:
+            return ended("converged", "")
+        try:
+            full = np.asarray(np.linalg.solve(slope, -now), dtype=np.float64)
+        except np.linalg.LinAlgError:
+            return ended("no_equilibrium", "the closure is singular: a limit point of the equilibrium branch")
+        step = _limited(here.edges, full)
+        if own and size > FAR and (diverging or not _agrees(now, full)):
+            step = _downhill(here.edges, now)
+        trial = here.edges + step.reshape(here.edges.shape)
+        vanished = _vanished(trial, intervals(edges))
+        if vanished:
+            return ended("no_equilibrium", vanished)
+        try:
+            there = evaluate(problem, _followed(mesh, trial, resolution, problem), resolution, control)
+        except InvalidProblemError as reason:
+            return ended("no_equilibrium", f"the edges lost their order ({reason})")
+        then = residual(problem, there)
+        reached = float(np.max(np.abs(then)))
+        slope = slope + np.outer(then - now - slope @ step, step) / (step @ step)
+        remeshed = there.states.mesh.reference is not mesh.reference
+        slow = reached > 0.3 * size and reached > 100.0 * CLOSED
+        diverging = reached > size
+        here, now, size, mesh = there, then, reached, there.states.mesh
+        if own and (slow or remeshed) and size < NEAR:
+            slope = difference_jacobian(problem, mesh, resolution, control, now)
+    return ended("not_converged", f"the closure residual is {size:.1e} after {ITERATIONS} steps")
+
+
+def _agrees(now: FloatArray, step: FloatArray) -> bool:
+    """Whether every edge far from closure moves so as to lower the energy: out when it closes, in when it opens."""
+    outward_step = step * np.tile([-1.0, 1.0], len(step) // 2)
+    far = np.abs(now) > 0.3 * np.max(np.abs(now))
+    return bool(np.all(outward_step[far] * now[far] < 0.0))
+
+
+def _downhill(edges: FloatArray, now: FloatArray) -> FloatArray:
+    """A step that lowers the energy at every edge: a share of the patch or gap beside it, less when nearly closed."""
+    lengths = intervals(edges)
+    beside = np.minimum(lengths, np.roll(lengths, 1))
+    return np.asarray(-0.3 * now / (np.abs(now) + 0.5) * beside * np.tile([-1.0, 1.0], len(edges)))
+
+
+def _vanished(edges: FloatArray, start: FloatArray) -> str:
+    """What became of a patch or gap that is no more than a trace of its start, or an empty string."""
+    lengths = intervals(edges)
+    small = lengths < np.maximum(VANISHED * start, 10.0 * NARROWEST)
+    if np.any(small[::2]):
+        return "a patch detaches"
+    return "a gap closes" if np.any(small[1::2]) else ""
+
+
+def _followed(mesh: LayerMesh, edges: FloatArray, resolution: Resolution, problem: Problem) -> LayerMesh:
+    """The same mesh moved to the edges, or a new one when they went far."""
+    start = mesh.reference_edges
+    change = intervals(edges) / intervals(_unrolled(start))
+    if np.max(np.abs(change - 1.0)) > REMESH:
+        return layer_mesh(problem.depth, edges, resolution, problem.highest_order)
+    return moved(mesh, edges)
+
+
+def _unrolled(local: FloatArray) -> FloatArray:
+    """Edges (n_patches, 2) from local positions that may have passed the seam."""
+    flat = local.ravel()
+    return np.asarray((flat[0] + (flat - flat[0]) % 1.0).reshape(local.shape))
+
+
+def close_on_ladder(
+    problem: Problem,
+    start: FloatArray,
+    resolutions: list[Resolution],
+    control: Control,
+) -> list[Closure]:
+    """Close on a coarse mesh, then with its Jacobian as a chord on each resolution; stops at the first failure.
+
+    Returns
+    -------
+    list of Closure
+        The coarse one first, then one for each resolution reached.
+    """
+    first = close(problem, start, scouting(resolutions[0]), control)
+    closures = [first]
+    if first.outcome == "converged":
+        coarse = first.evaluation
+        slope = difference_jacobian(problem, coarse.states.mesh, coarse.resolution, control, residual(problem, coarse))
+        closures[0] = Closure(first.outcome, first.message, coarse, first.residual, slope)
+        for resolution in resolutions:
+            last = close(problem, closures[-1].evaluation.edges, resolution, control, closures[-1].jacobian)
+            closures.append(last)
+            if last.outcome != "converged":
+                break
+    return closures
+
+
+def scouting(resolution: Resolution) -> Resolution:
+    """The coarse P2/P1 mesh on which edges are found and the Jacobian is made."""
+    return Resolution(2, max(8, resolution.cells if resolution.order == 2 else 8), 7)
+
+
+def hessian(problem: Problem, closure: Closure) -> FloatArray:
+    """Second derivatives (2 n_patches, 2 n_patches) of the energy in outward motions of the edges, not symmetrised.
+
+    From the Jacobian of the coarse closure; E a^2 / lambda^2.
+    """
+    edges = closure.evaluation.edges
+    outwards = np.tile([-1.0, 1.0], len(edges))
+    width = np.diff(edges, axis=1)
+    critical = problem.critical_stress_intensity(edges)
+    scale = np.maximum(critical, 0.1 * problem.plane_strain_modulus * np.sqrt(width)).ravel()
+    step = 1e-6
+    critical_slope = (
+        problem.critical_stress_intensity(edges + step) - problem.critical_stress_intensity(edges - step)
+    ).ravel() / (2.0 * step)
+    work_slope = (problem.work_of_opening(edges + step) - problem.work_of_opening(edges - step)).ravel() / (2.0 * step)
+    intensity = closure.evaluation.values.stress_intensity.ravel()
+    slopes = closure.jacobian * scale[:, None] + np.diag(critical_slope)  # dK/dx at the closure, where K = K_c
+    form = intensity[:, None] / problem.plane_strain_modulus * slopes * outwards
+    return np.asarray(form - np.diag(outwards * work_slope))

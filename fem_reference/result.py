@@ -1,0 +1,286 @@
+"""What a solution hands out: SI values, each with its uncertainty, and how they follow from two meshes.
+
+Energies and loads are per period of the profile and unit length in the third direction. u_tot is the displacement of
+the plate from first touch of the undeformed layer; Delta = u_tot - mean(u_y over the face) is the penetration, its
+mean part computed from the finite element field itself (for the exact solution it is c(0) times the mean pressure).
+`strain_energy` is the whole elastic energy of the layer; `elastic_energy` excludes the mean compression,
+
+    elastic_energy = strain_energy - load * mean(u_y) / 2.
+
+The uncertainty of a quantity q with values q_1 .. q_n on meshes of increasing fineness h_k = 1 / cells_k is
+
+    U_n = 1.5 max( |q_n - q_{n-1}|, (h_n / h_{n-1})^(3m/2) |q_{n-1} - q_{n-2}| ) + 1e-11 |q_n|,
+
+m the order of the displacement elements, the second term (with three meshes or more) against two meshes that agree by
+chance. Nothing is divided by what the observed order promises: with cells in ratio 3:4 the error is at most |q_n -
+q_{n-1}| for every observed order above 2.4. Stress intensities and release rates also carry the rank-one defect,
+which needs no second mesh.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fem_reference.closure import Evaluation
+from fem_reference.contact import projected_pressure
+from fem_reference.face import face_nodes, interpolate
+from fem_reference.mesh import Resolution
+from fem_reference.problem import FloatArray, Problem
+
+Status = Literal[
+    "converged",
+    "complete_contact",
+    "interpenetration",
+    "negative_stress_intensity",
+    "no_equilibrium",
+    "not_converged",
+]
+Quantity = float | FloatArray
+
+SAFETY = 1.5  # times the difference of two meshes
+ROUNDING = 1e-11  # relative: what the linear solver leaves, measured 1e-13 to 1e-12
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Fields along the lower face at its nodes, x increasing from the seam over one period.
+
+    Parameters
+    ----------
+    x : FloatArray, shape (n_face,)
+        Positions in m; may run past the period.
+    displacement : FloatArray, shape (n_face,)
+        u_y in the plate's frame, m, positive into the layer, its mean included.
+    gap : FloatArray, shape (n_face,)
+        u_y - (h - h_max + u_tot), m; the interpolation error of h on the contact.
+    pressure : FloatArray, shape (n_face,)
+        Projection of the nodal reactions, Pa; zero outside the contact, where the face is free.
+    """
+
+    x: FloatArray
+    displacement: FloatArray
+    gap: FloatArray
+    pressure: FloatArray
+
+
+@dataclass(frozen=True)
+class Result:
+    """A state of the layer with the uncertainty of every quantity, SI units.
+
+    Parameters
+    ----------
+    status : str
+        `converged`; `complete_contact`; `negative_stress_intensity` (an edge with K < 0: the faces overlap beside it);
+        `interpenetration` (an uncovered part of the profile enters the layer); `no_equilibrium` (the closure ran into a
+        vanishing patch or gap, or a limit point); `not_converged`. Numbers of the last two are those of the last
+        iterate, their uncertainties infinite.
+    message : str
+        What happened, when not converged.
+    edges : FloatArray, shape (n_patches, 2)
+        Contact edges in m, a in [0, period), b may exceed it; empty in complete contact.
+    contact_fraction : float
+        Projected, 0 to 1.
+    load, mean_pressure : float
+        N/m per period and Pa, positive in compression.
+    penetration, total_displacement : float
+        Delta and u_tot, m (module docstring).
+    strain_energy, elastic_energy, adhesion_energy, total_energy : float
+        J/m per period; total = elastic + adhesion.
+    stress_intensity, energy_release_rate, rank_one_defect : FloatArray, shape (n_patches, 2)
+        K in Pa sqrt(m), signed, positive when it opens; G in J/m^2; the relative defect, dimensionless.
+    interface : Interface
+    closure_residual : float or None
+        Largest relative |K - K_c|; None for prescribed edges.
+    min_eigenvalue : float or None
+        Smallest eigenvalue of the Hessian of the energy at the given control, J/m^3; None for prescribed edges or
+        without adhesion.
+    uncertainty : mapping
+        From the names above (and `displacement`, `gap`: largest over the face; `pressure`: at every node) to numbers of
+        the same shape and unit.
+    """
+
+    status: Status
+    message: str
+    problem: Problem
+    edges: FloatArray
+    contact_fraction: float
+    load: float
+    mean_pressure: float
+    penetration: float
+    total_displacement: float
+    strain_energy: float
+    elastic_energy: float
+    adhesion_energy: float
+    total_energy: float
+    stress_intensity: FloatArray
+    energy_release_rate: FloatArray
+    rank_one_defect: FloatArray
+    interface: Interface
+    closure_residual: float | None
+    min_eigenvalue: float | None
+    uncertainty: Mapping[str, Quantity]
+    resolution: Resolution
+    unknowns: int
+    evaluation: Evaluation
+
+    @cached_property
+    def stable(self) -> bool | None:
+        """Whether the equilibrium is a minimum of the energy at the given control; None when not asked."""
+        return None if self.min_eigenvalue is None else self.min_eigenvalue > 0.0
+
+    def displacement(self, x: ArrayLike) -> FloatArray:
+        """u_y of the face at positions x in m (any shape), evaluated in the elements."""
+        local = (np.asarray(x, dtype=float) / self.problem.period - self.evaluation.states.mesh.seam) % 1.0
+        return _face_displacement(self.evaluation, local) * self.problem.unit_height
+
+    def gap(self, x: ArrayLike) -> FloatArray:
+        """Gap u_y - (h - h_max + u_tot) at positions x in m (any shape)."""
+        at = np.asarray(x, dtype=float)
+        rigid = (self.problem.height(at / self.problem.period) - self.problem.highest) * self.problem.unit_height
+        return np.asarray(self.displacement(at) - rigid - self.total_displacement)
+
+
+def _combined(evaluation: Evaluation) -> FloatArray:
+    fields = evaluation.states.fields
+    return np.asarray(fields[0] + evaluation.load * fields[1])
+
+
+def _face_displacement(evaluation: Evaluation, local: FloatArray) -> FloatArray:
+    nodes = face_nodes(evaluation.states.spaces)
+    values = _combined(evaluation)[evaluation.states.spaces.sizes[0] + nodes.index]
+    return interpolate(local, nodes.x, values, nodes.order)
+
+
+def contact_edges(evaluation: Evaluation) -> FloatArray:
+    """Edges (n_patches, 2) in periods with every a in [0, 1)."""
+    edges = evaluation.edges
+    return edges - np.floor(edges[:, :1]) if edges.size else edges
+
+
+def adhesion_energy(problem: Problem, edges: FloatArray) -> float:
+    """- int gamma sqrt(1 + h'^2) over the patches (n_patches, 2), E a^2; a full period without edges.
+
+    Composite Gauss rule with 16 points on pieces of 1/8 of the shortest wavelength: exact to rounding.
+    """
+    spans = edges if edges.size else np.array([[0.0, 1.0]])
+    gauss, weights = np.polynomial.legendre.leggauss(16)
+    total = 0.0
+    for a, b in spans:
+        pieces = np.linspace(a, b, int(np.ceil((b - a) * 8 * problem.highest_order)) + 1)
+        half = 0.5 * np.diff(pieces)[:, None]
+        x = 0.5 * (pieces[1:] + pieces[:-1])[:, None] + half * gauss
+        total -= float(np.sum(half * weights * problem.work_of_opening(x)))
+    return total
+
+
+def quantities(evaluation: Evaluation) -> dict[str, Quantity]:
+    """Every scalar and edge quantity of one mesh in SI units, by the names of `Result`."""
+    states, load = evaluation.states, evaluation.load
+    problem, values = states.problem, evaluation.values
+    strain = float(states.energy[0, 0] + 2.0 * load * states.energy[0, 1] + load**2 * states.energy[1, 1])
+    mean = float(states.mean_displacement[0] + load * states.mean_displacement[1])
+    plate = float(states.displacement_of_plate[0] + load * states.displacement_of_plate[1])
+    edges = contact_edges(evaluation)
+    adhesion = adhesion_energy(problem, edges)
+    # at complete contact u_y(mean) = u_tot - h_max exactly, so that its energy is load times that
+    elastic = strain - 0.5 * load * mean
+    return {
+        "edges": edges * problem.unit_length,
+        "contact_fraction": float(np.sum(np.diff(edges, axis=1))) if edges.size else 1.0,
+        "load": load * problem.unit_load,
+        "mean_pressure": load * problem.unit_stress,
+        "penetration": (plate - mean) * problem.unit_height,
+        "total_displacement": plate * problem.unit_height,
+        "strain_energy": strain * problem.unit_energy,
+        "elastic_energy": elastic * problem.unit_energy,
+        "adhesion_energy": adhesion * problem.unit_energy,
+        "total_energy": (elastic + adhesion) * problem.unit_energy,
+        "stress_intensity": values.stress_intensity * problem.unit_stress_intensity,
+        "energy_release_rate": values.release_rate * problem.unit_release_rate,
+    }
+
+
+def interface_fields(evaluation: Evaluation) -> Interface:
+    """Fields along the face of one mesh, SI units."""
+    states, problem = evaluation.states, evaluation.states.problem
+    nodes = face_nodes(states.spaces)
+    x = states.mesh.seam + nodes.x
+    displacement = _face_displacement(evaluation, nodes.x)
+    plate = float(states.displacement_of_plate[0] + evaluation.load * states.displacement_of_plate[1])
+    gap = displacement - (problem.height(x) - problem.highest + plate)
+    return Interface(
+        x * problem.unit_length,
+        displacement * problem.unit_height,
+        gap * problem.unit_height,
+        projected_pressure(states, evaluation.load) * problem.unit_stress,
+    )
+
+
+def spread(values: Sequence[FloatArray], evaluations: Sequence[Evaluation]) -> FloatArray:
+    """Uncertainty (module docstring) of the last of two or more values of one quantity."""
+    steps = [np.abs(b - a) for a, b in pairwise(values)]
+    largest = steps[-1]
+    if len(steps) > 1:
+        largest = np.maximum(largest, _shrinkage(evaluations) * steps[-2])
+    return np.asarray(SAFETY * largest + ROUNDING * np.abs(values[-1]))
+
+
+def _shrinkage(evaluations: Sequence[Evaluation]) -> float:
+    """(h_n / h_{n-1})^(3m/2) of the last two meshes."""
+    fine, coarse = evaluations[-1].resolution, evaluations[-2].resolution
+    return float((coarse.cells / fine.cells) ** (1.5 * fine.order))
+
+
+def aligned_values(name: str, evaluations: Sequence[Evaluation]) -> list[FloatArray]:
+    """Values of one quantity on every mesh, edges taken to the period of the last."""
+    values = [np.asarray(quantities(e)[name], dtype=float) for e in evaluations]
+    if name == "edges" and values[-1].size:
+        period = evaluations[-1].states.problem.period
+        values = [values[-1] + nearest_period(v - values[-1], period) for v in values]
+    return values
+
+
+def defect_spread(name: str, evaluation: Evaluation) -> FloatArray | float:
+    """Return what the rank-one defect adds to the uncertainty of a quantity of the edges, zero for the others."""
+    if name not in ("stress_intensity", "energy_release_rate"):
+        return 0.0
+    return np.asarray(evaluation.values.defect * np.abs(quantities(evaluation)[name]))
+
+
+def uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
+    """Uncertainty of every quantity of the last evaluation, from two or more meshes, coarsest first."""
+    fine = evaluations[-1]
+    problem = fine.states.problem
+    result: dict[str, Quantity] = {}
+    for name in quantities(fine):
+        total = spread(aligned_values(name, evaluations), evaluations) + defect_spread(name, fine)
+        result[name] = total if total.ndim else float(total)
+    apart = [_fields_apart(b, a) for a, b in pairwise(evaluations)]
+    for k, name in enumerate(("displacement", "gap")):
+        largest = float(np.max(np.abs(apart[-1][k])))
+        if len(apart) > 1:
+            largest = max(largest, _shrinkage(evaluations) * float(np.max(np.abs(apart[-2][k]))))
+        result[name] = SAFETY * largest + ROUNDING * problem.unit_height
+    result["pressure"] = SAFETY * np.abs(apart[-1][2]) + ROUNDING * problem.unit_stress
+    return result
+
+
+def _fields_apart(fine: Evaluation, coarse: Evaluation) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Differences of displacement, gap and pressure at the face nodes of the finer evaluation, SI units."""
+    mine, theirs = interface_fields(fine), interface_fields(coarse)
+    nodes = face_nodes(coarse.states.spaces)
+    local = (mine.x / fine.states.problem.period - coarse.states.mesh.seam) % 1.0
+    displacement = mine.displacement - interpolate(local, nodes.x, theirs.displacement, nodes.order)
+    plates = [float(quantities(e)["total_displacement"]) for e in (fine, coarse)]
+    pressure = mine.pressure - interpolate(local, nodes.x, theirs.pressure, nodes.order)
+    return displacement, displacement - plates[0] + plates[1], pressure
+
+
+def nearest_period(difference: FloatArray, period: float) -> FloatArray:
+    """Return differences of positions with whole periods taken off."""
+    return np.asarray(difference - period * np.round(difference / period))

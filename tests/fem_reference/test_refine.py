@@ -1,0 +1,127 @@
+"""Uncertainty covers the true error on every mesh and shrinks at the observed order, on closed forms."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from fem_reference import InvalidProblemError, Resolution, refine
+from fem_reference.refine import default_ladder, observed_order
+
+NU, DEPTH = 0.3, 2.0
+BASE = {
+    "youngs_modulus": 1.0,
+    "poisson_ratio": NU,
+    "thickness": DEPTH,
+    "period": 1.0,
+    "harmonics": ([1], [0.01], [0.0]),
+}
+COARSE = [Resolution(2, 6, 6), Resolution(2, 8, 8), Resolution(2, 11, 10)]
+FINE = [Resolution(2, 8, 8), Resolution(2, 11, 10), Resolution(2, 15, 12)]
+QUARTIC = [Resolution(4, 4, 12), Resolution(4, 6, 16), Resolution(4, 8, 19)]
+
+
+def punch_values(johnson, half_width, penetration):
+    exact = johnson(half_width, NU)
+    a = 0.01 / np.sqrt(2)
+    return {
+        "load": exact.load(penetration / a) * a,
+        "stress_intensity": exact.stress_intensity(penetration / a) * a,
+    }
+
+
+LADDERS = {"P2/P1 coarse": COARSE, "P2/P1 fine": FINE, "P4/P3": QUARTIC}
+
+
+@pytest.fixture(scope="module", params=LADDERS)
+def punch(request):
+    return refine(**BASE, control="penetration", value=0.008, edges=[[-0.2, 0.2]], resolutions=LADDERS[request.param])
+
+
+@pytest.mark.parametrize("name", ["load", "stress_intensity"])
+@pytest.mark.parametrize("level", [0, 1, 2])
+def test_uncertainty_covers_the_error_of_prescribed_edges(punch, johnson, name, level):
+    exact = punch_values(johnson, 0.2, 0.008)[name]
+    estimate = punch.estimates[name]
+    assert np.all(np.abs(estimate.levels[level] - exact) <= estimate.level_uncertainties[level])
+
+
+@pytest.mark.parametrize("name", ["load", "stress_intensity", "strain_energy"])
+def test_uncertainty_shrinks_from_level_to_level(punch, name):
+    sizes = [np.max(u) for u in punch.estimates[name].level_uncertainties]
+    assert sizes[0] > sizes[1] > sizes[2]
+
+
+@pytest.mark.parametrize("ladder", LADDERS.values(), ids=LADDERS)
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_uncertainty_covers_the_error_of_full_contact(compliance, ladder, nu):
+    arguments = BASE | {"poisson_ratio": nu, "thickness": 0.3}
+    found = refine(**arguments, control="mean_pressure", value=0.0, edges="complete", resolutions=ladder)
+    exact = 0.25 * 0.01**2 / compliance(2 * np.pi, 0.3, nu)
+    estimate = found.estimates["strain_energy"]
+    for level, value in enumerate(estimate.levels):
+        assert abs(value - exact) <= estimate.level_uncertainties[level], level
+
+
+def test_uncertainty_shrinks_at_the_observed_order():
+    found = [
+        refine(**BASE, control="penetration", value=0.008, edges=[[-0.2, 0.2]], resolutions=ladder).estimates["load"]
+        for ladder in (COARSE, FINE)
+    ]
+    shrunk = np.log(found[0].uncertainty / found[1].uncertainty) / np.log(15 / 11)
+    assert found[1].observed_order == pytest.approx(shrunk, abs=1.6)  # measured 4.1 and 4.9
+    assert shrunk > 2.5
+
+
+@pytest.mark.parametrize("work_of_adhesion", [0.0, 1e-5], ids=["no adhesion", "JKR"])
+def test_the_closure_is_refined_with_its_edges(work_of_adhesion):
+    found = refine(**BASE, control="penetration", value=0.008, work_of_adhesion=work_of_adhesion, resolutions=COARSE)
+    exact = exact_width(0.008, work_of_adhesion)
+    edges = found.estimates["edges"]
+    assert found.status == "converged"
+    for value, uncertainty in zip(edges.levels, edges.level_uncertainties, strict=True):
+        assert abs(np.diff(value[0])[0] - exact) <= np.sum(uncertainty)
+
+
+def exact_width(penetration, work_of_adhesion):
+    modulus, amplitude = 1 / (1 - NU**2), 0.01
+
+    def misfit(a):
+        s, tension = np.sin(np.pi * a) ** 2, np.sqrt(2 * modulus * work_of_adhesion * np.tan(np.pi * a))
+        return amplitude * s * (1 - np.log(s)) + tension * np.log(s) / (np.pi * modulus) - penetration
+
+    return 2 * brentq(misfit, 0.1, 0.45)
+
+
+def test_the_finest_result_carries_the_refined_uncertainty(punch):
+    assert punch.result.uncertainty["load"] == punch.estimates["load"].uncertainty
+
+
+def test_a_failed_closure_has_no_estimates():
+    low_crest = BASE | {"harmonics": ([1, 2, 3], [0.004, 0.01, 0.002], [0.3, -0.4, 1.0]), "thickness": 0.5}
+    found = refine(**low_crest, control="penetration", value=0.002, patches=2, resolutions=COARSE)
+    assert found.status == "no_equilibrium"
+    assert not found.estimates
+
+
+@pytest.mark.parametrize("order", [2.0, 3.7, 8.0])
+def test_observed_order_on_uneven_sizes(order):
+    sizes = np.array([1 / 6, 1 / 8, 1 / 11])
+    values = 1 + sizes**order
+    assert observed_order(-np.diff(values), sizes) == pytest.approx(order, rel=1e-8)
+
+
+@pytest.mark.parametrize("differences", [(1.0, 0.0), (0.0, 1.0), (1.0, 2.0)], ids=["exact", "none", "growing"])
+def test_differences_that_do_not_shrink_have_no_order(differences):
+    assert observed_order(differences, [4.0, 2.0, 1.0]) is None
+
+
+@pytest.mark.parametrize(
+    "resolutions", [COARSE[:2], COARSE[::-1], [*COARSE[:2], Resolution(4, 12, 12)]], ids=["two", "unordered", "mixed"]
+)
+def test_bad_ladders_are_named(resolutions):
+    with pytest.raises(InvalidProblemError, match=r"^resolutions: "):
+        refine(**BASE, control="penetration", value=0.008, edges=[[-0.2, 0.2]], resolutions=resolutions)
+
+
+def test_the_default_ladder_is_quartic():
+    assert [(r.order, r.cells) for r in default_ladder()] == [(4, 6), (4, 8), (4, 10)]
