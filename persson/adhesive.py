@@ -1,0 +1,216 @@
+"""Adhesion in the theory: effective work of adhesion, moving barrier, and the fixed point over all magnifications.
+
+At a magnification where the slope variance S is resolved, the roughness not yet seen stores elastic energy and offers
+more true area; what is left is the effective work of adhesion,
+
+    gamma_eff(S) A(S) = gamma A(S_N) M(S_N - S) - U_el(S),     U_el(S) = 1/4 int_S^{S_N} A / q dS   (units of E*).
+
+A detached zone of half a wavelength opens at a tension a E* with
+
+    a(S) = sigma_a / E* = sqrt(2 gamma_eff+ q / w) / pi,       gamma_eff+ = max(gamma_eff / E*, 0),
+
+w = 1 in the theory; w = 1/2, a detached width half as large, makes a larger by sqrt 2 (the paper's remark).  Stress is
+absorbed at -a(S) (diffusion.py or volterra.py), which gives A(S) again: a fixed point, reached by Picard iterations
+accelerated by Anderson mixing.  The nonadhesive part of U_el is exact, the rest is summed by the trapezoid rule in
+W = int dS / q.
+
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, doi:10.1140/epje/i2009-10508-5; B. N. J. Persson,
+Eur. Phys. J. E 8 (2002) 385, doi:10.1140/epje/i2002-10101-4; mixing: D. G. Anderson, J. ACM 12 (1965) 547.  Stresses in
+units of E*, energies per area over E* in m.  Limits: sigma_0 > 0; gamma_eff < 0, no adhesion at that magnification,
+holds the barrier at zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from persson.area_factor import AreaFactor
+from persson.diffusion import StressDistribution, march
+from persson.magnification import MagnificationMesh
+from persson.nonadhesive import contact_fraction, energy_length
+from persson.spectrum import Spectrum
+from persson.volterra import survival
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+Route = Literal["finite_volumes", "volterra"]
+ROUTES: tuple[Route, ...] = ("finite_volumes", "volterra")
+
+MIXING_DEPTH = 4
+
+
+@dataclass(frozen=True, eq=False)
+class AdhesionProblem:
+    """Loads, work of adhesion and mesh of one fixed point; lengths in m, loads in units of E*.
+
+    Attributes
+    ----------
+    loads : (n_loads,) array
+        sigma_0 / E*.
+    work_length : float
+        gamma / E*, m.
+    detached_width : float
+        w, the detached width in half wavelengths.
+    """
+
+    spectrum: Spectrum
+    mesh: MagnificationMesh
+    loads: FloatArray
+    work_length: float
+    area_factor: AreaFactor
+    detached_width: float
+
+    def nonadhesive_area(self) -> FloatArray:
+        """A/A0 without adhesion at the nodes, (n_loads, n + 1)."""
+        return contact_fraction(self.mesh.slope_variance, self.loads[:, None])
+
+    def nonadhesive_energy(self) -> FloatArray:
+        """1/4 int_0^S A/q dS without adhesion at the nodes, (n_loads, n + 1), m."""
+        nodes = self.mesh.slope_variance
+        return np.stack([energy_length(self.spectrum, float(load), nodes) for load in self.loads])
+
+
+@dataclass(frozen=True, eq=False)
+class AdhesiveFields:
+    """Solution of the fixed point at the nodes of its mesh, arrays (n_loads, n + 1).
+
+    Attributes
+    ----------
+    area : A/A0.
+    energy : U_el / E* of the roughness above each node, m.
+    work : gamma_eff / E*, m.
+    barrier : a = sigma_a / E* just below each node.
+    distribution : P at the last node; None for the Volterra route.
+    iterations : evaluations of the diffusion.
+    converged : (n_loads,) whether the fixed point was met.
+    """
+
+    problem: AdhesionProblem
+    area: FloatArray
+    energy: FloatArray
+    work: FloatArray
+    barrier: FloatArray
+    distribution: StressDistribution | None
+    iterations: int
+    converged: BoolArray
+
+    @property
+    def total_energy(self) -> FloatArray:
+        """U_tot / (A0 E*) = U_el(S = 0) - gamma A(S_N) M(S_N) = -gamma_eff(S = 0), (n_loads,), m."""
+        return -self.work[:, 0]
+
+    def onset(self, load: int = 0) -> float | None:
+        """S at which the barrier leaves zero for good, or None if it never is at zero or never leaves it."""
+        work, nodes = self.work[load], self.problem.mesh.slope_variance
+        below = np.flatnonzero(work <= 0)
+        if below.size == 0 or below[-1] == nodes.size - 1:
+            return None
+        at = below[-1]
+        return float(nodes[at] - work[at] * (nodes[at + 1] - nodes[at]) / (work[at + 1] - work[at]))
+
+
+def solve_fixed_point(
+    problem: AdhesionProblem,
+    guess: FloatArray,
+    *,
+    route: Route,
+    n_cells: int,
+    tolerance: float,
+    max_iterations: int,
+) -> AdhesiveFields:
+    """Area, effective work of adhesion and barrier that agree with one another at all magnifications.
+
+    Parameters
+    ----------
+    problem : AdhesionProblem
+    guess : (n_loads, n + 1) array
+        A/A0 at the nodes to start from, in (0, 1].
+    route : "finite_volumes" or "volterra"
+    n_cells : int
+        Of the finite volumes; the Volterra route has no grid in stress.
+    tolerance : float
+        Of max |T(A) - A| over the nodes.
+    max_iterations : int
+        Evaluations of the diffusion; a load that needs more is marked not converged.
+    """
+    known_area, known_energy = problem.nonadhesive_area(), problem.nonadhesive_energy()
+    factor = problem.area_factor(problem.mesh.slope_variance[-1] - problem.mesh.slope_variance)
+    last: dict[str, StressDistribution] = {}
+
+    def energy_above(area: FloatArray) -> FloatArray:
+        excess = area - known_area
+        cells = (excess[:, 1:] + excess[:, :-1]) / 2 * np.diff(problem.mesh.weight)
+        below = known_energy.copy()
+        below[:, 1:] += np.cumsum(cells, axis=1) / 4
+        return np.asarray(below[:, -1:] - below)
+
+    def work_of(area: FloatArray) -> FloatArray:
+        return np.asarray((problem.work_length * area[:, -1:] * factor - energy_above(area)) / area)
+
+    def barrier_of(work: FloatArray, wavenumber: FloatArray) -> FloatArray:
+        return np.asarray(np.sqrt(2 * np.maximum(work, 0) * wavenumber / problem.detached_width) / np.pi)
+
+    def diffuse(area: FloatArray) -> FloatArray:
+        work = work_of(area)
+        barrier = problem.mesh.smoothed(barrier_of(work, problem.mesh.before))
+        barrier[:, 0] = barrier_of(work[:, :1], problem.mesh.after[:1])[:, 0]
+        variance = problem.mesh.stress_variance
+        if route == "volterra":
+            inside = problem.mesh.smoothed_inside(barrier_of((work[:, 1:] + work[:, :-1]) / 2, problem.mesh.inside))
+            return np.stack(
+                [survival(float(p), variance, b, m) for p, b, m in zip(problem.loads, barrier, inside, strict=True)]
+            )
+        result = march(problem.loads, variance, barrier, n_cells)
+        last["distribution"] = result.distribution
+        return result.area
+
+    area, iterations, converged = _anderson(diffuse, guess, tolerance, max_iterations)
+    work = work_of(area)
+    return AdhesiveFields(
+        problem=problem,
+        area=area,
+        energy=energy_above(area),
+        work=work,
+        barrier=barrier_of(work, problem.mesh.before),
+        distribution=last.get("distribution"),
+        iterations=iterations,
+        converged=converged,
+    )
+
+
+def _anderson(
+    mapping: Callable[[FloatArray], FloatArray], guess: FloatArray, tolerance: float, max_iterations: int
+) -> tuple[FloatArray, int, BoolArray]:
+    """Fixed point of each row on its own; ends on a plain evaluation, so that area and distribution agree."""
+    state = guess
+    points: list[FloatArray] = []
+    images: list[FloatArray] = []
+    for iteration in range(1, max_iterations + 1):
+        image = mapping(state)
+        converged = np.asarray(np.max(np.abs(image - state), axis=1) < tolerance)
+        if converged.all() or iteration == max_iterations:
+            break
+        points, images = [*points[-MIXING_DEPTH:], state], [*images[-MIXING_DEPTH:], image]
+        state = image.copy()
+        for row in np.flatnonzero(~converged):
+            mixed = _mix([p[row] for p in points], [i[row] for i in images])
+            # mixing may leave what an area can be; the plain iterate never does
+            if np.all(mixed > 0) and np.all(mixed <= 1 + tolerance):
+                state[row] = mixed
+    return image, iteration, converged
+
+
+def _mix(points: list[FloatArray], images: list[FloatArray]) -> FloatArray:
+    """Combination of the images, weights summing to one, whose residual is smallest."""
+    residuals = [image - point for image, point in zip(images, points, strict=True)]
+    if len(residuals) == 1:
+        return images[-1]
+    differences = np.stack([residual - residuals[-1] for residual in residuals[:-1]], axis=1)
+    weights = np.linalg.lstsq(differences, -residuals[-1], rcond=1e-10)[0]
+    spread = np.stack([image - images[-1] for image in images[:-1]], axis=1)
+    return np.asarray(images[-1] + spread @ weights)

@@ -1,0 +1,151 @@
+"""A contact with adhesion as the theory has it: what `solve` returns, in SI units.
+
+Arrays over magnification belong to the nodes of the mesh on which the state was found (`slope_variances`); at a
+wavenumber of the spectrum or any other they are interpolated.  Source: persson/adhesive.py.  Limits: P(sigma) is
+interpolated through the finite volumes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator
+
+from persson.adhesive import AdhesiveFields
+from persson.diffusion import StressDistribution, march
+from persson.nonadhesive import power
+from persson.spectrum import Spectrum
+from persson.status import Status, advice_for
+
+FloatArray = NDArray[np.float64]
+
+DISTRIBUTION_CELLS = 800
+
+
+@dataclass(frozen=True, eq=False)
+class AdhesiveContact:
+    """What the theory says at one load.
+
+    Attributes
+    ----------
+    contact_fraction : float
+        A/A0 with all roughness resolved.
+    separation : float or None
+        Distance of the mean planes, m; None if it was not asked for.
+    status : str
+        One of the table in status.py; what to do about it is in `advice`.
+    other_contact_fraction : float or None
+        A/A0 of the state met from complete contact, with status `branches`.
+    fields : AdhesiveFields
+        The state at all magnifications, dimensionless.
+    """
+
+    spectrum: Spectrum
+    mean_pressure: float
+    plane_strain_modulus: float
+    work_of_adhesion: float
+    contact_fraction: float
+    separation: float | None
+    status: Status
+    other_contact_fraction: float | None
+    fields: AdhesiveFields
+
+    @property
+    def advice(self) -> str:
+        """What the status means and what to do."""
+        return advice_for(self.status)
+
+    @property
+    def elastic_energy(self) -> float:
+        """J/m^2 of nominal area, without the mean compression."""
+        return self.plane_strain_modulus * float(self.fields.energy[0, 0])
+
+    @property
+    def total_energy(self) -> float:
+        """U_el - gamma A M in J/m^2 of nominal area."""
+        return self.plane_strain_modulus * float(self.fields.total_energy[0])
+
+    @property
+    def adhesion_energy(self) -> float:
+        """-gamma A M in J/m^2 of nominal area."""
+        return self.total_energy - self.elastic_energy
+
+    @property
+    def detachment_stress(self) -> float:
+        """sigma_a at the largest wavenumber, Pa."""
+        return self.plane_strain_modulus * float(self.fields.barrier[0, -1])
+
+    @property
+    def slope_variances(self) -> FloatArray:
+        """S at the nodes, (n + 1,)."""
+        return self.fields.problem.mesh.slope_variance
+
+    @property
+    def wavenumbers(self) -> FloatArray:
+        """q just below the nodes, rad/m, (n + 1,)."""
+        return self.fields.problem.mesh.before
+
+    @property
+    def areas(self) -> FloatArray:
+        """A/A0 at the nodes, (n + 1,)."""
+        return np.asarray(self.fields.area[0])
+
+    @property
+    def effective_work(self) -> FloatArray:
+        """gamma_eff in J/m^2 at the nodes, (n + 1,); negative where roughness undoes adhesion."""
+        return np.asarray(self.plane_strain_modulus * self.fields.work[0])
+
+    @property
+    def detachment_stresses(self) -> FloatArray:
+        """sigma_a in Pa just below the nodes, (n + 1,)."""
+        return np.asarray(self.plane_strain_modulus * self.fields.barrier[0])
+
+    @property
+    def contact_fractions(self) -> FloatArray:
+        """A/A0 when the wavenumbers of the spectrum up to q_m are resolved, (n,)."""
+        return np.asarray(PchipInterpolator(self.slope_variances, self.areas)(self.spectrum.slope_variance))
+
+    def contact_fraction_at(self, wavenumber: float) -> float:
+        """A/A0 when wavenumbers up to this one (rad/m) are resolved."""
+        variance = self.spectrum.resolved_variance(wavenumber)
+        return float(PchipInterpolator(self.slope_variances, self.areas)(variance))
+
+    def displacement_power(self, period_wavenumber: float | None = None) -> FloatArray:
+        """C_u = C A(q)/A0 in m^3 at the wavenumbers of the spectrum; lines need q0 of their period 2 pi / q0."""
+        return power(self.spectrum, period_wavenumber) * self.contact_fractions
+
+    def pressure_power(self, period_wavenumber: float | None = None) -> FloatArray:
+        """C_sigma = E*^2 q^2 C_u / 4 in Pa^2 m at the wavenumbers of the spectrum."""
+        stiffness = self.plane_strain_modulus * self.spectrum.wavenumbers / 2
+        return np.asarray(stiffness**2 * self.displacement_power(period_wavenumber))
+
+    def stress_distribution(self, wavenumber: float | None = None) -> StressDistribution:
+        """P in finite volumes, stresses in units of E*, with the roughness up to a wavenumber (rad/m) resolved."""
+        if wavenumber is None and self.fields.distribution is not None:
+            return self.fields.distribution
+        mesh = self.fields.problem.mesh
+        total = float(mesh.slope_variance[-1])
+        resolved = total if wavenumber is None else min(self.spectrum.resolved_variance(wavenumber), total)
+        if not resolved >= mesh.slope_variance[1]:
+            raise ValueError(
+                f"wavenumber: {wavenumber} resolves a slope variance of {resolved}, at least "
+                f"{mesh.slope_variance[1]} is needed; below it P is a Gaussian about sigma_0"
+            )
+        kept = mesh.slope_variance < resolved * (1 - 1e-12)
+        barrier = mesh.smoothed(self.fields.barrier)[0]
+        barrier[0] = barrier[1]
+        square = np.interp(resolved, mesh.slope_variance, barrier**2)
+        nodes = np.append(mesh.stress_variance[kept], resolved / 4)
+        path = np.append(barrier[kept], np.sqrt(square))
+        return march(self.fields.problem.loads[:1], nodes, path[None, :], DISTRIBUTION_CELLS).distribution
+
+    def pressure_distribution(self, pressure: ArrayLike, wavenumber: float | None = None) -> FloatArray:
+        """P(sigma) per nominal area in 1/Pa at pressures in Pa, tension < 0; its integral is A/A0."""
+        distribution = self.stress_distribution(wavenumber)
+        faces, density = distribution.faces[0], distribution.density[0]
+        points = np.concatenate([faces[:1], (faces[1:] + faces[:-1]) / 2])
+        interpolant = PchipInterpolator(points, np.concatenate([[0.0], density]), extrapolate=False)
+        value = interpolant(np.asarray(pressure, dtype=np.float64) / self.plane_strain_modulus)
+        return np.asarray(np.nan_to_num(value, nan=0.0) / self.plane_strain_modulus)

@@ -1,0 +1,178 @@
+"""Persson's theory at one load: the public entry.
+
+Without adhesion the answer is a closed form.  With adhesion: a fixed point on a coarse mesh for a ladder of loads
+(its energies give the separation), then one on a fine mesh that crowds where the barrier leaves zero.  Where much
+adhesion may let two states coexist, the fixed point is also started from complete contact.
+
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, doi:10.1140/epje/i2009-10508-5.  SI units.  Errors
+of the default resolution, paper's case: area 1e-6, separation 1e-4 h_rms.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from persson.adhesive import ROUTES, AdhesionProblem, AdhesiveFields, Route, solve_fixed_point
+from persson.area_factor import AREA_FACTORS
+from persson.contact import AdhesiveContact
+from persson.diffusion import SAFE
+from persson.magnification import MagnificationMesh, magnification_mesh
+from persson.nonadhesive import (
+    NonadhesiveContact,
+    dimensionless_load,
+    energy_length,
+    plane_strain_modulus,
+    separation_length,
+    solve_nonadhesive,
+    status_of,
+)
+from persson.separation import adhesive_part, load_ladder
+from persson.spectrum import Spectrum
+from persson.status import Status
+
+FloatArray = NDArray[np.float64]
+
+FINE_GROWTH: dict[Route, float] = {"finite_volumes": 0.0125, "volterra": 0.02}
+FINE_CELLS = 800
+COARSE_GROWTH, COARSE_CELLS, COARSE_SUBSTEPS, COARSE_LINES = 0.05, 300, 3, 50
+LADDER = 21
+TOLERANCE, COARSE_TOLERANCE = 1e-9, 1e-7
+SAME_BRANCH = 1e-3  # of A/A0
+BRANCHES_FROM = 0.5  # of the energy of full contact: far below the 1.5 at which branches appear at zero load
+
+
+def solve(
+    spectrum: Spectrum,
+    mean_pressure: float,
+    *,
+    youngs_modulus: float,
+    poisson_ratio: float,
+    work_of_adhesion: float | None = None,
+    area_factor: str = "gaussian_slope_1d",
+    detached_width: float = 1.0,
+    route: Route = "finite_volumes",
+    resolution: float = 1.0,
+    with_separation: bool = True,
+    max_iterations: int = 80,
+) -> NonadhesiveContact | AdhesiveContact:
+    """Contact area, separation, energies, stress distribution and spectra of a rough contact at one load.
+
+    Parameters
+    ----------
+    spectrum : DiscreteSpectrum or ContinuousSpectrum
+    mean_pressure : float
+        sigma_0 in Pa, > 0.
+    youngs_modulus, poisson_ratio : float
+        E > 0 in Pa; nu in (-1, 0.5].
+    work_of_adhesion : float, optional
+        gamma in J/m^2, > 0; None for no adhesion.
+    area_factor : "gaussian_slope_1d" or "isotropic_2d"
+        Real over projected area of the roughness not resolved.
+    detached_width : float
+        In half wavelengths, in (0, 1]; 0.5 raises the detachment stress by sqrt 2.
+    route : "finite_volumes" or "volterra"
+        Two independent solutions of the same theory.
+    resolution : float
+        > 0; 2 halves the steps of every discretisation.
+    with_separation : bool
+        False spares the ladder of loads; the separation is then None.
+    max_iterations : int
+        Of each fixed point; a fixed point not met has status `not_converged`.
+
+    Raises
+    ------
+    ValueError
+        An argument outside its range, with its value.
+
+    Examples
+    --------
+    >>> from persson.spectrum import DiscreteSpectrum
+    >>> lines = DiscreteSpectrum.self_affine(628.3, 0.7, 50e-6, 100)
+    >>> dry = solve(lines, 6667.0, youngs_modulus=1e6, poisson_ratio=0.5)
+    >>> wet = solve(lines, 6667.0, youngs_modulus=1e6, poisson_ratio=0.5, work_of_adhesion=0.03)
+    >>> bool(dry.contact_fraction < wet.contact_fraction), wet.status
+    (True, 'converged')
+    """
+    if work_of_adhesion is None:
+        return solve_nonadhesive(spectrum, mean_pressure, youngs_modulus=youngs_modulus, poisson_ratio=poisson_ratio)
+    modulus = plane_strain_modulus(youngs_modulus, poisson_ratio)
+    load = dimensionless_load(mean_pressure, modulus)
+    _check(work_of_adhesion, area_factor, detached_width, route, resolution, max_iterations)
+    factor, work_length = AREA_FACTORS[area_factor], work_of_adhesion / modulus
+    total = spectrum.total_slope_variance
+    barrier_scale = float(np.sqrt(2 * work_length * factor(total) / detached_width)) / np.pi
+
+    def mesh(growth: float, substeps: int, lines: int, onset: float | None) -> MagnificationMesh:
+        return magnification_mesh(
+            spectrum,
+            4 * (load / SAFE) ** 2 * 0.99,
+            1 + growth / resolution,
+            barrier_scale=barrier_scale,
+            substeps=round(substeps * resolution) or 1,
+            most_resolved=round(lines * resolution),
+            onsets=() if onset is None else (onset,),
+        )
+
+    def fields(nodes: MagnificationMesh, loads: FloatArray, guess: FloatArray | None, coarse: bool) -> AdhesiveFields:
+        problem = AdhesionProblem(spectrum, nodes, loads, work_length, factor, detached_width)
+        return solve_fixed_point(
+            problem,
+            problem.nonadhesive_area() if guess is None else guess,
+            route=route,
+            n_cells=max(8, round((COARSE_CELLS if coarse else FINE_CELLS) * resolution)),
+            tolerance=COARSE_TOLERANCE if coarse else TOLERANCE,
+            max_iterations=max_iterations,
+        )
+
+    def refined(coarse: AdhesiveFields) -> AdhesiveFields:
+        nodes = mesh(FINE_GROWTH[route], 6, 200, coarse.onset())
+        guess = np.interp(nodes.slope_variance, coarse.problem.mesh.slope_variance, coarse.area[0])
+        return fields(nodes, np.array([load]), guess[None, :], coarse=False)
+
+    rough = mesh(COARSE_GROWTH, COARSE_SUBSTEPS, COARSE_LINES, None)
+    loads = load_ladder(load, total, LADDER) if with_separation else np.array([load])
+    ladder = fields(rough, loads, None, coarse=True)
+    state = refined(ladder)
+    other: float | None = None
+    if work_length * float(factor(total)) > BRANCHES_FROM * spectrum.full_contact_energy:
+        closed = fields(rough, np.array([load]), np.ones((1, rough.slope_variance.size)), coarse=True)
+        if abs(closed.area[0, -1] - ladder.area[0, -1]) > SAME_BRANCH:
+            other = float(refined(closed).area[0, -1])
+    separation = None
+    if with_separation:
+        dry = [float(energy_length(spectrum, float(p), np.array([total]))[0]) for p in loads]
+        separation = separation_length(spectrum, load) + adhesive_part(loads, ladder.total_energy - np.array(dry))
+    status: Status = status_of(spectrum, float(state.area[0, -1]))
+    if not state.converged.all() or (with_separation and not ladder.converged.all()):
+        status = "not_converged"
+    elif other is not None and status == "converged":
+        status = "branches"
+    return AdhesiveContact(
+        spectrum=spectrum,
+        mean_pressure=mean_pressure,
+        plane_strain_modulus=modulus,
+        work_of_adhesion=work_of_adhesion,
+        contact_fraction=float(state.area[0, -1]),
+        separation=separation,
+        status=status,
+        other_contact_fraction=other,
+        fields=state,
+    )
+
+
+def _check(
+    work: float, area_factor: str, detached_width: float, route: str, resolution: float, max_iterations: int
+) -> None:
+    if not (np.isfinite(work) and work > 0):
+        raise ValueError(f"work_of_adhesion: {work} must be finite and > 0 (J/m^2); leave it out for no adhesion")
+    if area_factor not in AREA_FACTORS:
+        raise ValueError(f"area_factor: {area_factor!r} must be one of {', '.join(AREA_FACTORS)}")
+    if not 0 < detached_width <= 1:
+        raise ValueError(f"detached_width: {detached_width} must lie in (0, 1] (half wavelengths)")
+    if route not in ROUTES:
+        raise ValueError(f"route: {route!r} must be one of {', '.join(ROUTES)}")
+    if not (np.isfinite(resolution) and resolution > 0):
+        raise ValueError(f"resolution: {resolution} must be finite and > 0")
+    if max_iterations < 1:
+        raise ValueError(f"max_iterations: {max_iterations} must be >= 1")

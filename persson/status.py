@@ -1,0 +1,45 @@
+"""Named states of the theory and what to do about each; a silent number is never returned where it has no answer.
+
+| status           | meaning                                                                     |
+| ---------------- | --------------------------------------------------------------------------- |
+| converged        | one state, fixed point met                                                  |
+| complete_contact | A/A0 = 1 to rounding; the barrier at the largest wavenumber is not felt      |
+| branches         | two states at this load: the fixed point depends on where it starts         |
+| single_line      | one line only: the theory needs roughness on many scales                    |
+| not_converged    | the fixed point was not met; the figures must not be used                   |
+
+sigma_0 <= 0 is bad input: the separation integral diverges at zero load, and the diffusion starts on the barrier.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+Status = Literal["converged", "complete_contact", "branches", "single_line", "not_converged"]
+
+ADVICE: dict[Status, str] = {
+    "converged": "",
+    "complete_contact": "contact is complete to rounding: use the full-contact closed forms of the stress and energy",
+    "branches": (
+        "two states coexist at this load: contact_fraction is the branch met on loading, other_contact_fraction "
+        "the one met from complete contact; decide by history, or compare total_energy"
+    ),
+    "single_line": (
+        "a single line is no self-affine roughness and the diffusion of stress does not describe it: "
+        "use Westergaard's or Johnson's exact solution of the sinusoid"
+    ),
+    "not_converged": (
+        "the effective work of adhesion did not settle: raise max_iterations or lower the work of adhesion"
+    ),
+}
+
+
+def advice_for(status: Status) -> str:
+    """What to do about a status; empty when nothing needs to be done.
+
+    Examples
+    --------
+    >>> advice_for("single_line")[:13]
+    'a single line'
+    """
+    return ADVICE[status]
