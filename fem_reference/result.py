@@ -30,7 +30,7 @@ from fem_reference.closure import Evaluation
 from fem_reference.contact import projected_pressure
 from fem_reference.face import face_nodes, interpolate
 from fem_reference.mesh import Resolution
-from fem_reference.problem import FloatArray, Problem
+from fem_reference.problem import FloatArray, IntArray, Problem
 
 Status = Literal[
     "converged",
@@ -82,7 +82,7 @@ class Result:
     message : str
         What happened, when not converged.
     edges : FloatArray, shape (n_patches, 2)
-        Contact edges in m, a in [0, period), b may exceed it; empty in complete contact.
+        Contact edges in m, a in [0, period) increasing, b may exceed it; empty in complete contact.
     contact_fraction : float
         Projected, 0 to 1.
     load, mean_pressure : float
@@ -156,8 +156,13 @@ def _face_displacement(evaluation: Evaluation, local: FloatArray) -> FloatArray:
     return interpolate(local, nodes.x, values, nodes.order)
 
 
+def patch_order(evaluation: Evaluation) -> IntArray:
+    """Order (n_patches,) of the patches by a in [0, period), as results list them."""
+    return np.asarray(np.argsort(evaluation.edges[:, 0] % 1.0)) if evaluation.edges.size else np.zeros(0, dtype=int)
+
+
 def contact_edges(evaluation: Evaluation) -> FloatArray:
-    """Edges (n_patches, 2) in periods with every a in [0, 1)."""
+    """Edges (n_patches, 2) in periods with every a in [0, 1), in the order of the computation."""
     edges = evaluation.edges
     return edges - np.floor(edges[:, :1]) if edges.size else edges
 
@@ -178,8 +183,13 @@ def adhesion_energy(problem: Problem, edges: FloatArray) -> float:
     return total
 
 
-def quantities(evaluation: Evaluation) -> dict[str, Quantity]:
-    """Every scalar and edge quantity of one mesh in SI units, by the names of `Result`."""
+def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[str, Quantity]:
+    """Every scalar and edge quantity of one mesh in SI units, by the names of `Result`.
+
+    Patches are listed by `patch_order`, or in the order given: meshes compared with one another need the same one, even
+    when an edge near the end of the period falls on either side of it.
+    """
+    listed = patch_order(evaluation) if order is None else order
     states, load = evaluation.states, evaluation.load
     problem, values = states.problem, evaluation.values
     strain = float(states.energy[0, 0] + 2.0 * load * states.energy[0, 1] + load**2 * states.energy[1, 1])
@@ -187,10 +197,9 @@ def quantities(evaluation: Evaluation) -> dict[str, Quantity]:
     plate = float(states.displacement_of_plate[0] + load * states.displacement_of_plate[1])
     edges = contact_edges(evaluation)
     adhesion = adhesion_energy(problem, edges)
-    # at complete contact u_y(mean) = u_tot - h_max exactly, so that its energy is load times that
     elastic = strain - 0.5 * load * mean
     return {
-        "edges": edges * problem.unit_length,
+        "edges": edges[listed] * problem.unit_length,
         "contact_fraction": float(np.sum(np.diff(edges, axis=1))) if edges.size else 1.0,
         "load": load * problem.unit_load,
         "mean_pressure": load * problem.unit_stress,
@@ -200,8 +209,8 @@ def quantities(evaluation: Evaluation) -> dict[str, Quantity]:
         "elastic_energy": elastic * problem.unit_energy,
         "adhesion_energy": adhesion * problem.unit_energy,
         "total_energy": (elastic + adhesion) * problem.unit_energy,
-        "stress_intensity": values.stress_intensity * problem.unit_stress_intensity,
-        "energy_release_rate": values.release_rate * problem.unit_release_rate,
+        "stress_intensity": values.stress_intensity[listed] * problem.unit_stress_intensity,
+        "energy_release_rate": values.release_rate[listed] * problem.unit_release_rate,
     }
 
 
@@ -238,7 +247,8 @@ def _shrinkage(evaluations: Sequence[Evaluation]) -> float:
 
 def aligned_values(name: str, evaluations: Sequence[Evaluation]) -> list[FloatArray]:
     """Values of one quantity on every mesh, edges taken to the period of the last."""
-    values = [np.asarray(quantities(e)[name], dtype=float) for e in evaluations]
+    order = patch_order(evaluations[-1])
+    values = [np.asarray(quantities(e, order)[name], dtype=float) for e in evaluations]
     if name == "edges" and values[-1].size:
         period = evaluations[-1].states.problem.period
         values = [values[-1] + nearest_period(v - values[-1], period) for v in values]
@@ -249,7 +259,7 @@ def defect_spread(name: str, evaluation: Evaluation) -> FloatArray | float:
     """Return what the rank-one defect adds to the uncertainty of a quantity of the edges, zero for the others."""
     if name not in ("stress_intensity", "energy_release_rate"):
         return 0.0
-    return np.asarray(evaluation.values.defect * np.abs(quantities(evaluation)[name]))
+    return np.asarray(evaluation.values.defect[patch_order(evaluation)] * np.abs(quantities(evaluation)[name]))
 
 
 def uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:

@@ -28,7 +28,7 @@ from fem_reference.closure import (
 from fem_reference.crests import chosen_crests
 from fem_reference.mesh import LayerMesh, Resolution, check_edges, layer_mesh
 from fem_reference.problem import FloatArray, InvalidProblemError, Problem
-from fem_reference.result import Quantity, Result, Status, interface_fields, quantities, uncertainties
+from fem_reference.result import Quantity, Result, Status, interface_fields, patch_order, quantities, uncertainties
 
 Harmonics = tuple[ArrayLike, ArrayLike, ArrayLike]
 Edges = ArrayLike | Literal["complete"] | None
@@ -223,7 +223,7 @@ def judged(
     problem = evaluation.states.problem
     status: Status = "converged" if evaluation.edges.size else "complete_contact"
     message = ""
-    intensity = evaluation.values.stress_intensity * problem.unit_stress_intensity
+    intensity = evaluation.values.stress_intensity[patch_order(evaluation)] * problem.unit_stress_intensity
     closing = intensity < -2.0 * np.asarray(spread["stress_intensity"]) - 1e-7 * problem.unit_stress_intensity
     gap = interface_fields(evaluation).gap
     allowed = 2.0 * float(spread["gap"]) + 1e-9 * problem.unit_height
@@ -266,7 +266,7 @@ def _result(
         total_energy=number("total_energy"),
         stress_intensity=table("stress_intensity"),
         energy_release_rate=table("energy_release_rate"),
-        rank_one_defect=evaluation.values.defect,
+        rank_one_defect=evaluation.values.defect[patch_order(evaluation)],
         interface=interface_fields(evaluation),
         closure_residual=residual,
         min_eigenvalue=min_eigenvalue,

@@ -109,6 +109,24 @@ def test_edges_are_taken_modulo_the_period(prescribed, shift):
     assert other.load == pytest.approx(prescribed.load, rel=1e-9)
 
 
+def test_patches_are_listed_from_the_start_of_the_period(prescribed):
+    rolled = np.array([EDGES[1] - 1e-2, EDGES[0]])  # the same contact, begun one patch earlier
+    other = solve(**LAYER, control="penetration", value=70e-6, edges=rolled)
+    np.testing.assert_allclose(other.edges, EDGES, atol=1e-15)
+    np.testing.assert_allclose(other.stress_intensity, prescribed.stress_intensity, rtol=1e-6)
+    np.testing.assert_allclose(other.rank_one_defect, prescribed.rank_one_defect, rtol=1e-3)
+
+
+def test_an_edge_at_the_start_of_the_period_keeps_a_small_uncertainty():
+    layer = LAYER | {"harmonics": ([1], [50e-6], [-np.pi / 2])}
+    wide = solve(**layer, control="penetration", value=50e-6)
+    start = wide.edges[0, 0] / 1e-2 * 2 * np.pi
+    moved = layer | {"harmonics": ([1], [50e-6], [-np.pi / 2 + start])}  # now its left edge is at zero, nearly
+    there = solve(**moved, control="penetration", value=50e-6)
+    assert np.all(there.uncertainty["edges"] < 2.5e-7)  # measured 8e-8
+    assert min(there.edges[0, 0], 1e-2 - there.edges[0, 0]) < 1e-5
+
+
 @pytest.mark.parametrize("nu", [0.3, 0.5])
 def test_complete_contact_carries_any_load_at_penetration_h_max(nu):
     layer = LAYER | {"poisson_ratio": nu}
