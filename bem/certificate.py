@@ -31,7 +31,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 SMALLEST_VARIATION = 1e-6  # rms heights; rounding of u (1e-15) times 1e9
-SMALLEST_CHARGE = 1e-6  # per coefficient of a patch: rounding of charges of order 1 (3e-15) over 1e-8, margin 3
+SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
 RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
 ROUNDING = 5e-13  # rms heights; of the displacement on a patch, over the largest charge where that exceeds 1
 GAP_POINTS_PER_WAVELENGTH = 16
