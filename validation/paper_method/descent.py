@@ -1,0 +1,134 @@
+"""Conjugate gradients of Polak and Ribiere on the edges: the nearest minimum of the energy.
+
+Each edge moves in units of the square root of its room, the lesser of its patch and its gap at the start, in which
+the energy curves about alike in all directions (dG/da ~ w / room).  With the gradient g of the energy in these
+variables,
+
+    d <- -g + max(0, g.(g - g_before) / g_before.g_before) d,
+
+and along d the zero of g.d is looked for by the secant method, each trial costing one pressure.  The energy does not know
+the sign of K: edges that close at the start (K < 0) first move outward until none does, and a trial at which
+one closes has gone too far.  A trial never takes an
+edge farther than a third of its room.  The descent ends when |G/w - 1| is below the closure at every edge, or when a
+patch or a gap has all but vanished, which is then for the caller to settle.
+
+Source: E. Polak, G. Ribiere, Rev. Fr. Inform. Rech. Oper. 3-R1 (1969) 35.  Limits: adhesion is needed, without it the
+energy is flat where it is least.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.paper_method.cells import graded
+from validation.paper_method.energy import Energy, energy
+from validation.paper_method.surface import Surface
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ITERATIONS = 400
+TRIALS = 12  # of the secant method along a direction
+LEVEL = 0.1  # of the slope at the start, below which a point along a direction will do
+FARTHEST = 0.3  # of its room that an edge may travel along one direction
+OPENINGS = 60  # steps in which edges that close at the start move outward
+OUTWARD = 0.15  # of their room in each
+VANISHED = 0.02  # of its size at the start: a patch or gap that is gone
+FIRST_STEP = 0.05  # of its room that the edge pulled most moves in the first trial
+PRECISION = 1e-3  # of the closure: relative residual of the pressure, of which a small patch feels many times as much
+
+End = Literal["closed", "vanished", "not_converged"]
+
+
+@dataclass(frozen=True, eq=False)
+class Descent:
+    """Where a descent ended, why, and what it cost."""
+
+    end: End
+    state: Energy
+    residual: float
+    evaluations: int
+    sweeps: int
+    room: FloatArray
+
+
+def room_of(edges: FloatArray) -> FloatArray:
+    """Lesser of patch width and adjacent gap of each edge, (L, 2)."""
+    width = np.diff(edges, axis=1)[:, 0]
+    behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi) - edges[:, 1]
+    return np.stack([np.minimum(width, np.roll(behind, 1)), np.minimum(width, behind)], axis=1)
+
+
+def descend(surface: Surface, edges: FloatArray, counts: IntArray, penetration: float, closure: float) -> Descent:
+    """Minimise the energy over the edges from the given ones, (L, 2), with fixed numbers of cells, (L,)."""
+    room, signs = room_of(edges), np.array([-1.0, 1.0])
+    unit = np.sqrt(room)
+    precision = PRECISION * closure
+    state = energy(surface, graded(edges, counts), penetration, precision)
+    evaluations, sweeps = 1, state.sweeps
+    while np.any(state.closing) and evaluations <= OPENINGS:
+        opened = state.cells.edges + OUTWARD * state.closing * room_of(state.cells.edges) * signs
+        state = energy(surface, graded(opened, counts), penetration, precision, state.charges)
+        evaluations, sweeps = evaluations + 1, sweeps + state.sweeps
+    gradient, direction, before = state.outward * unit, np.zeros_like(room), None
+    last_step, last_slope = np.nan, np.nan
+    residual = _residual(surface, state)
+    for _ in range(ITERATIONS):
+        if residual < closure:
+            return Descent("closed", state, residual, evaluations, sweeps, room)
+        if np.any(room_of(state.cells.edges) < VANISHED * room):
+            return Descent("vanished", state, residual, evaluations, sweeps, room)
+        turn = 0.0 if before is None else max(0.0, float(np.sum(gradient * (gradient - before)) / np.sum(before**2)))
+        direction = turn * direction - gradient
+        slope = float(np.sum(gradient * direction))
+        if slope >= 0:
+            direction, slope = -gradient, -float(np.sum(gradient**2))
+        longest = FARTHEST / float(np.max(np.abs(direction * unit) / room_of(state.cells.edges)))
+        guess = (
+            FIRST_STEP / float(np.max(np.abs(direction * unit) / room))
+            if np.isnan(last_step)
+            else last_step * last_slope / slope
+        )
+        low, at_low, high, at_high = 0.0, slope, np.nan, np.nan
+        step, here = min(guess, longest), state
+        open_step, open_ = 0.0, state  # the last trial at which no edge closes
+        for _ in range(TRIALS):
+            trial = state.cells.edges + step * direction * unit * signs
+            here = energy(surface, graded(trial, counts), penetration, precision, here.charges)
+            evaluations, sweeps = evaluations + 1, sweeps + here.sweeps
+            found = float(np.sum(here.outward * unit * direction))
+            if not np.any(here.closing):
+                open_step, open_ = step, here
+            if not np.any(here.closing) and (abs(found) <= LEVEL * abs(slope) or (found < 0 and step >= longest)):
+                break
+            if np.any(here.closing):
+                high, at_high = step, np.nan
+                step = _between(low, at_low, high, at_high)
+            elif found < 0:
+                secant = step + (step - low) * found / (at_low - found) if at_low < found else 2 * step
+                low, at_low = step, found
+                step = min(secant, 4 * step, longest) if np.isnan(high) else _between(low, at_low, high, at_high)
+            else:
+                high, at_high = step, found
+                step = _between(low, at_low, high, at_high)
+        if open_ is state:
+            return Descent("not_converged", state, residual, evaluations, sweeps, room)
+        last_step, last_slope = open_step, slope
+        before, state = gradient, open_
+        gradient, residual = state.outward * unit, _residual(surface, state)
+    return Descent("not_converged", state, residual, evaluations, sweeps, room)
+
+
+def _between(low: float, at_low: float, high: float, at_high: float) -> float:
+    """Secant between two points, not too near either; their middle when nothing is known of the farther one."""
+    share = 0.5 if np.isnan(at_high) else float(np.clip(at_low / (at_low - at_high), 0.05, 0.95))
+    return low + (high - low) * share
+
+
+def _residual(surface: Surface, state: Energy) -> float:
+    """max |G/w - 1| over the edges."""
+    return float(np.max(np.abs(state.outward) / (surface.work * surface.adhesive_length(state.cells.edges))))

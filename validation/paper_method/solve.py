@@ -1,0 +1,213 @@
+"""A state of adhesive contact by the paper's method: descent, then what changes the number of patches, and again.
+
+After each descent: a patch that vanished detaches, a gap that vanished closes, and where the profile enters the solid
+between patches a new contact is made; then the descent starts anew.  Nothing here knows a loading path: the state is
+the minimum reached from the edges given.
+
+Source: G. Carbone, M. Scaraggi, U. Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  SI at the edge.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from validation.paper_method.descent import VANISHED, Descent, descend, room_of
+from validation.paper_method.energy import Energy, SweepsError
+from validation.paper_method.surface import Surface
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+CHANGES = 60  # of the number of patches, in all
+POINTS = 24  # at which a gap is looked at, and this many more for every wavelength in it
+BORN = 0.1  # of the shortest wavelength: width of a new contact
+
+
+@dataclass(frozen=True, eq=False)
+class PaperState:
+    """A state, SI units, or the name of the failure.
+
+    Attributes
+    ----------
+    status : str
+        `converged`, `separated`, or `not_converged` with a message.
+    edges : (L, 2) array
+        m, in order on the period.
+    mean_pressure : float
+        Pa.
+    elastic_energy : float
+        J/m per period.
+    tension : bool
+        Whether all edges are opening (K > 0), as they must.
+    smallest_gap : float
+        m, between the patches; not below -`allowed` rms heights when converged.
+    residual : float
+        max |G/w - 1|.
+    """
+
+    status: str
+    message: str
+    edges: FloatArray
+    contact_fraction: float
+    mean_pressure: float
+    elastic_energy: float
+    tension: bool
+    smallest_gap: float
+    residual: float
+    unknowns: int
+    evaluations: int
+    sweeps: int
+
+
+def solve(
+    surface: Surface,
+    penetration: float,
+    edges: ArrayLike,
+    cells: int,
+    closure: float = 1e-6,
+    allowed: float = 1e-4,
+) -> PaperState:
+    """Minimise the energy at given penetration, from given edges.
+
+    Parameters
+    ----------
+    surface : Surface
+        With adhesion.
+    penetration : float
+        Delta, m.
+    edges : array_like, (L, 2)
+        Where to start, m, in order on the period.
+    cells : int
+        Per patch, and as many more for every half of the shortest wavelength in it.
+    closure : float
+        max |G/w - 1| at the end.
+    allowed : float
+        Interpenetration in rms heights that makes no new contact: the displacement near an edge is that inaccurate.
+
+    Raises
+    ------
+    ValueError
+        No adhesion, or edges that are no pairs in order.
+
+    Examples
+    --------
+    >>> wave = Surface(1e6, 0.5, 0.01, [1], [1e-4], [0.0], work_of_adhesion=0.3)
+    >>> state = solve(wave, 1e-4, [[-0.0025, 0.0025]], 12)
+    >>> state.status, state.tension
+    ('converged', True)
+    """
+    if surface.work == 0:
+        raise ValueError("work_of_adhesion: the method needs adhesion, without it the energy is flat at its minimum")
+    pairs = np.asarray(edges, dtype=np.float64) / surface.unit_length
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or np.any(room_of(pairs) <= 0):
+        raise ValueError(f"edges: pairs in order, disjoint on the period are needed, not {pairs.tolist()}")
+    depth, evaluations, sweeps = penetration / surface.unit_height, 0, 0
+    for _ in range(CHANGES):
+        counts = cells_for(surface, pairs, cells)
+        try:
+            found = descend(surface, pairs, counts, depth, closure)
+        except SweepsError as error:
+            return _failed(surface, pairs, str(error), evaluations, sweeps)
+        evaluations, sweeps = evaluations + found.evaluations, sweeps + found.sweeps
+        if found.end == "not_converged":
+            return _failed(surface, found.state.cells.edges, f"|G/w - 1| is {found.residual:.1e}", evaluations, sweeps)
+        changed = _without_vanished(found)
+        if changed is None and np.any(cells_for(surface, found.state.cells.edges, cells) != counts):
+            pairs = found.state.cells.edges  # the cells are those of the edges found, whatever the start
+            continue
+        if changed is None:
+            gaps, where = gap_between(surface, found.state, depth)
+            if gaps.min() >= -allowed:
+                return _state(surface, found, float(gaps.min()), evaluations, sweeps)
+            changed = _with_contact(surface, found.state.cells.edges, float(where[np.argmin(gaps)]))
+        if changed.size == 0:
+            return PaperState("separated", "", np.zeros((0, 2)), 0.0, 0.0, 0.0, True, 0.0, 0.0, 0, evaluations, sweeps)
+        pairs = changed
+    return _failed(surface, pairs, f"more than {CHANGES} changes of the patches", evaluations, sweeps)
+
+
+def cells_for(surface: Surface, edges: FloatArray, cells: int) -> IntArray:
+    """Numbers of cells, (L,): `cells`, and as many more for every half wavelength of the highest harmonic."""
+    waves = np.diff(edges, axis=1)[:, 0] * surface.order.max() / np.pi
+    return np.asarray(np.ceil(cells * (1 + waves)), dtype=np.int64)
+
+
+def gap_between(surface: Surface, state: Energy, penetration: float) -> tuple[FloatArray, FloatArray]:
+    """Gaps in rms heights, and their positions, at points between the patches that crowd at the edges."""
+    edges = state.cells.edges
+    ends = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi)
+    points = []
+    for start, stop in zip(edges[:, 1], ends, strict=True):
+        count = POINTS + int(POINTS * (stop - start) * surface.order.max() / (2 * np.pi))
+        points.append(start + (stop - start) * (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2)
+    x = np.concatenate(points)
+    return displacement(surface, state, x) - (surface.height(x) - surface.highest + penetration), x
+
+
+def displacement(surface: Surface, state: Energy, x: FloatArray) -> FloatArray:
+    """u - u_m in rms heights at points x (n,) off the contact."""
+    cells, charges = state.cells, state.charges
+    kernel = np.log(np.abs(2 * np.sin(np.subtract.outer(x, cells.centre) / 2)))
+    field = -kernel @ charges / np.pi
+    modes = surface.layer_modes
+    if modes.size:
+        order = np.arange(1, modes.size + 1)
+        angle, here = np.outer(cells.centre, order), np.outer(x, order)
+        field += (np.cos(here) * modes) @ (np.cos(angle).T @ charges) / np.pi
+        field += (np.sin(here) * modes) @ (np.sin(angle).T @ charges) / np.pi
+    return np.asarray(field)
+
+
+def _without_vanished(found: Descent) -> FloatArray | None:
+    """The edges without patches and gaps that vanished; None when there are none."""
+    edges = found.state.cells.edges
+    width = np.diff(edges, axis=1)[:, 0]
+    gone = width < VANISHED * found.room.max(axis=1)
+    if np.any(gone):
+        return np.asarray(edges[~gone])
+    behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi) - edges[:, 1]
+    closing = np.flatnonzero(behind < VANISHED * found.room[:, 1])
+    if closing.size == 0:
+        return None
+    at = int(closing[0])
+    following = (at + 1) % len(edges)
+    merged = edges.copy()
+    merged[at, 1] = edges[following, 1] + (2 * np.pi if following == 0 else 0.0)
+    return np.asarray(np.delete(merged, following, axis=0))
+
+
+def _with_contact(surface: Surface, edges: FloatArray, position: float) -> FloatArray:
+    """The edges with a new small contact about a position."""
+    behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi)
+    after = int(np.flatnonzero((edges[:, 1] < position) & (position < behind))[0])
+    free = min(position - edges[after, 1], behind[after] - position)
+    half = min(BORN * np.pi / float(surface.order.max()), free / 3)
+    return np.insert(edges, after + 1, [position - half, position + half], axis=0)
+
+
+def _state(surface: Surface, found: Descent, smallest: float, evaluations: int, sweeps: int) -> PaperState:
+    state, cells = found.state, found.state.cells
+    tension = not np.any(state.closing)
+    return PaperState(
+        status="converged" if tension else "not_converged",
+        message="" if tension else "an edge closes instead of opening: its neighbourhood interpenetrates",
+        edges=cells.edges * surface.unit_length,
+        contact_fraction=float(np.sum(np.diff(cells.edges))) / (2 * np.pi),
+        mean_pressure=state.load * surface.unit_pressure / (2 * np.pi),
+        elastic_energy=state.elastic * surface.unit_energy,
+        tension=tension,
+        smallest_gap=smallest * surface.unit_height,
+        residual=found.residual,
+        unknowns=int(cells.counts.sum()),
+        evaluations=evaluations,
+        sweeps=sweeps,
+    )
+
+
+def _failed(surface: Surface, edges: FloatArray, message: str, evaluations: int, sweeps: int) -> PaperState:
+    nan = float("nan")
+    where = edges * surface.unit_length
+    return PaperState("not_converged", message, where, nan, nan, nan, False, nan, nan, 0, evaluations, sweeps)
