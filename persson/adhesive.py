@@ -14,8 +14,8 @@ absorbed at -a(S) (diffusion.py or volterra.py), which gives A(S) again: a fixed
 accelerated by Anderson mixing.  The nonadhesive part of U_el is exact, the rest is summed by the trapezoid rule in
 W = int dS / q.
 
-Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, doi:10.1140/epje/i2009-10508-5; B. N. J. Persson,
-Eur. Phys. J. E 8 (2002) 385, doi:10.1140/epje/i2002-10101-4; mixing: D. G. Anderson, J. ACM 12 (1965) 547.  Stresses in
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601; B. N. J. Persson,
+Eur. Phys. J. E 8 (2002) 385; mixing: D. G. Anderson, J. ACM 12 (1965) 547.  Stresses in
 units of E*, energies per area over E* in m.  Limits: sigma_0 > 0; gamma_eff < 0, no adhesion at that magnification,
 holds the barrier at zero.
 """

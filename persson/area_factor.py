@@ -8,7 +8,7 @@ With xi^2 the variance of the slope not yet resolved, M(xi^2) = <sqrt(1 + h'^2)>
 - Two-dimensional isotropic roughness, as the paper has it:
       M = int_0^inf sqrt(1 + xi^2 x) exp(-x) dx = 1 + (sqrt pi / 2) xi erfcx(1 / xi).
 
-Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, doi:10.1140/epje/i2009-10508-5; B. N. J. Persson,
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601; B. N. J. Persson,
 Eur. Phys. J. E 8 (2002) 385.  Dimensionless.  Limits: M = 1 + xi^2 / 2 for small xi in both.
 """
 

@@ -36,8 +36,8 @@ class AdhesiveContact:
         Distance of the mean planes, m; None if it was not asked for.
     status : str
         One of the table in status.py; what to do about it is in `advice`.
-    other_contact_fraction : float or None
-        A/A0 of the state met from complete contact, with status `branches`.
+    zero_load_contact_fraction : float or None
+        A/A0 to which contact tends at zero load, where it coexists with separation; None where it vanishes.
     fields : AdhesiveFields
         The state at all magnifications, dimensionless.
     """
@@ -49,7 +49,7 @@ class AdhesiveContact:
     contact_fraction: float
     separation: float | None
     status: Status
-    other_contact_fraction: float | None
+    zero_load_contact_fraction: float | None
     fields: AdhesiveFields
 
     @property

@@ -10,7 +10,7 @@ Runge-Kutta method of third order (L-stable); all loads of a batch are solved as
 The march begins where an exact solution ends: as long as the barrier is at zero, P is the difference of two Gaussians
 and A = erf(sigma_0 / sqrt(2 V)); as long as the barrier is SAFE standard deviations away, P is one Gaussian and A = 1.
 
-Source of the equation: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, doi:10.1140/epje/i2009-10508-5;
+Source of the equation: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601;
 time integration: R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006, doi:10.1137/0714068.  Stresses in units of E*, V in
 E*^2.  Limits: sigma_0 > 0; mass beyond REACH standard deviations, 1e-20, is not represented.
 """
@@ -163,15 +163,13 @@ def _grid(n_cells: int) -> _Grid:
     gap = np.diff(centre)
     # flux through inner face k = 1 .. n-1, from the contents of the cells below (k-1) and above (k)
     slope_low, slope_high = -0.5 / gap / width[:-1], 0.5 / gap / width[1:]
-    mean_low = (centre[1:] - faces[1:-1]) / gap / width[:-1]
-    mean_high = (faces[1:-1] - centre[:-1]) / gap / width[1:]
+    # P at a face weighted by the widths: cells that move then carry int sigma P exactly
+    mean = 0.5 / gap
     diffusion = _divergence(slope_low, slope_high)
-    # the barrier: parabola through P = 0 and the first two cells; its flux leaves
-    first, second = centre[0], centre[1]
-    diffusion[1, 0] -= 0.5 * second / (first * (second - first)) / width[0]
-    diffusion[2, 0] += 0.5 * first / (second * (second - first)) / width[1]
+    # the barrier: the slope to the first centre; what leaves then carries the stress of the barrier itself
+    diffusion[1, 0] -= 0.5 / centre[0] / width[0]
     inner = faces[1:-1]
-    return _Grid(faces, diffusion, _divergence(mean_low, mean_high), _divergence(inner * mean_low, inner * mean_high))
+    return _Grid(faces, diffusion, _divergence(mean, mean), _divergence(inner * mean, inner * mean))
 
 
 def _divergence(low: FloatArray, high: FloatArray) -> FloatArray:

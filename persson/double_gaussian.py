@@ -8,7 +8,7 @@ would have its image at -sigma_0 - 2 sigma_a.  The theory's barrier moves, and n
 fit and sigma_a a number of the fit, not the detachment stress of the theory; `fit_double_gaussian` returns both
 parameters and the residual.
 
-Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, doi:10.1140/epje/i2009-10508-5, final double
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, final double
 Gaussian, with G sigma_0^2 where the print mixes units.  SI units.  Limits: the tensile tail |sigma|^-3 of a real
 contact lies outside; state the window of the fit.
 """

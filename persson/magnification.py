@@ -5,7 +5,8 @@ node, q inside each cell, and the cumulative weight W = int dS / q of the elasti
 
 Lines: q jumps at the edge of a line (narrow-band rule), and the barrier a with it, by J = a dq / 2q; J counts when it
 is not small beside sqrt(T), T = dS / 4 the stress variance of the line.  Lines that differ by more than 1 / SHARPNESS
-in wavenumber, and lines with J > JUMP_SHARE sqrt(T) for the largest a possible, are resolved: cut into substeps that crowd behind the jump.  All others are taken together: nodes sit on edges of lines and q is interpolated between
+in wavenumber, and lines with J > JUMP_SHARE sqrt(T) for the largest a possible, are resolved: cut into substeps that
+crowd behind the jump.  All others are taken together: nodes sit on edges of lines and q is interpolated between
 the middles of the lines; what a staircase does beyond its mean is, to second order, a barrier moved inward by
 
     zeta(3/2) / sqrt(2 pi^3) J^2 / sqrt(T) = 0.33174 J^2 / sqrt(T)

@@ -9,7 +9,7 @@ D is interpolated through Chebyshev points in ln sigma between sigma_0 and FULL_
 stress; beyond, contact is complete and D constant.
 
 Source: B. N. J. Persson, Phys. Rev. Lett. 99 (2007) 125502, doi:10.1103/PhysRevLett.99.125502; Carbone, Scaraggi,
-Tartaglino, Eur. Phys. J. E 30 (2009) 65, doi:10.1140/epje/i2009-10508-5.  Loads in units of E*, energies over E* in m.
+Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  Loads in units of E*, energies over E* in m.
 Limits: sigma_0 > 0 (the integral diverges at zero load); one branch of states from sigma_0 upwards.
 """
 

@@ -1,10 +1,11 @@
 """Persson's theory at one load: the public entry.
 
 Without adhesion the answer is a closed form.  With adhesion: a fixed point on a coarse mesh for a ladder of loads
-(its energies give the separation), then one on a fine mesh that crowds where the barrier leaves zero.  Where much
-adhesion may let two states coexist, the fixed point is also started from complete contact.
+(its energies give the separation), then one on a fine mesh that crowds where the barrier leaves zero.  With much
+adhesion the area does not vanish with the load: contact and separation coexist at zero load, and the state is marked
+`branches`.  At sigma_0 > 0 the fixed point was unique in every case tried (from no adhesion and from full contact).
 
-Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, doi:10.1140/epje/i2009-10508-5.  SI units.  Errors
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  SI units.  Errors
 of the default resolution, paper's case: area 1e-6, separation 1e-4 h_rms.
 """
 
@@ -38,8 +39,9 @@ FINE_CELLS = 800
 COARSE_GROWTH, COARSE_CELLS, COARSE_SUBSTEPS, COARSE_LINES = 0.05, 300, 3, 50
 LADDER = 21
 TOLERANCE, COARSE_TOLERANCE = 1e-9, 1e-7
-SAME_BRANCH = 1e-3  # of A/A0
-BRANCHES_FROM = 0.5  # of the energy of full contact: far below the 1.5 at which branches appear at zero load
+BRANCHES_FROM = 0.5  # of the energy of full contact: far below the 1.5 at which branches appear
+NEAR_ZERO_LOADS = (1e-4, 1e-3)  # in standard deviations of the full-contact stress
+PROPORTIONAL = 0.5  # of d ln A / d ln sigma_0 between them: 1 without branches, 0 where contact persists at zero load
 
 
 def solve(
@@ -103,10 +105,10 @@ def solve(
     total = spectrum.total_slope_variance
     barrier_scale = float(np.sqrt(2 * work_length * factor(total) / detached_width)) / np.pi
 
-    def mesh(growth: float, substeps: int, lines: int, onset: float | None) -> MagnificationMesh:
+    def mesh(growth: float, substeps: int, lines: int, onset: float | None, lowest: float = load) -> MagnificationMesh:
         return magnification_mesh(
             spectrum,
-            4 * (load / SAFE) ** 2 * 0.99,
+            4 * (lowest / SAFE) ** 2 * 0.99,
             1 + growth / resolution,
             barrier_scale=barrier_scale,
             substeps=round(substeps * resolution) or 1,
@@ -134,11 +136,13 @@ def solve(
     loads = load_ladder(load, total, LADDER) if with_separation else np.array([load])
     ladder = fields(rough, loads, None, coarse=True)
     state = refined(ladder)
-    other: float | None = None
+    persisting: float | None = None
     if work_length * float(factor(total)) > BRANCHES_FROM * spectrum.full_contact_energy:
-        closed = fields(rough, np.array([load]), np.ones((1, rough.slope_variance.size)), coarse=True)
-        if abs(closed.area[0, -1] - ladder.area[0, -1]) > SAME_BRANCH:
-            other = float(refined(closed).area[0, -1])
+        tiny = np.array(NEAR_ZERO_LOADS) * np.sqrt(total) / 2
+        nodes = mesh(COARSE_GROWTH, COARSE_SUBSTEPS, COARSE_LINES, None, float(tiny[0]))
+        low, high = fields(nodes, tiny, None, coarse=True).area[:, -1]
+        if np.log(high / low) < PROPORTIONAL * np.log(tiny[1] / tiny[0]):
+            persisting = float(low - (high - low) * tiny[0] / (tiny[1] - tiny[0]))
     separation = None
     if with_separation:
         dry = [float(energy_length(spectrum, float(p), np.array([total]))[0]) for p in loads]
@@ -146,7 +150,7 @@ def solve(
     status: Status = status_of(spectrum, float(state.area[0, -1]))
     if not state.converged.all() or (with_separation and not ladder.converged.all()):
         status = "not_converged"
-    elif other is not None and status == "converged":
+    elif persisting is not None and status == "converged":
         status = "branches"
     return AdhesiveContact(
         spectrum=spectrum,
@@ -156,7 +160,7 @@ def solve(
         contact_fraction=float(state.area[0, -1]),
         separation=separation,
         status=status,
-        other_contact_fraction=other,
+        zero_load_contact_fraction=persisting,
         fields=state,
     )
 

@@ -10,7 +10,7 @@ Continuous:  S(q) = 2 int q^2 C dq with the two-sided C a power law between the 
 
 Both offer `weighted_integral`, the integral int f(S) / q(S) dS that energies and separations are made of.
 
-Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, doi:10.1140/epje/i2009-10508-5.  SI units.  Limits:
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  SI units.  Limits:
 roughness in one direction.  Equal h_rms, Hurst exponent and cut-offs do not make the two kinds equal: for the paper's
 profile the continuous spectrum has a slope 1.39 times that of the lines, and 28 % less contact.
 """

@@ -4,7 +4,7 @@
 | ---------------- | --------------------------------------------------------------------------- |
 | converged        | one state, fixed point met                                                  |
 | complete_contact | A/A0 = 1 to rounding; the barrier at the largest wavenumber is not felt      |
-| branches         | two states at this load: the fixed point depends on where it starts         |
+| branches         | contact persists at zero load, where separation, A = 0, is a state too      |
 | single_line      | one line only: the theory needs roughness on many scales                    |
 | not_converged    | the fixed point was not met; the figures must not be used                   |
 
@@ -21,8 +21,9 @@ ADVICE: dict[Status, str] = {
     "converged": "",
     "complete_contact": "contact is complete to rounding: use the full-contact closed forms of the stress and energy",
     "branches": (
-        "two states coexist at this load: contact_fraction is the branch met on loading, other_contact_fraction "
-        "the one met from complete contact; decide by history, or compare total_energy"
+        "adhesion holds contact at zero load (zero_load_contact_fraction), where A = 0 is a state too: the figures are "
+        "of the state in contact; the theory does not say at which tension it ends, nor that the surfaces have jumped "
+        "into it"
     ),
     "single_line": (
         "a single line is no self-affine roughness and the diffusion of stress does not describe it: "

@@ -10,7 +10,8 @@ the equation holds at each node (with the barrier just below it), and the kernel
 cells next to the diagonal its argument is scaled so that a barrier of constant speed is integrated exactly to first
 order in the square root.  A barrier may jump away from the mean, as it does between lines, but not towards it.
 
-Source: R. Fortet, J. Math. Pures Appl. 22 (1943) 177; G. Peskir, J. Integral Equations Appl. 14 (2002) 397.  Stresses in units of E*, V in E*^2.  Limits: dense, cost n^2.
+Source: R. Fortet, J. Math. Pures Appl. 22 (1943) 177; G. Peskir, J. Integral Equations Appl. 14 (2002) 397.
+Stresses in units of E*, V in E*^2.  Limits: dense, cost n^2.
 """
 
 from __future__ import annotations
