@@ -6,11 +6,11 @@ variables,
 
     d <- -g + max(0, g.(g - g_before) / g_before.g_before) d,
 
-and along d the zero of g.d is looked for by the secant method, each trial costing one pressure.  The energy does not know
-the sign of K: edges that close at the start (K < 0) first move outward until none does, and a trial at which
-one closes has gone too far.  A trial never takes an
-edge farther than a third of its room.  The descent ends when |G/w - 1| is below the closure at every edge, or when a
-patch or a gap has all but vanished, which is then for the caller to settle.
+and along d the zero of g.d is looked for by the secant method, each trial costing one pressure.  The energy does not
+know the sign of K: edges that close at the start (K < 0) first move outward until none does, and a trial at which one
+closes has gone too far.  A trial never takes an edge farther than a third of its room.  The descent ends when
+|G/w - 1| is below the closure at every edge, or when a patch or a gap has all but vanished, which is then for the
+caller to settle.
 
 Source: E. Polak, G. Ribiere, Rev. Fr. Inform. Rech. Oper. 3-R1 (1969) 35.  Limits: adhesion is needed, without it the
 energy is flat where it is least.
