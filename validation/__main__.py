@@ -12,6 +12,7 @@ import os
 import sys
 import time
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -23,7 +24,7 @@ from validation.registry import CaseError, registry, select
 from validation.report.render import PAGE, ReportError, write_html
 from validation.runner import Note, run_cases, write_atomically
 from validation.schema import SCHEMA, Report
-from validation.studies import cost
+from validation.studies import STUDIES
 from validation.verdict import GATING, counts, fails, verdict_of
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -162,7 +163,8 @@ def _baseline_update(options: argparse.Namespace) -> int:
 
 def _study(options: argparse.Namespace) -> int:
     """Run a study."""
-    return cost.run(options.out, options.quick, _say)
+    study = import_module(f"validation.studies.{options.name.replace('-', '_')}")
+    return int(study.run(options.out, options.quick, _say))
 
 
 def _say(note: Note) -> None:
@@ -206,8 +208,8 @@ def _parser() -> argparse.ArgumentParser:
     change.set_defaults(command=_baseline_update)
 
     study = commands.add_parser("study", help="run a study")
-    study.add_argument("name", choices=("cost",))
-    study.add_argument("--quick", action="store_true", help="the benchmark only")
+    study.add_argument("name", choices=STUDIES, help="; ".join(f"{name}: {what}" for name, what in STUDIES.items()))
+    study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
     study.set_defaults(command=_study)
     return parser

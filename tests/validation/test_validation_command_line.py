@@ -13,6 +13,7 @@ import pytest
 from validation import __main__ as command_line
 from validation import baseline
 from validation.__main__ import main
+from validation.studies import cost
 
 HERE = Path(__file__).parent
 
@@ -259,7 +260,7 @@ def test_update_from_a_report_of_other_sources_is_refused(stored, capsys):
 @pytest.mark.parametrize(("words", "quick"), [(["--quick"], True), ([], False)])
 def test_study_is_run_with_its_options(monkeypatch, tmp_path, words, quick):
     given = []
-    monkeypatch.setattr(command_line.cost, "run", lambda folder, quick, report: given.append((folder, quick)) or 1)
+    monkeypatch.setattr(cost, "run", lambda folder, quick, report: given.append((folder, quick)) or 1)
     assert main(["study", "cost", "--out", str(tmp_path), *words]) == 1
     assert given == [(tmp_path, quick)]
 

@@ -1,1 +1,8 @@
-"""Studies: longer runs that answer one question about the suite itself."""
+"""Studies: longer runs that answer one question about the suite itself.
+
+Each is a module of this package (its name with underscores) with `run(folder, quick, report) -> exit code`.
+"""
+
+STUDIES: dict[str, str] = {
+    "cost": "seconds, memory and counts of the paper's profile against harmonics; path convergence",
+}
