@@ -25,7 +25,9 @@ from fem_reference.closure import (
     hessian,
     start_edges,
 )
+from fem_reference.contact import contact_indicator
 from fem_reference.crests import chosen_crests
+from fem_reference.face import face_nodes
 from fem_reference.mesh import LayerMesh, Resolution, check_edges, layer_mesh
 from fem_reference.problem import FloatArray, InvalidProblemError, Problem
 from fem_reference.result import Quantity, Result, Status, interface_fields, patch_order, quantities, uncertainties
@@ -225,12 +227,13 @@ def judged(
     message = ""
     intensity = evaluation.values.stress_intensity[patch_order(evaluation)] * problem.unit_stress_intensity
     closing = intensity < -2.0 * np.asarray(spread["stress_intensity"]) - 1e-7 * problem.unit_stress_intensity
-    gap = interface_fields(evaluation).gap
+    off_contact = ~contact_indicator(evaluation.states.mesh)(face_nodes(evaluation.states.spaces).x)
+    smallest = float(np.min(interface_fields(evaluation).gap[off_contact], initial=0.0))
     allowed = 2.0 * float(spread["gap"]) + 1e-9 * problem.unit_height
     if np.any(closing):
         status, message = "negative_stress_intensity", "an edge closes (K < 0): the faces overlap beside it"
-    elif evaluation.edges.size and np.min(gap) < -allowed:
-        status, message = "interpenetration", f"the profile enters the layer by {-np.min(gap):.3e} m off the contact"
+    elif smallest < -allowed:
+        status, message = "interpenetration", f"the profile enters the layer by {-smallest:.3e} m off the contact"
     return _result(status, message, evaluation, spread, residual, min_eigenvalue)
 
 

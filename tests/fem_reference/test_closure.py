@@ -205,7 +205,7 @@ def test_what_cannot_close_names_the_argument(arguments, argument):
 def test_the_family_of_starts_covers_the_chosen_crests_in_order(two_crests):
     problem = two_crests()
     crests = chosen_crests(problem, 2)
-    for depth in (0.1, 1.0, 3.0):
+    for depth in (0.1, 1.0, 3.0, 10.0):  # the last deeper than every valley
         edges = crest_patches(problem, crests, depth)
         assert np.all((edges[:, 0] < crests) & (crests < edges[:, 1]))
         assert np.all(np.diff(np.append(edges.ravel(), edges[0, 0] + 1)) > 0)

@@ -82,6 +82,15 @@ def test_exported_displacement_is_that_of_the_face(result):
     )
 
 
+def test_exported_pressure_is_that_of_the_elements(result):
+    mesh, states = field_mesh(result), result.evaluation.states
+    nodal = (states.fields[0] + result.evaluation.load * states.fields[1])[2 * states.spaces.sizes[0] :]
+    some = mesh.points[-200:, :2]  # mid-sides
+    local = np.column_stack([some[:, 0] - states.mesh.seam, some[:, 1]])
+    expected = states.spaces.pressure.probes(local.T) @ nodal * result.problem.unit_stress
+    np.testing.assert_allclose(mesh.point_data["pressure"][-200:], expected, rtol=1e-6, atol=1e-12)
+
+
 def test_a_uniformly_compressed_layer_has_uniform_fields():
     flat = COMMON | {"harmonics": ([], [], []), "edges": "complete"}
     mesh = field_mesh(solve(**flat, resolution=Resolution(4, 8, 8)))
