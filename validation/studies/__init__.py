@@ -4,5 +4,6 @@ Each is a module of this package (its name with underscores) with `run(folder, q
 """
 
 STUDIES: dict[str, str] = {
+    "convergence": "rates of every code against those predicted: geometric, algebraic, with and without graded meshes",
     "cost": "seconds, memory and counts of the paper's profile against harmonics; path convergence",
 }

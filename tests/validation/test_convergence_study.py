@@ -1,0 +1,130 @@
+"""The convergence study: verdicts from manufactured curves, failures kept, the curves of each code, its files."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from validation.studies import convergence
+from validation.studies.convergence import PathDrift, Step, figures_of, row_of
+from validation.studies.convergence_curves import (
+    Curve,
+    bem_curves,
+    ensemble_curve,
+    fem_curve,
+    paper_method_curve,
+    persson_curves,
+)
+
+SIZES = (4.0, 8.0, 16.0, 32.0)
+SECOND = Curve(
+    id="second", code="none", quantity="error", knob="cells", sizes=SIZES, errors=tuple(n**-2.0 for n in SIZES),
+    law="algebraic", predicted=2.0, low=1.9, high=2.1, why="made so", kind="manufactured", reference="a power law",
+)  # fmt: skip
+FALLING = tuple(max(1e-3 * 2.0**-n, 1e-15) for n in range(40))
+TWICE = replace(
+    SECOND, id="twice", law="geometric", sizes=tuple(float(n) for n in range(40)), errors=FALLING, predicted=2.0
+)
+
+
+def study(folder, *curves, increments=(0.05, 0.05)):
+    steps = [Step(curve.id, lambda curve=curve: (curve,)) for curve in curves]
+    return convergence.run(folder, True, lambda note: None, steps, increments)
+
+
+@pytest.mark.parametrize(
+    ("curve", "good"),
+    [
+        (SECOND, True),
+        (replace(SECOND, errors=tuple(n**-1.5 for n in SIZES)), False),
+        (replace(SECOND, errors=tuple(n**-2.5 for n in SIZES)), False),
+        (TWICE, True),
+        (replace(TWICE, errors=tuple(max(e, 1e-10) for e in FALLING)), False),
+        (replace(SECOND, errors=(0.1, 0.1, float("nan"), 0.1)), False),
+    ],
+    ids=["right", "too-slow", "too-fast", "geometric", "plateau-too-high", "no-number"],
+)
+def test_verdict_of_a_manufactured_curve(curve, good):
+    assert (row_of(curve)[-1] == "met") is good
+
+
+def test_study_writes_table_figures_and_verdict(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1], 3))
+    assert study(tmp_path, SECOND, TWICE) == 0
+    stored = json.loads((tmp_path / "convergence.json").read_text())
+    assert [curve["rate"]["value"] for curve in stored["curves"]] == pytest.approx([2.0, 2.0], rel=1e-9)
+    assert stored["path"]["reference"] == "self-convergence: no digits"
+    assert {path.name for path in tmp_path.glob("*.svg")} == {"convergence-geometric.svg", "convergence-others.svg"}
+    assert "second" in capsys.readouterr().out
+
+
+def test_curve_that_fails_is_a_line_and_fails_the_study(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1], 3))
+
+    def broken():
+        raise ArithmeticError("singular")
+
+    steps = [Step("broken", broken), Step("second", lambda: (SECOND,))]
+    assert convergence.run(tmp_path, True, lambda note: None, steps, (0.05,)) == 1
+    assert "FAILED: broken: ArithmeticError: singular" in capsys.readouterr().out
+    assert [curve["id"] for curve in json.loads((tmp_path / "convergence.json").read_text())["curves"]] == ["second"]
+
+
+def test_path_that_depends_on_its_increments_fails_the_study(tmp_path, monkeypatch):
+    monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1 + 2e-5 * increment], 3))
+    assert study(tmp_path, SECOND, increments=(0.2, 0.05)) == 1
+
+
+def test_path_drift_is_against_the_finest():
+    assert not PathDrift((0.2, 0.05), (1.1e-6, 0.0), (1, 2)).met
+    assert PathDrift((0.2, 0.05), (0.9e-6, 0.0), (1, 2)).met
+
+
+def test_path_that_does_not_converge_is_told(monkeypatch):
+    def lost(harmonics, increment):
+        raise ArithmeticError("not_converged")
+
+    monkeypatch.setattr(convergence, "path_targets", lost)
+    failures = []
+    assert convergence.path_drift(10, (0.1,), failures) is None
+    assert failures == ["path: ArithmeticError: not_converged"]
+
+
+@pytest.mark.parametrize(
+    "curves",
+    [
+        lambda: bem_curves(0.9, range(4, 49, 4)),
+        lambda: (fem_curve(2, (4, 8, 16), True),),
+        lambda: (fem_curve(2, (8, 16, 32), False),),
+        lambda: persson_curves((25, 50, 100, 200), (6, 12, 25, 50)),
+        lambda: (paper_method_curve((8, 16, 32)),),
+    ],
+    ids=["bem", "fem-graded", "fem-uniform", "persson", "paper-method"],
+)
+def test_rates_of_the_codes_are_those_predicted(curves):
+    assert [row_of(curve)[-1] for curve in curves()] == ["met"] * len(curves())
+
+
+def test_graded_meshes_win_back_what_the_edges_cost():
+    uniform, graded = (fem_curve(2, sizes, kind) for sizes, kind in (((8, 16, 32), False), ((4, 8, 16), True)))
+    assert graded.rate.value > uniform.rate.value + 2  # 4.4 against 1.2
+    assert graded.errors[-1] < 0.01 * uniform.errors[-1]  # 4e-6 against 1.6e-3
+
+
+def test_ensemble_groups_are_of_independent_realisations(monkeypatch):
+    import numpy as np
+
+    from validation.studies import convergence_curves
+
+    normal = np.random.default_rng(0).normal(1.0, 0.1, 4096)
+    monkeypatch.setattr(convergence_curves, "_area", lambda harmonics, seed: float(normal[seed]))
+    curve, areas = ensemble_curve(10, 4096)
+    assert curve.rate.value == pytest.approx(0.5, abs=0.05)  # 0.50
+    assert curve.errors[0] == pytest.approx(0.1, rel=0.03)
+    assert areas.size == 4096
+
+
+def test_figures_carry_the_source_of_the_reference():
+    names = dict(figures_of([SECOND, TWICE], [0.1, 0.2, 0.3]))
+    assert set(names) == {"convergence-geometric", "convergence-others", "convergence-mean-area"}
+    assert "manufactured: a power law" in names["convergence-others"].lines[0].label

@@ -1,0 +1,69 @@
+"""Fits of rates: manufactured errors give back their rate, on the right axis, and what cannot be fitted is told."""
+
+import numpy as np
+import pytest
+
+from validation.studies.rates import RateError, algebraic, geometric
+
+SIZES = (4.0, 8.0, 16.0, 32.0)
+
+
+@pytest.mark.parametrize("order", [0.5, 1.0, 4.0], ids=str)
+def test_order_of_a_power_law(order):
+    found = algebraic(SIZES, [3.0 * n**-order for n in SIZES])
+    assert found.value == pytest.approx(order, rel=1e-12)
+    assert found.pairwise == pytest.approx([order] * 3, rel=1e-12)
+
+
+def test_order_belongs_to_the_sizes_not_to_their_place_in_the_list():
+    sizes = [3.0, 5.0, 20.0]  # a fit over 1, 2, 3 or over sizes shifted by one place gives another order
+    assert algebraic(sizes, [n**-2.0 for n in sizes]).value == pytest.approx(2.0, rel=1e-12)
+
+
+def test_points_near_a_known_plateau_are_left_out():
+    errors = [n**-4.0 for n in SIZES[:3]] + [1e-5]
+    assert algebraic(SIZES, errors).used == (0, 1, 2, 3)
+    found = algebraic(SIZES, errors, plateau=4e-7)
+    assert (found.used, found.value) == ((0, 1, 2), pytest.approx(4.0, rel=1e-12))
+
+
+@pytest.mark.parametrize("rate", [1.6, 2.5, 10.0], ids=str)
+def test_geometric_rate_is_a_factor_per_unit_of_size(rate):
+    sizes = np.arange(4, 41, 4)
+    errors = np.maximum(5e-3 * rate ** -(sizes - 4.0), 1e-14)
+    found = geometric(sizes.tolist(), errors.tolist())
+    assert found.value == pytest.approx(rate, rel=1e-12)
+    assert found.plateau == errors.min()
+
+
+def test_geometric_fit_ends_at_the_plateau_and_begins_where_errors_fall():
+    errors = [1.0, 0.5, 1e-3, 1e-5, 1e-7, 1e-9, 2e-15, 1e-15, 5e-14]
+    found = geometric(list(range(1, 10)), errors)
+    assert (found.used, found.value) == ((2, 3, 4, 5), pytest.approx(100.0, rel=1e-12))
+
+
+def test_power_law_is_not_taken_for_geometric():
+    sizes = [2.0**k for k in range(2, 9)]
+    rates = geometric(sizes, [1e-3 * n**-4.0 for n in sizes]).pairwise
+    assert rates[0] > 1.5 * rates[-2]
+
+
+@pytest.mark.parametrize(
+    ("sizes", "errors"),
+    [
+        ([1.0, 2.0], [0.1, 0.01]),
+        ([1.0, 2.0, 2.0], [0.1, 0.01, 0.001]),
+        ([1.0, 2.0, 3.0], [0.1, float("nan"), 0.001]),
+        ([1.0, 2.0, 3.0], [0.1, 0.0, 0.001]),
+    ],
+    ids=["two-points", "sizes-repeat", "nan", "zero"],
+)
+@pytest.mark.parametrize("fit", [algebraic, geometric], ids=["algebraic", "geometric"])
+def test_what_cannot_be_fitted_is_told(fit, sizes, errors):
+    with pytest.raises(RateError):
+        fit(sizes, errors)
+
+
+def test_too_few_points_before_the_plateau_are_told():
+    with pytest.raises(RateError, match="only 1"):
+        geometric([1.0, 2.0, 3.0, 4.0], [0.5, 1e-3, 1e-15, 1e-15])

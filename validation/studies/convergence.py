@@ -1,0 +1,254 @@
+"""Does every code converge as its theory says: BEM geometrically, FEM and the rest at their orders, the path at once.
+
+Curves and predictions: convergence_curves.py; fits: rates.py.  A rate is bounded on both sides: converging too fast is
+as wrong as too slowly.  The path of the solver has no rate: its events are resolved whatever the increments, so the
+states at its targets must agree to the tolerance; that is self-convergence and gives no digits.  A curve that cannot be
+computed is a line with its message.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from validation.provenance import provenance
+from validation.runner import Note
+from validation.studies.convergence_curves import (
+    Curve,
+    bem_curves,
+    ensemble_curve,
+    fem_curve,
+    paper_method_curve,
+    path_targets,
+    persson_curves,
+)
+from validation.studies.plots import Line, Plot, write_svg
+from validation.studies.rates import RateError
+from validation.studies.store import text_table, write_json
+
+SCHEMA = "linecontact-convergence/1"
+FILE = "convergence.json"
+DRIFT = 1e-6  # largest change of a contact fraction with the increments of the path
+INCREMENTS = (0.4, 0.2, 0.1, 0.05, 0.0125)  # of the path, in rms heights
+PLATEAU = 1e-12  # largest plateau of a geometric curve
+
+
+@dataclass(frozen=True)
+class Step:
+    """A part of the study: a name and what computes its curves."""
+
+    name: str
+    compute: Callable[[], Sequence[Curve]]
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Areas of all realisations, for the figure of the running mean."""
+
+    areas: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class PathDrift:
+    """Largest change of the contact fractions at targets against the finest increments."""
+
+    increments: tuple[float, ...]
+    drifts: tuple[float, ...]
+    evaluations: tuple[int, ...]
+
+    @property
+    def met(self) -> bool:
+        """Whether nothing changes beyond the tolerance."""
+        return all(drift <= DRIFT for drift in self.drifts)
+
+
+def steps_of(quick: bool, areas: list[float]) -> list[Step]:
+    """The parts in order; realisations of the ensemble are left in `areas`."""
+
+    def ensemble() -> Sequence[Curve]:
+        curve, found = ensemble_curve(*((12, 24) if quick else (30, 256)))
+        areas[:] = found.tolist()
+        return (curve,)
+
+    graded = (4, 8, 16) if quick else (4, 8, 16, 32)
+    uniform = (8, 16, 32) if quick else (8, 16, 32, 64)
+    steps = [
+        Step("bem, contact fraction 0.9", lambda: bem_curves(0.9, range(4, 49, 4))),
+        Step("bem, contact fraction 0.95", lambda: bem_curves(0.95, range(4, 69, 4))),
+        Step("fem, quadratic elements, graded", lambda: (fem_curve(2, graded, True),)),
+        Step("fem, quadratic elements, uniform", lambda: (fem_curve(2, uniform, False),)),
+        Step("fem, quartic elements, uniform", lambda: (fem_curve(4, uniform[:3], False),)),
+        Step("persson", lambda: persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100))),
+        Step("paper's method", lambda: (paper_method_curve((8, 16, 32, 64)),)),
+        Step("ensemble", ensemble),
+    ]
+    if not quick:
+        steps.insert(5, Step("fem, quartic elements, graded", lambda: (fem_curve(4, (4, 6, 8, 12), True),)))
+    return steps
+
+
+def run(
+    folder: Path,
+    quick: bool,
+    report: Callable[[Note], None],
+    steps: Sequence[Step] | None = None,
+    increments: tuple[float, ...] | None = None,
+) -> int:
+    """Run the study; 1 when a rate is outside its bounds, a curve fails, or the path depends on its increments.
+
+    Parameters
+    ----------
+    folder : Path
+        Gets convergence.json and the figures.
+    quick : bool
+        Fewer sizes, fewer realisations.
+    report : callable
+        Gets a `Note` for every step.
+    steps, increments : optional
+        Others than those of the study.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    areas: list[float] = []
+    chosen = steps_of(quick, areas) if steps is None else list(steps)
+    facts = provenance()
+    curves: list[Curve] = []
+    failures: list[str] = []
+    with threadpool_limits(limits=1, user_api="blas"):
+        for done, step in enumerate(chosen, 1):
+            report(Note(f"[{done}/{len(chosen) + 1}] {step.name}"))
+            try:
+                curves += step.compute()
+            except Exception as error:  # a line with its message, never a missing one
+                failures.append(f"{step.name}: {type(error).__name__}: {error}")
+        report(Note(f"[{len(chosen) + 1}/{len(chosen) + 1}] path"))
+        path = path_drift(30 if quick else 100, increments or (INCREMENTS[::2] if quick else INCREMENTS), failures)
+    rows = [row_of(curve) for curve in curves]
+    columns = ["curve", "knob", "predicted", "fitted", "low", "high", "fitted over", "plateau", "met"]
+    print(text_table(columns, rows))
+    if path is not None:
+        drifts = [[i, d, n] for i, d, n in zip(path.increments, path.drifts, path.evaluations, strict=True)]
+        print("\npath (self-convergence: no digits)")
+        print(text_table(["increment / h_rms", "change against the finest", "evaluations"], drifts))
+    for message in failures:
+        print(f"FAILED: {message}")
+    good = not failures and path is not None and path.met and all(_met(curve) for curve in curves)
+    write_json(folder / FILE, _content(facts, quick, curves, path, areas, failures, good))
+    for name, plot in figures_of(curves, areas):
+        write_svg(plot, folder / f"{name}.svg")
+    return 0 if good else 1
+
+
+def path_drift(harmonics: int, increments: Sequence[float], failures: list[str]) -> PathDrift | None:
+    """How far the states at targets move with the increments; None, and a message, when a path fails."""
+    try:
+        paths = [path_targets(harmonics, increment) for increment in increments]
+    except Exception as error:
+        failures.append(f"path: {type(error).__name__}: {error}")
+        return None
+    finest = np.array(paths[-1][0])
+    drifts = tuple(float(np.max(np.abs(np.array(targets) - finest))) for targets, _ in paths)
+    return PathDrift(tuple(increments), drifts, tuple(count for _, count in paths))
+
+
+def row_of(curve: Curve) -> list[Any]:
+    """A line of the table; what is wrong with the fit in place of a rate that cannot be fitted."""
+    try:
+        rate = curve.rate
+    except RateError as error:
+        return [curve.id, curve.knob, curve.predicted, str(error), curve.low, curve.high, "-", "-", "NOT MET"]
+    span = f"{curve.sizes[rate.used[0]]:g}..{curve.sizes[rate.used[-1]]:g}"
+    shown = "met" if _met(curve) else "NOT MET"
+    return [curve.id, curve.knob, curve.predicted, rate.value, curve.low, curve.high, span, rate.plateau, shown]
+
+
+def figures_of(curves: Sequence[Curve], areas: Sequence[float]) -> Iterator[tuple[str, Plot]]:
+    """Names and figures: geometric curves, finite elements, other orders, the running mean of the ensemble."""
+    geometric = [curve for curve in curves if curve.law == "geometric"]
+    meshes = [curve for curve in curves if curve.id.startswith("fem-")]
+    others = [c for c in curves if c.law == "algebraic" and c.id != "ensemble-area" and c not in meshes]
+    spread = [curve for curve in curves if curve.id == "ensemble-area"]
+    if geometric:
+        yield "convergence-geometric", _plot("Geometric, to a plateau", "nodes per patch", geometric, "linear")
+    if meshes:
+        yield "convergence-fem", _plot("Finite elements, graded and uniform", "cells per period", meshes, "log")
+    if others:
+        yield "convergence-others", _plot("Persson's diffusion, the paper's method", "cells or steps", others, "log")
+    if spread:
+        yield "convergence-ensemble", _plot("Mean contact fraction over realisations", spread[0].knob, spread, "log")
+    if areas:
+        yield "convergence-mean-area", _running_mean(areas)
+
+
+def _met(curve: Curve) -> bool:
+    try:
+        return curve.met and (curve.law == "algebraic" or curve.rate.plateau <= PLATEAU)
+    except RateError:
+        return False
+
+
+def _plot(title: str, xlabel: str, curves: Sequence[Curve], xscale: str) -> Plot:
+    lines: list[Line] = []
+    fits: list[tuple[str, Sequence[float], Sequence[float]]] = []
+    for curve in curves:
+        lines.append(Line(f"{curve.id} ({curve.kind}: {curve.reference})", curve.sizes, curve.errors))
+        try:
+            rate = curve.rate
+        except RateError:
+            fits.append(("no rate", [], []))
+            continue
+        at = [curve.sizes[i] for i in rate.used]
+        last = curve.errors[rate.used[-1]]
+        if curve.law == "geometric":
+            fit = [last * curve.predicted ** (at[-1] - n) for n in at]
+            fits.append((f"predicted {curve.predicted:.3g} per node, fitted {rate.value:.3g}", at, fit))
+        else:
+            fit = [last * (at[-1] / n) ** curve.predicted for n in at]
+            fits.append((f"predicted order {curve.predicted:g}, fitted {rate.value:.2f}", at, fit))
+    return Plot(title, xlabel, "error", lines, xscale=xscale, fits=fits, size=(8.4, 6.2))
+
+
+def _running_mean(areas: Sequence[float]) -> Plot:
+    count = list(range(2, len(areas) + 1))
+    mean = [float(np.mean(areas[:n])) for n in count]
+    half = [2 * float(np.std(areas[:n], ddof=1)) / math.sqrt(n) for n in count]
+    lines = [
+        Line("mean of the first n", count, mean, joined=False),
+        Line("plus two standard errors", count, [m + h for m, h in zip(mean, half, strict=True)], joined=False),
+        Line("less two standard errors", count, [m - h for m, h in zip(mean, half, strict=True)], joined=False),
+    ]
+    return Plot("Mean contact fraction", "realisations n", "contact fraction", lines, xscale="linear", yscale="linear")
+
+
+def _content(
+    facts: dict[str, Any],
+    quick: bool,
+    curves: Sequence[Curve],
+    path: PathDrift | None,
+    areas: Sequence[float],
+    failures: Sequence[str],
+    good: bool,
+) -> dict[str, Any]:
+    told = []
+    for curve in curves:
+        entry = asdict(curve) | {"met": _met(curve)}
+        try:
+            entry["rate"] = asdict(curve.rate)
+        except RateError as error:
+            entry["rate"] = {"message": str(error)}
+        told.append(entry)
+    return {
+        "schema": SCHEMA,
+        "provenance": facts,
+        "quick": quick,
+        "curves": told,
+        "path": None if path is None else asdict(path) | {"met": path.met, "reference": "self-convergence: no digits"},
+        "ensemble": Ensemble(tuple(areas)).areas,
+        "failures": list(failures),
+        "met": good,
+    }

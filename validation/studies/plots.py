@@ -1,0 +1,118 @@
+"""Figures of studies as SVG documents: error curves with their fits, error against time with the reference's band.
+
+Style, colours and markers are those of the report; every point of a work-precision curve is labelled by its unknowns, a
+failed one stays as a cross at the edge of the axes with its message in the legend.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from validation.report.figures import COLOURS, MARKERS, SETTINGS
+from validation.runner import write_atomically
+
+
+@dataclass(frozen=True)
+class Line:
+    """One curve.
+
+    Parameters
+    ----------
+    label : str
+    x, y : sequences of float
+    notes : sequence of str
+        Beside the points; empty for none.
+    grey : sequence of bool
+        Points within the uncertainty of the reference; empty for none.
+    joined : bool
+        Whether a line joins the points; otherwise the curve is a line alone.
+    """
+
+    label: str
+    x: Sequence[float]
+    y: Sequence[float]
+    notes: Sequence[str] = ()
+    grey: Sequence[bool] = ()
+    joined: bool = True
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Axes with curves.
+
+    Parameters
+    ----------
+    band : tuple of float, optional
+        Interval of x shaded as the uncertainty of the reference.
+    band_label : str
+    fits : sequence of (label, x, y)
+        Dashed lines in the colours of the curves of the same place.
+    failures : sequence of str
+        Messages of points that failed.
+    """
+
+    title: str
+    xlabel: str
+    ylabel: str
+    lines: Sequence[Line]
+    xscale: str = "log"
+    yscale: str = "log"
+    fits: Sequence[tuple[str, Sequence[float], Sequence[float]]] = ()
+    bands: Sequence[tuple[str, float]] = ()
+    failures: Sequence[str] = ()
+    size: tuple[float, float] = field(default=(6.8, 4.4))
+
+
+def draw(plot: Plot) -> Figure:
+    """The figure; also for a look at it in another format."""
+    with mpl.rc_context(SETTINGS):
+        canvas = Figure(figsize=plot.size, layout="constrained")
+        axes = canvas.subplots()
+        for index, line in enumerate(plot.lines):
+            _draw_line(axes, line, COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)])
+        for index, (label, x, y) in enumerate(plot.fits):
+            axes.plot(x, y, "--", color=COLOURS[index % len(COLOURS)], linewidth=1.0, label=label)
+        axes.set_xscale(plot.xscale)
+        axes.set_yscale(plot.yscale)
+        for label, upper in plot.bands:
+            axes.axvspan(axes.get_xlim()[0] if plot.xscale == "linear" else 1e-18, upper, color="#999999", alpha=0.18,
+                         linewidth=0, label=label)  # fmt: skip
+        if plot.bands:
+            known = [x for line in plot.lines for x in line.x]
+            axes.set_xlim(min([*known, *(upper for _, upper in plot.bands)]) / 4, max(known, default=1.0) * 4)
+        for message in plot.failures:
+            axes.plot([], [], "x", color="#aa0000", linestyle="none", label=f"failed: {message}")
+        axes.set_xlabel(plot.xlabel)
+        axes.set_ylabel(plot.ylabel)
+        axes.set_title(plot.title, fontsize=9.5)
+        if plot.lines or plot.failures:
+            canvas.legend(loc="outside lower center", ncols=2, fontsize=7.5)
+    return canvas
+
+
+def write_svg(plot: Plot, path: Path) -> None:
+    """The figure as an SVG document; equal numbers give equal files."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    stream = io.StringIO()
+    with mpl.rc_context(SETTINGS):
+        draw(plot).savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    write_atomically(path, stream.getvalue())
+
+
+def _draw_line(axes: Axes, line: Line, colour: str, marker: str) -> None:
+    if not line.joined:
+        axes.plot(line.x, line.y, "-", color=colour, linewidth=1.2, label=line.label)
+        return
+    axes.plot(line.x, line.y, "-", marker=marker, color=colour, linewidth=1.2, markersize=4.2, label=line.label)
+    grey = [(x, y) for x, y, inside in zip(line.x, line.y, line.grey, strict=True) if inside] if line.grey else []
+    if grey:
+        axes.plot(*zip(*grey, strict=True), marker, color="#b8b8b8", markersize=4.4, linestyle="none")
+    for x, y, note in zip(line.x, line.y, line.notes, strict=True) if line.notes else ():
+        axes.annotate(note, (x, y), xytext=(3, 3), textcoords="offset points", fontsize=6.0, color=colour)

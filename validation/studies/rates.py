@@ -1,0 +1,108 @@
+"""How fast an error falls: orders and geometric rates, fitted and between neighbours, with the range of the fit.
+
+Algebraic: error = C size^-order, fitted by least squares on logarithms of both.  Geometric: error = C rate^-size,
+fitted on the logarithm of the error alone.  Points on the plateau, where rounding or another error rules, and points
+before the error starts to fall are left out of a fit, and which were used is part of the answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.compare import fitted_order, pairwise_orders
+
+Law = Literal["algebraic", "geometric"]
+
+ABOVE_PLATEAU = 30.0  # times the plateau: nearer to it, it adds to the error
+BEFORE = 0.01  # relative error above which nothing has converged yet
+FEWEST = 3
+
+
+class RateError(ValueError):
+    """Too few points fall between the start and the plateau to fit a rate."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """What was fitted.
+
+    Parameters
+    ----------
+    law : {"algebraic", "geometric"}
+    value : float
+        Order, or factor by which the error falls for each unit of size; larger is faster in both.
+    pairwise : tuple of float
+        The same between neighbours of all points, one fewer than the points.
+    used : tuple of int
+        Indices of the points fitted.
+    plateau : float
+        The error below which nothing falls.
+    """
+
+    law: Law
+    value: float
+    pairwise: tuple[float, ...]
+    used: tuple[int, ...]
+    plateau: float
+
+
+def algebraic(sizes: Sequence[float], errors: Sequence[float], plateau: float = 0.0) -> Rate:
+    """Order p of error = C size^-p, over the points well above a known plateau.
+
+    Examples
+    --------
+    >>> round(algebraic([1.0, 2.0, 4.0], [1.0, 0.25, 0.0625]).value, 12)
+    2.0
+    """
+    size, error = _arrays(sizes, errors)
+    used = np.flatnonzero(error > ABOVE_PLATEAU * plateau)
+    _enough(used)
+    order = -fitted_order(size[used].tolist(), error[used].tolist())
+    pairs = tuple(-p for p in pairwise_orders(size.tolist(), error.tolist()))
+    return Rate("algebraic", order, pairs, tuple(int(i) for i in used), plateau)
+
+
+def geometric(sizes: Sequence[float], errors: Sequence[float]) -> Rate:
+    """Factor rho of error = C rho^-size; the plateau is the least error.
+
+    Examples
+    --------
+    >>> found = geometric([2, 4, 6, 8, 10], [1e-2, 1e-4, 1e-6, 1e-16, 1e-16])
+    >>> round(found.value, 12), found.used, found.plateau
+    (10.0, (0, 1, 2), 1e-16)
+    """
+    size, error = _arrays(sizes, errors)
+    plateau = float(error.min())
+    falling = (error > ABOVE_PLATEAU * plateau) & (error < BEFORE)
+    first_flat = int(np.argmax(error <= ABOVE_PLATEAU * plateau))
+    used = np.flatnonzero(falling[:first_flat])
+    _enough(used)
+    slope = np.polyfit(size[used], np.log(error[used]), 1)[0]
+    pairs = np.exp(-np.diff(np.log(error)) / np.diff(size))
+    return Rate("geometric", float(np.exp(-slope)), tuple(pairs.tolist()), tuple(int(i) for i in used), plateau)
+
+
+def _arrays(sizes: Sequence[float], errors: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Sizes and errors as arrays.
+
+    Raises
+    ------
+    RateError
+        Sizes that do not increase, errors that are not finite and positive.
+    """
+    size, error = np.asarray(sizes, dtype=np.float64), np.asarray(errors, dtype=np.float64)
+    if size.shape != error.shape or size.size < FEWEST or np.any(np.diff(size) <= 0):
+        raise RateError(f"{size.size} sizes and {error.size} errors: at least {FEWEST} of each, sizes increasing")
+    if not np.all(np.isfinite(error) & (error > 0)):
+        raise RateError(f"errors must be finite and positive, not {error.tolist()}")
+    return size, error
+
+
+def _enough(used: NDArray[np.int64]) -> None:
+    if used.size < FEWEST:
+        raise RateError(f"only {used.size} points between the start and the plateau, {FEWEST} are needed")

@@ -1,0 +1,58 @@
+"""What studies leave behind: NAME.json written in one piece, tables for a terminal, and memory measured."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from validation.runner import write_atomically
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write JSON; nan and infinity, which it does not know, become null."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(path, json.dumps(plain(dict(content)), indent=1, allow_nan=False) + "\n")
+
+
+def plain(value: Any) -> Any:
+    """A value as JSON knows it."""
+    if isinstance(value, Mapping):
+        return {name: plain(content) for name, content in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(content) for content in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def text_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    """Columns aligned for a terminal; numbers to four digits.
+
+    Examples
+    --------
+    >>> print(text_table(["n", "error"], [[8, 0.00123456], [16, None]]))
+     n     error
+     8  0.001235
+    16         -
+    """
+    cells = [list(columns), *[[_shown(cell) for cell in row] for row in rows]]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(columns))]
+    return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in cells)
+
+
+def peak_megabytes() -> float:
+    """Largest resident memory of this process so far; nan where the system does not tell (Windows)."""
+    if sys.platform == "win32":
+        return math.nan
+    import resource  # absent on Windows
+
+    unit = 2**20 if sys.platform == "darwin" else 2**10
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
+
+
+def _shown(cell: Any) -> str:
+    if cell is None or (isinstance(cell, float) and math.isnan(cell)):
+        return "-"
+    return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
