@@ -16,7 +16,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Generic, TypeVar
@@ -25,6 +25,7 @@ from threadpoolctl import threadpool_limits
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 PULSE = 5.0  # s between signs of life
+TURN = 0.2  # s for which each of several processes is listened to in turn
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -96,6 +97,39 @@ def run_alone(
     """Events of one item in a process of its own, so that its memory and time are its own."""
     with _one_thread_each():
         yield from _one_pool(function, deque([item]), 1, pulse)
+
+
+def run_each_alone(
+    function: Callable[[Item], Answer], items: Iterable[Item], jobs: int
+) -> Generator[Started[Item] | Ended[Item, Answer], None, None]:
+    """Events of all items, each in a new process of its own, up to `jobs` at a time.
+
+    For functions that change the code they run in, whose traces the next item must not find.
+
+    Parameters
+    ----------
+    function, items, jobs
+        As of `run_in_processes`.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Workers are ended first.
+    """
+    waiting = deque(items)
+    with ExitStack() as stack:
+        stack.enter_context(_one_thread_each())
+        active: list[Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]] = []
+        while waiting or active:
+            while waiting and len(active) < jobs:
+                active.append(_one_pool(function, deque([waiting.popleft()]), 1, TURN))
+                stack.callback(active[-1].close)
+            for events in tuple(active):
+                event = next(events, None)
+                if event is None:
+                    active.remove(events)
+                elif not isinstance(event, Running):
+                    yield event
 
 
 def _one_pool(

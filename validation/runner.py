@@ -113,7 +113,7 @@ def _computed(
             elif isinstance(event, Ended):
                 record = event.answer
                 if isinstance(record, Exception):
-                    record = _failed(event.item, f"{type(record).__name__}: {record}", 0.0)
+                    record = failed_record(event.item, f"{type(record).__name__}: {record}", 0.0)
                     _keep(record, event.item, store, code)
                 left.discard(record.id)
                 told = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
@@ -146,16 +146,26 @@ def _run(case: Case, store: Path, code: str) -> CaseRecord:
     begun = time.perf_counter()
     log = store / f"{case.id}.log"
     try:
-        record = _record(case, case.compute(), time.perf_counter() - begun)
+        record = record_of(case, case.compute(), time.perf_counter() - begun)
         log.unlink(missing_ok=True)
     except (Exception, SystemExit) as error:
         log.write_text(traceback.format_exc(), "utf-8")
-        record = _failed(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)
+        record = failed_record(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)
     _keep(record, case, store, code)
     return record
 
 
-def _record(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
+def record_of(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
+    """What is reported of a case that ran.
+
+    Parameters
+    ----------
+    case : Case
+    outcome : Outcome
+        What it found, or why it was skipped.
+    seconds : float
+        What it took.
+    """
     return CaseRecord(
         id=case.id,
         group=case.group,
@@ -175,8 +185,18 @@ def _record(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
     )
 
 
-def _failed(case: Case, message: str, seconds: float) -> CaseRecord:
-    record = _record(case, Outcome(rows=()), seconds)
+def failed_record(case: Case, message: str, seconds: float) -> CaseRecord:
+    """What is reported of a case that crashed: its message in place of rows.
+
+    Parameters
+    ----------
+    case : Case
+    message : str
+        Kind and text of the exception.
+    seconds : float
+        Until it crashed.
+    """
+    record = record_of(case, Outcome(rows=()), seconds)
     return record.model_copy(update={"status": "error", "message": message})
 
 

@@ -6,4 +6,5 @@ MODULES: tuple[str, ...] = (
     "validation.cases.identities",
     "validation.cases.path_convergence",
     "validation.cases.paper_profile",
+    "validation.cases.fault_gaps",
 )

@@ -6,4 +6,5 @@ Each is a module of this package (its name with underscores) with `run(folder, q
 STUDIES: dict[str, str] = {
     "convergence": "rates of every code against those predicted: geometric, algebraic, with and without graded meshes",
     "cost": "seconds, memory and counts of the paper's profile against harmonics; path convergence",
+    "faults": "would the suite notice: faults put into the running code, what catches them, how small they may be",
 }

@@ -1,0 +1,161 @@
+"""The study of faults: what is caught and by how much, what is not counted, and five faults of the real catalogue."""
+
+import json
+import sys
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from validation.schema import Band
+from validation.studies import faults
+from validation.studies.fault_catalogue import CATALOGUE, QUICK
+from validation.studies.fault_injection import Examined, Fault, Task
+from validation.studies.faults import Finding, Search, answers_of, compared, control_run, examine_faults, excess_of
+
+HERE = Path(__file__).parent
+
+
+def silent(note):
+    return None
+
+
+@pytest.fixture
+def example(monkeypatch):
+    """The example catalogue, importable here and by worker processes."""
+    monkeypatch.syspath_prepend(str(HERE))
+    sys.modules.pop("example_faults", None)
+    import example_faults
+
+    return example_faults
+
+
+@pytest.fixture(scope="module")
+def studied(tmp_path_factory):
+    """The whole study of the example catalogue, once: exit code and faults.json."""
+    folder = tmp_path_factory.mktemp("faults")
+    sys.path.insert(0, str(HERE))
+    try:
+        code = faults.run(folder, False, silent, "example_faults", ("example_faults",))
+    finally:
+        sys.path.remove(str(HERE))
+    return code, json.loads((folder / "faults.json").read_text()), folder
+
+
+def fault_of(studied, name):
+    return next(fault for fault in studied[1]["faults"] if fault["id"] == name)
+
+
+def test_fault_is_caught_by_the_row_that_moved_and_by_how_much(studied):
+    found = fault_of(studied, "off")
+    assert found["caught"]
+    by = {sight["case"]: sight["error_over_allowed"] for sight in found["caught_by"]}
+    assert by == pytest.approx({"uses-function": 1000.0, "uses-function-loosely": 1 / 0.3})
+
+
+def test_smallest_size_is_a_decade_that_is_caught_beside_one_that_is_not(studied):
+    found = fault_of(studied, "off")
+    assert (found["smallest_size_caught"], found["largest_size_missed"]) == (1e-2, 1e-3)  # the tolerance is 1e-3
+
+
+@pytest.mark.parametrize(
+    ("name", "message"), [("crash", "divides by zero"), ("blank", "answer"), ("die", "ended without an answer")]
+)
+def test_what_is_no_numerical_verdict_is_listed_apart_and_not_counted(studied, name, message):
+    found = fault_of(studied, name)
+    assert not found["caught"]
+    assert any(message in told for told in found["crashes_and_refusals"].values())
+
+
+def test_study_fails_for_what_nothing_catches_and_what_is_never_called(studied):
+    code, content, _ = studied
+    assert code == 1
+    assert [line.split(":")[0] for line in content["failures"]] == ["crash", "blank", "die", "never"]
+    assert "no case calls example_faults:never" in content["failures"][-1]
+
+
+def test_planned_faults_are_reported(studied):
+    assert studied[1]["planned"] == len(studied[1]["faults"]) == 5
+
+
+def test_figure_shows_every_fault(studied):
+    text = (studied[2] / "faults.svg").read_text()
+    assert all(f">{name}<" in text for name in ("off", "crash", "blank", "die", "never"))
+
+
+def test_red_base_proves_nothing(example, tmp_path, monkeypatch, capsys):
+    red = Examined((faults_record(example, example.red),), {})
+    monkeypatch.setattr(faults, "control_run", lambda *_: red)
+    assert faults.run(tmp_path, True, silent, "example_faults", ("example_faults",)) == 1
+    assert "control run is not green: red: deviates" in capsys.readouterr().out
+    assert json.loads((tmp_path / "faults.json").read_text())["faults"] == []
+
+
+def faults_record(example, compute):
+    from validation.runner import record_of
+
+    return record_of(example.case(compute.__name__, compute), compute(), 0.1)
+
+
+def test_row_that_appears_or_vanishes_is_listed_apart(example):
+    record = faults_record(example, example.use_function)
+    other = record.model_copy(update={"rows": [record.rows[0].model_copy(update={"quantity": "another"})]})
+    sights, apart = compared(Examined((record,), {}), Examined((other,), {}))
+    assert (sights, list(apart)) == ([], [record.id])
+
+
+def test_excess_of_a_band_is_counted_from_its_middle(example):
+    row = example.compared(1.0, 4.0).rows[0]
+    band = Band(low=1.0, high=3.0, cause="c", source="s", review="2099-01-01")
+    assert excess_of(row.model_copy(update={"norm": "ratio", "tolerance": None, "band": band})) == 2.0
+
+
+@pytest.mark.parametrize("last", [0, 1, 4, 9, 15])
+@pytest.mark.parametrize("predicted", [0, 3, 12])
+def test_search_ends_at_the_last_decade_that_is_seen(last, predicted):
+    search = Search(Finding(Fault("f", "w", "m:f", lambda f, s: f, "s")), [], predicted)
+    asked = 0
+    while (decade := search.next_decade()) is not None:
+        asked += 1
+        if decade <= last:
+            search.seen = decade
+        else:
+            search.lost = decade
+        assert asked < 20
+    assert (search.seen, search.lost) == (last, last + 1)
+
+
+def test_catalogue_has_25_faults_of_different_names_in_all_parts():
+    assert len({fault.id for fault in CATALOGUE}) == len(CATALOGUE) >= 25
+    assert {fault.target.split(".")[0] for fault in CATALOGUE} == {"bem", "fem_reference", "persson", "validation"}
+
+
+def test_target_that_does_not_exist_stops_the_study(example, monkeypatch):
+    task = Task("example_faults", "lost", 1.0, (("uses-function", 1.0),), ("example_faults",))
+    lost = replace(example.CATALOGUE[0], id="lost", target="example_faults:lost")
+    monkeypatch.setattr(example, "CATALOGUE", (lost,))
+    from validation.studies.fault_injection import FaultError, examine
+
+    with pytest.raises(FaultError, match="lost"):
+        examine(task)
+
+
+@pytest.fixture(scope="module")
+def control():
+    return control_run(faults.CATALOGUE, True, 1, silent)
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_fault_of_the_solver_or_the_harness_is_caught(control, name):
+    chosen = [fault for fault in import_module(faults.CATALOGUE).CATALOGUE if fault.id == name]
+    (finding,) = examine_faults(chosen, faults.CATALOGUE, control, 1, silent)
+    assert finding.calls > 0
+    assert finding.caught
+
+
+def test_answers_come_in_the_order_of_the_tasks(example):
+    tasks = [
+        Task("example_faults", "off", size, (("uses-function", 10.0),), ("example_faults",)) for size in (0.5, 0.25)
+    ]
+    assert [answer.records[0].rows[0].computed for answer in answers_of(tasks, 2, silent)] == [[1.5], [1.25]]
