@@ -128,11 +128,8 @@ class AdhesiveContact:
         mesh = self.fields.problem.mesh
         total = float(mesh.slope_variance[-1])
         resolved = total if wavenumber is None else min(self.spectrum.resolved_variance(wavenumber), total)
-        if not resolved >= mesh.slope_variance[1]:
-            raise ValueError(
-                f"wavenumber: {wavenumber} resolves a slope variance of {resolved}, at least "
-                f"{mesh.slope_variance[1]} is needed; below it P is a Gaussian about sigma_0"
-            )
+        if resolved == 0:
+            raise ValueError(f"wavenumber: {wavenumber} resolves no roughness; P is a delta function there (rad/m)")
         kept = mesh.slope_variance < resolved * (1 - 1e-12)
         barrier = mesh.smoothed(self.fields.barrier)[0]
         barrier[0] = barrier[1]

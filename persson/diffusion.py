@@ -63,9 +63,13 @@ class StressDistribution:
 
     @property
     def load(self) -> FloatArray:
-        """int sigma P dsigma, (n_loads,): not conserved once the barrier moves."""
-        centre = (self.faces[:, 1:] + self.faces[:, :-1]) / 2
-        return np.asarray(np.sum(self.density * centre * np.diff(self.faces, axis=1), axis=1))
+        """int sigma P dsigma, (n_loads,), P linear in each cell: not conserved once the barrier moves."""
+        width, centre = np.diff(self.faces, axis=1), (self.faces[:, 1:] + self.faces[:, :-1]) / 2
+        slope = np.empty_like(self.density)
+        for row, (points, values) in enumerate(zip(centre, self.density, strict=True)):
+            from_barrier = np.gradient(np.append(0.0, values), np.append(self.faces[row, 0], points))
+            slope[row] = from_barrier[1:]
+        return np.asarray(np.sum(self.density * centre * width + slope * width**3 / 12, axis=1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,7 +31,8 @@ from persson.spectrum import DiscreteSpectrum, Spectrum
 
 FloatArray = NDArray[np.float64]
 
-ONSET_HALVINGS = 14  # cells shrink by 2^-k towards the point where the barrier leaves zero
+ONSET_REACH, ONSET_FLOOR = 0.1, 1e-5  # of the onset: farthest and nearest node of the crowd around it
+ONSET_SHARE = 12.0  # growth of the distance from the onset over growth of S
 SHARPNESS = 16.0
 JUMP_SHARE = 0.3
 CROWDED = (1e-4, 1e-3, 6e-3)  # of a line, besides the squares: the jump itself and the first recovery of the flux
@@ -124,7 +125,8 @@ def magnification_mesh(
         nodes = np.concatenate([[0.0, start], spectrum.slope_variance[1:]])
     nodes = _bounded_growth(np.unique(nodes[(nodes == 0) | (nodes >= start)]), growth)
     for onset in onsets:
-        steps = onset * (growth - 1) * 0.5 ** np.arange(ONSET_HALVINGS)
+        count = int(np.ceil(np.log(ONSET_REACH / ONSET_FLOOR) / np.log1p(ONSET_SHARE * (growth - 1)))) + 1
+        steps = onset * np.geomspace(ONSET_REACH, ONSET_FLOOR, count)
         crowd = np.concatenate([onset - steps, [onset], onset + steps])
         nodes = np.union1d(nodes, crowd[(crowd > start) & (crowd < total)])
     middle = (nodes[1:] + nodes[:-1]) / 2

@@ -34,8 +34,7 @@ from persson.status import Status
 
 FloatArray = NDArray[np.float64]
 
-FINE_GROWTH: dict[Route, float] = {"finite_volumes": 0.0125, "volterra": 0.02}
-FINE_CELLS = 800
+FINE_GROWTH, FINE_CELLS = 0.0125, 800
 COARSE_GROWTH, COARSE_CELLS, COARSE_SUBSTEPS, COARSE_LINES = 0.05, 300, 3, 50
 LADDER = 21
 TOLERANCE, COARSE_TOLERANCE = 1e-9, 1e-7
@@ -128,7 +127,7 @@ def solve(
         )
 
     def refined(coarse: AdhesiveFields) -> AdhesiveFields:
-        nodes = mesh(FINE_GROWTH[route], 6, 200, coarse.onset())
+        nodes = mesh(FINE_GROWTH, 6, 200, coarse.onset())
         guess = np.interp(nodes.slope_variance, coarse.problem.mesh.slope_variance, coarse.area[0])
         return fields(nodes, np.array([load]), guess[None, :], coarse=False)
 
