@@ -9,7 +9,7 @@ from scipy.integrate import dblquad
 
 import validation.paper_method
 from validation.cases.closed_forms import Sinusoid
-from validation.paper_method import Surface, solve
+from validation.paper_method import Surface, follow, solve
 from validation.paper_method.cells import _mean_logarithm, compliance, graded
 from validation.paper_method.energy import SweepsError, energy, gauss_seidel
 
@@ -121,6 +121,18 @@ def test_contact_that_cannot_be_vanishes():
     found = solve(two_crests(), 3e-5, [[-0.001, 0.001], [0.0024, 0.0026], [0.004, 0.006]], 10)
     assert (found.status, len(found.edges)) == ("converged", 2)
     assert found.edges[1] == pytest.approx([0.005 - (found.edges[1, 1] - 0.005), found.edges[1, 1]], rel=1e-5)
+
+
+def test_path_from_first_touch_makes_its_contacts_on_the_way():
+    states = follow(two_crests(), np.linspace(0, 4e-5, 9), 10)
+    assert [len(state.edges) for state in states] == sorted(len(state.edges) for state in states)
+    direct = solve(two_crests(), 4e-5, [[-0.001, 0.001], [0.0045, 0.0055]], 10)
+    assert states[-1].contact_fraction == pytest.approx(direct.contact_fraction, rel=1e-6)  # 1e-9
+
+
+def test_path_ends_with_the_first_state_that_is_none():
+    states = follow(two_crests(), [1e-5, -3e-4, 1e-5], 10)
+    assert [state.status for state in states] == ["converged", "separated"]
 
 
 def test_everything_detaches_under_tension():

@@ -7,10 +7,10 @@ variables,
     d <- -g + max(0, g.(g - g_before) / g_before.g_before) d,
 
 and along d the zero of g.d is looked for by the secant method, each trial costing one pressure.  The energy does not
-know the sign of K: edges that close at the start (K < 0) first move outward until none does, and a trial at which one
-closes has gone too far.  A trial never takes an edge farther than a third of its room.  The descent ends when
-|G/w - 1| is below the closure at every edge, or when a patch or a gap has all but vanished, which is then for the
-caller to settle.
+know the sign of K: edges that close at the start (K < 0) first move outward until none does, a trial at which one
+closes has gone too far, and where even short ones do the edge is opened and the descent starts anew.  A trial never
+takes an edge farther than a third of its room.  The descent ends when |G/w - 1| is below the closure at every edge, or
+when a patch or a gap has all but vanished, which is then for the caller to settle.
 
 Source: E. Polak, G. Ribiere, Rev. Fr. Inform. Rech. Oper. 3-R1 (1969) 35.  Limits: adhesion is needed, without it the
 energy is flat where it is least.
@@ -37,8 +37,10 @@ LEVEL = 0.1  # of the slope at the start, below which a point along a direction 
 FARTHEST = 0.3  # of its room that an edge may travel along one direction
 OPENINGS = 60  # steps in which edges that close at the start move outward
 OUTWARD = 0.15  # of their room in each
+NEAREST = 0.2  # of the step expected: an edge that closes even there is opened first
 VANISHED = 0.02  # of its size at the start: a patch or gap that is gone
 FIRST_STEP = 0.05  # of its room that the edge pulled most moves in the first trial
+OUT = np.array([-1.0, 1.0])  # outward at the left and the right edge
 PRECISION = 1e-3  # of the closure: relative residual of the pressure, of which a small patch feels many times as much
 
 End = Literal["closed", "vanished", "not_converged"]
@@ -65,62 +67,89 @@ def room_of(edges: FloatArray) -> FloatArray:
 
 def descend(surface: Surface, edges: FloatArray, counts: IntArray, penetration: float, closure: float) -> Descent:
     """Minimise the energy over the edges from the given ones, (L, 2), with fixed numbers of cells, (L,)."""
-    room, signs = room_of(edges), np.array([-1.0, 1.0])
+    room = room_of(edges)
     unit = np.sqrt(room)
-    precision = PRECISION * closure
-    state = energy(surface, graded(edges, counts), penetration, precision)
-    evaluations, sweeps = 1, state.sweeps
-    while np.any(state.closing) and evaluations <= OPENINGS:
-        opened = state.cells.edges + OUTWARD * state.closing * room_of(state.cells.edges) * signs
-        state = energy(surface, graded(opened, counts), penetration, precision, state.charges)
-        evaluations, sweeps = evaluations + 1, sweeps + state.sweeps
-    gradient, direction, before = state.outward * unit, np.zeros_like(room), None
-    last_step, last_slope = np.nan, np.nan
-    residual = _residual(surface, state)
+    pressures = _Pressures(surface, counts, penetration, PRECISION * closure)
+    state = pressures.opened(pressures.at(edges, None))
+    direction, before, scale = np.zeros_like(room), None, np.nan
     for _ in range(ITERATIONS):
+        residual = _residual(surface, state)
         if residual < closure:
-            return Descent("closed", state, residual, evaluations, sweeps, room)
+            return Descent("closed", state, residual, pressures.evaluations, pressures.sweeps, room)
         if np.any(room_of(state.cells.edges) < VANISHED * room):
-            return Descent("vanished", state, residual, evaluations, sweeps, room)
+            return Descent("vanished", state, residual, pressures.evaluations, pressures.sweeps, room)
+        gradient = state.outward * unit
         turn = 0.0 if before is None else max(0.0, float(np.sum(gradient * (gradient - before)) / np.sum(before**2)))
         direction = turn * direction - gradient
         slope = float(np.sum(gradient * direction))
         if slope >= 0:
             direction, slope = -gradient, -float(np.sum(gradient**2))
-        longest = FARTHEST / float(np.max(np.abs(direction * unit) / room_of(state.cells.edges)))
-        guess = (
-            FIRST_STEP / float(np.max(np.abs(direction * unit) / room))
-            if np.isnan(last_step)
-            else last_step * last_slope / slope
-        )
-        low, at_low, high, at_high = 0.0, slope, np.nan, np.nan
-        step, here = min(guess, longest), state
-        open_step, open_ = 0.0, state  # the last trial at which no edge closes
-        for _ in range(TRIALS):
-            trial = state.cells.edges + step * direction * unit * signs
-            here = energy(surface, graded(trial, counts), penetration, precision, here.charges)
-            evaluations, sweeps = evaluations + 1, sweeps + here.sweeps
-            found = float(np.sum(here.outward * unit * direction))
-            if not np.any(here.closing):
-                open_step, open_ = step, here
-            if not np.any(here.closing) and (abs(found) <= LEVEL * abs(slope) or (found < 0 and step >= longest)):
+        if np.isnan(scale):
+            scale = -slope * FIRST_STEP / float(np.max(np.abs(direction * unit) / room))
+        step, trial = _along(pressures, state, direction * unit, slope, scale / -slope)
+        if np.any(trial.closing):
+            state, before, scale = pressures.opened(trial), None, np.nan
+        else:
+            state, before, scale = trial, gradient, -slope * step
+    return Descent("not_converged", state, _residual(surface, state), pressures.evaluations, pressures.sweeps, room)
+
+
+class _Pressures:
+    """Energies of given edges, counted."""
+
+    def __init__(self, surface: Surface, counts: IntArray, penetration: float, precision: float) -> None:
+        self.surface, self.counts, self.penetration, self.precision = surface, counts, penetration, precision
+        self.evaluations, self.sweeps = 0, 0
+
+    def at(self, edges: FloatArray, near: Energy | None) -> Energy:
+        """Energy at edges, Gauss-Seidel starting from the charges of a state near by."""
+        start = None if near is None else near.charges
+        found = energy(self.surface, graded(edges, self.counts), self.penetration, self.precision, start)
+        self.evaluations, self.sweeps = self.evaluations + 1, self.sweeps + found.sweeps
+        return found
+
+    def opened(self, state: Energy) -> Energy:
+        """The state after edges that close (K < 0) moved outward until none does."""
+        for _ in range(OPENINGS):
+            if not np.any(state.closing):
                 break
-            if np.any(here.closing):
-                high, at_high = step, np.nan
-                step = _between(low, at_low, high, at_high)
-            elif found < 0:
-                secant = step + (step - low) * found / (at_low - found) if at_low < found else 2 * step
-                low, at_low = step, found
-                step = min(secant, 4 * step, longest) if np.isnan(high) else _between(low, at_low, high, at_high)
-            else:
-                high, at_high = step, found
-                step = _between(low, at_low, high, at_high)
-        if open_ is state:
-            return Descent("not_converged", state, residual, evaluations, sweeps, room)
-        last_step, last_slope = open_step, slope
-        before, state = gradient, open_
-        gradient, residual = state.outward * unit, _residual(surface, state)
-    return Descent("not_converged", state, residual, evaluations, sweeps, room)
+            edges = state.cells.edges
+            state = self.at(edges + OUTWARD * state.closing * room_of(edges) * OUT, state)
+        return state
+
+
+def _along(
+    pressures: _Pressures, state: Energy, motion: FloatArray, slope: float, guess: float
+) -> tuple[float, Energy]:
+    """Step and state where the slope along a motion of the edges (L, 2, outward) has all but vanished.
+
+    A state with a closing edge comes back only when every trial had one.
+    """
+    edges = state.cells.edges
+    longest = FARTHEST / float(np.max(np.abs(motion) / room_of(edges)))
+    low, at_low, high, at_high = 0.0, slope, np.nan, np.nan
+    step, here = min(guess, longest), state
+    best: tuple[float, Energy] | None = None
+    for _ in range(TRIALS):
+        here = pressures.at(edges + step * motion * OUT, here)
+        found = float(np.sum(here.outward * motion))
+        if np.any(here.closing):
+            if best is None and step < NEAREST * guess:
+                return step, here
+            high, at_high = step, np.nan
+            step = _between(low, at_low, high, at_high)
+            continue
+        best = step, here
+        if abs(found) <= LEVEL * abs(slope) or (found < 0 and step >= longest):
+            break
+        if found < 0:
+            secant = step + (step - low) * found / (at_low - found) if at_low < found else 2 * step
+            low, at_low = step, found
+            step = min(secant, 4 * step, longest) if np.isnan(high) else _between(low, at_low, high, at_high)
+        else:
+            high, at_high = step, found
+            step = _between(low, at_low, high, at_high)
+    return (step, here) if best is None else best
 
 
 def _between(low: float, at_low: float, high: float, at_high: float) -> float:

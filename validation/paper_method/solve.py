@@ -1,8 +1,8 @@
 """A state of adhesive contact by the paper's method: descent, then what changes the number of patches, and again.
 
 After each descent: a patch that vanished detaches, a gap that vanished closes, and where the profile enters the solid
-between patches a new contact is made; then the descent starts anew.  Nothing here knows a loading path: the state is
-the minimum reached from the edges given.
+between patches a new contact is made; then the descent starts anew.  A state is the minimum reached
+from the edges given; `follow` goes up a path of penetrations in given steps.
 
 Source: G. Carbone, M. Scaraggi, U. Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  SI at the edge.
 """
@@ -127,6 +127,25 @@ def solve(
             return PaperState("separated", "", np.zeros((0, 2)), 0.0, 0.0, 0.0, True, 0.0, 0.0, 0, evaluations, sweeps)
         pairs = changed
     return _failed(surface, pairs, f"more than {CHANGES} changes of the patches", evaluations, sweeps)
+
+
+def follow(
+    surface: Surface, penetrations: ArrayLike, cells: int, closure: float = 1e-6, allowed: float = 1e-4
+) -> list[PaperState]:
+    """States at increasing penetrations (n,) in m, each from the edges of the one before, first the highest crest.
+
+    The list ends with the first state that is no equilibrium.
+    """
+    half = BORN * np.pi / float(surface.order.max())
+    place = surface.crest[0]
+    edges = np.array([[place - half, place + half]]) * surface.unit_length
+    states: list[PaperState] = []
+    for penetration in np.asarray(penetrations, dtype=np.float64):
+        states.append(solve(surface, float(penetration), edges, cells, closure, allowed))
+        if states[-1].status != "converged":
+            break
+        edges = states[-1].edges
+    return states
 
 
 def cells_for(surface: Surface, edges: FloatArray, cells: int) -> IntArray:

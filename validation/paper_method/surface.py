@@ -25,6 +25,7 @@ from scipy.optimize import minimize_scalar
 FloatArray = NDArray[np.float64]
 
 SAMPLES = 12  # points per shortest wavelength among which the highest crest is looked for
+NEARLY = 0.1  # of the total height below the highest sample: other samples that may be beside the highest crest
 NEGLIGIBLE = 1e-15  # |ratio - 1| / m beyond which modes of the layer are those of the half-space
 
 
@@ -122,20 +123,27 @@ class Surface:
         return self._sum(x, 1)
 
     @cached_property
-    def highest(self) -> float:
-        """Height of the highest crest."""
+    def crest(self) -> tuple[float, float]:
+        """Position in [0, 2 pi) and height of the highest crest."""
         count = int(SAMPLES * self.order.max())
-        grid = np.arange(count) * (2 * np.pi / count)
-        heights = self.height(grid)
         step = 2 * np.pi / count
+        grid = np.arange(count) * step
+        heights = self.height(grid)
+        tops = (heights >= np.roll(heights, 1)) & (heights >= np.roll(heights, -1))
+        candidates = grid[tops & (heights > heights.max() - NEARLY * (heights.max() - heights.min()))]
         best = [
             minimize_scalar(
                 lambda x: -float(self.height(x)), bounds=(x - step, x + step), method="bounded", options={"xatol": 1e-9}
             )
-            for x in grid[heights > heights.max() - 0.1 * (heights.max() - heights.min())]
-            if self.height(x) >= max(self.height(x - step), self.height(x + step))
+            for x in candidates
         ]
-        return max(-float(found.fun) for found in best)
+        highest = min(best, key=lambda found: float(found.fun))
+        return float(highest.x) % (2 * np.pi), -float(highest.fun)
+
+    @property
+    def highest(self) -> float:
+        """Height of the highest crest."""
+        return self.crest[1]
 
     def adhesive_length(self, x: ArrayLike) -> FloatArray:
         """sqrt(1 + h'^2) where the slope term is on, else 1, at positions of any shape."""
