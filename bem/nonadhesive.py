@@ -32,7 +32,9 @@ ITERATIONS = 400
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
 COARSE = 1e-4  # accuracy of the evaluation until the edges are close
 SEARCH_CLOSURE = 1e-3  # how close: then gaps are searched, too
-CLOSED_GAP = 1e-3  # of the shortest wavelength, or of the narrower neighbour
+CLOSED_GAP = 1e-4  # of the shortest wavelength, or of the narrower neighbour: 1,200 modes a patch at 1e-10
+COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too early is opened then
+OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 DAMPED_AFTER = 15  # iterations after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
@@ -113,7 +115,7 @@ def solve_contact(
             accuracy = tolerance
             continue
         if changed is None and _closed(state, control, SEARCH_CLOSURE):
-            changed = _with_new_contacts(elastic, state, allowed)
+            changed = _with_opened_gaps(elastic, state) or _with_new_contacts(elastic, state, allowed)
             if changed is None and _closed(state, control, closure):
                 return Contact("converged", state, measure, count)
         if changed is None:
@@ -121,7 +123,8 @@ def solve_contact(
             if count > DAMPED_AFTER:
                 damping = np.where(sign * last_sign < 0, damping / 2, np.minimum(1.0, damping * 1.5))
             last_sign = sign
-            changed = _joined(elastic, patches.moved(damping * _edge_steps(state, elastic.profile.max_order)))
+            closed = COARSELY_CLOSED if accuracy > tolerance else CLOSED_GAP
+            changed = _joined(elastic, patches.moved(damping * _edge_steps(state, elastic.profile.max_order)), closed)
         if changed is None:
             return Contact("complete_contact", None, 0.0, count)
         if changed.count == 0:
@@ -164,17 +167,61 @@ def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:
     return np.asarray(np.clip(newton, -INWARD * width, outward))
 
 
-def _joined(elastic: Elastic, patches: Patches) -> Patches | None:
+def _joined(elastic: Elastic, patches: Patches, closed_gap: float) -> Patches | None:
     """Patches whose gaps are used up become one; None when nothing of the last gap is left."""
-    wavelength = TWO_PI / elastic.profile.max_order
     while True:
         following = np.roll(patches.width, -1)
-        closed = patches.gap_after < CLOSED_GAP * np.minimum(wavelength, np.minimum(patches.width, following))
+        closed = patches.gap_after < _least_gap(elastic, np.minimum(patches.width, following), closed_gap)
         if not np.any(closed):
             return patches
         if patches.count == 1:
             return None if patches.gap_after[0] < 1e-7 * TWO_PI else patches
         patches = patches.merged_after(int(np.flatnonzero(closed)[0]))
+
+
+def _least_gap(elastic: Elastic, width: FloatArray, closed_gap: float) -> FloatArray:
+    """Gaps that count as closed beside patches of these widths."""
+    return closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, width)
+
+
+def _with_opened_gaps(elastic: Elastic, state: Evaluation) -> Patches | None:
+    """Patches with a gap where the pressure inside dips below zero between its nodes; None when it does nowhere.
+
+    A gap 2g wide that is taken for contact leaves a parabola of tension sqrt 2 g wide (Galin, chapter 2).
+    """
+    patches, pressure = state.patches, state.pressure()
+    for i, charge in enumerate(pressure.charges):
+        at, value, bend = _lowest_inside(charge)
+        if not (value < 0 < bend):
+            continue
+        half = patches.half_width[i] * float(np.sqrt(-4 * value / bend))
+        middle = patches.center[i] + patches.half_width[i] * at
+        left, right = patches.left[i], patches.right[i]
+        beside = np.array([min(middle - left, right - middle)])
+        if 2 * half > OPENING_GAP * float(_least_gap(elastic, beside, CLOSED_GAP)[0]) and half < 0.5 * float(beside[0]):
+            first, last = np.insert(patches.left, i + 1, middle + half), np.insert(patches.right, i, middle - half)
+            return ordered(first, last)
+    return None
+
+
+def _lowest_inside(charge: FloatArray) -> tuple[float, float, float]:
+    """Position in (-1, 1), value and second derivative of the lowest minimum of a series off its ends."""
+    nodes = chebyshev.basis_nodes(2 * charge.size)[::-1]
+    values = np.polynomial.chebyshev.chebval(nodes, charge)
+    inner = 1 + np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:]))
+    if inner.size == 0:
+        return 0.0, np.inf, 0.0
+    k = int(inner[np.argmin(values[inner])])
+    at, slope = float(nodes[k]), np.polynomial.chebyshev.chebder(charge)
+    bend = np.polynomial.chebyshev.chebder(slope)
+    for _ in range(3):
+        step = -np.polynomial.chebyshev.chebval(at, slope) / np.polynomial.chebyshev.chebval(at, bend)
+        at = float(np.clip(at + step, nodes[k - 1], nodes[k + 1]))
+    return (
+        at,
+        float(np.polynomial.chebyshev.chebval(at, charge)),
+        float(np.polynomial.chebyshev.chebval(at, bend)),
+    )
 
 
 def _without_tension(state: Evaluation) -> Patches | None:
