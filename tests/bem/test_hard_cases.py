@@ -9,18 +9,19 @@ from bem.result import Event
 from bem.scene import parse_scene
 from bem.solver import solve
 from validation.cases import hard_case_checks as checks
-from validation.cases.hard_case_run import judged, run_case
-from validation.cases.hard_cases import (
-    HARD_CASES,
+from validation.cases.hard_case_run import judged, missed, run_case
+from validation.cases.hard_case_scenes import (
     MODULUS,
     PEAK_PRESSURE,
     PERIOD,
     WAVE_WORK,
     HardCase,
+    Reached,
     rough,
     scene,
     waves,
 )
+from validation.cases.hard_cases import HARD_CASES
 
 MOST_HARMONICS = 125
 ids = [case.id for case in HARD_CASES]
@@ -138,6 +139,59 @@ def test_closed_form_sees_a_wrong_penetration():
     wrong = replace(result, states=(*result.states[:-1], replace(state, penetration=state.penetration * (1 + 1e-7))))
     assert checks.westergaard(wave, parse_scene(wave), result) == []
     assert checks.westergaard(wave, parse_scene(wave), wrong) != []
+
+
+@pytest.mark.parametrize(
+    ("wanted", "told"),
+    [
+        (Reached(least=1e-3), "contact fraction 0.001 not reached from above"),
+        (Reached(largest=0.9), "contact fraction 0.9 not reached from below"),
+        (Reached(gap=1e-4), "no gap of 0.0001 periods"),
+        (Reached(patch=1e-4), "no patch of 0.0001 periods"),
+    ],
+    ids=["least", "largest", "gap", "patch"],
+)
+def test_a_case_less_hard_than_intended_is_found(wanted, told):
+    assert missed(wanted, small_result(), parse_scene(SMALL)) == [told]
+
+
+def test_a_case_as_hard_as_intended_is_not():
+    state = small_result().targets[-1]
+    narrowest = min(b - a for a, b in state.edges) / PERIOD
+    wanted = Reached(least=state.contact_fraction, largest=state.contact_fraction, patch=narrowest)
+    assert missed(wanted, small_result(), parse_scene(SMALL)) == []
+
+
+def test_tension_inside_a_patch_is_seen():
+    """A gap of 1e-4 periods taken for contact leaves some pressure below zero."""
+    split = scene(waves([1, 2], [50e-6, -20e-6]), "mean_pressure", [2356.19387])
+    result = solve(parse_scene(split))
+    state = result.states[-1]
+    (first, last), (following, end) = state.edges
+    joined = ((following, last + PERIOD),) if last - following < 0 else ((first, end),)
+    wrong = replace(result, states=(replace(state, edges=joined),))
+    assert checks.compressive(split, parse_scene(split), result) == []
+    assert checks.compressive(split, parse_scene(split), wrong) != []
+
+
+def test_target_alone_sees_a_wrong_area():
+    dry = scene(rough(10), "separation", [60e-6, 40e-6])
+    result = solve(parse_scene(dry))
+    fraction = result.states[-1].contact_fraction
+    wrong = replace(result, states=(*result.states[:-1], replace(result.states[-1], contact_fraction=fraction + 1e-7)))
+    assert checks.target_alone(dry, parse_scene(dry), result) == []
+    assert checks.target_alone(dry, parse_scene(dry), wrong) != []
+
+
+def test_shifted_profile_sees_a_moved_edge():
+    (a, b), *others = small_result().states[-1].edges
+    moved = falsified(edges=((a, b + 1e-9 * PERIOD), *others))
+    assert checks.shift(SMALL, parse_scene(SMALL), small_result()) == []
+    assert checks.shift(SMALL, parse_scene(SMALL), moved) != []
+
+
+def test_compression_at_the_end_is_seen():
+    assert checks.tension_at_the_end(SMALL, parse_scene(SMALL), small_result()) != []
 
 
 def test_unequal_patches_are_seen():

@@ -3,136 +3,32 @@
 The expectation stands here before anything runs.  Every case has a reduced scene (at most 125 harmonics, 10 s) and
 its full form; `hard_case_run.run_case` solves one and counts two things apart: converged (the solver's word, and
 the statuses expected at the targets) and correct (the certificate of every target, and the independent checks named
-here, which live in hard_case_checks.py).  SI units.
-
-The rough profile is that of Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65: period 0.01 m, H = 0.7,
-rms height 50 um, E = 1 MPa, nu = 0.5, 0.03 J/m^2.
+here, which live in hard_case_checks.py).  Cases along one parameter are in hard_case_sweeps.py.  SI units.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
-
-Table = dict[str, Any]
-
-PERIOD, RMS_HEIGHT, MODULUS, WORK = 0.01, 50e-6, 1e6, 0.03
-WAVE = 50e-6  # amplitude of single harmonics
-PEAK_PRESSURE = np.pi * MODULUS / 0.75 * WAVE / PERIOD  # p* of the wave of order 1
-JOHNSON = 0.3  # alpha of the adhesive waves
-WAVE_WORK = (JOHNSON * PEAK_PRESSURE) ** 2 * PERIOD * 0.75 / (2 * MODULUS)  # J/m^2, of the wave of order 1
-
-
-@dataclass(frozen=True)
-class Samples:
-    """A noisy scan: one rough profile at this many points plus uncorrelated noise, rms in m."""
-
-    number: int
-    noise: float
-    seed: int = 0
-
-
-@dataclass(frozen=True)
-class HardCase:
-    """One hard case.
-
-    Parameters
-    ----------
-    id : str
-    reason : str
-        What is hard about it.
-    reduced, full : dict
-        Scenes, SI.
-    targets : tuple of str
-        Expected status of each target state of the reduced scene.
-    checks : tuple of str
-        Independent checks, by their names in hard_case_checks.py.
-    status : str
-        Expected status of the result.
-    events : tuple of str
-        Kinds of events that must occur.
-    samples : Samples, optional
-        The scan to write as profile.file.
-    """
-
-    id: str
-    reason: str
-    reduced: Table
-    full: Table
-    targets: tuple[str, ...]
-    checks: tuple[str, ...] = ("dense",)
-    status: str = "converged"
-    events: tuple[str, ...] = ()
-    samples: Samples | None = None
-
-    @property
-    def targets_of_full(self) -> tuple[str, ...]:
-        """Expected status of each target state of the full scene: the same, or all converged where it has others."""
-        count = len(self.full["loading"]["targets"])
-        return self.targets if count == len(self.targets) else ("converged",) * count
-
-
-def rough(harmonics: int, hurst: float = 0.7, rms_height: float = RMS_HEIGHT, seed: int = 0) -> Table:
-    """[profile] of a self-affine profile."""
-    kind = {"kind": "self_affine", "period": PERIOD, "hurst": hurst}
-    return kind | {"rms_height": rms_height, "harmonics": harmonics, "seed": seed}
-
-
-def waves(orders: list[int], amplitudes: list[float]) -> Table:
-    """[profile] of cosines."""
-    return {
-        "kind": "harmonics",
-        "period": PERIOD,
-        "orders": orders,
-        "amplitudes": amplitudes,
-        "phases": [0.0] * len(orders),
-    }
-
-
-def scene(
-    profile: Table,
-    control: str,
-    targets: list[float],
-    work: float | None = None,
-    slope_term: bool = False,
-    thickness: float | None = None,
-    poisson_ratio: float = 0.5,
-    max_increment: float | None = None,
-    **loading: Any,
-) -> Table:
-    """A scene."""
-    tables: Table = {
-        "solid": {"youngs_modulus": MODULUS, "poisson_ratio": poisson_ratio},
-        "profile": profile,
-        "loading": {"control": control, "targets": targets, **loading},
-    }
-    if work is not None:
-        tables["adhesion"] = {"work_of_adhesion": work, "slope_term": slope_term}
-    if thickness is not None:
-        tables["layer"] = {"thickness": thickness}
-    if max_increment is not None:
-        tables["accuracy"] = {"max_increment": max_increment}
-    return tables
-
-
-def westergaard_pressure(fraction: float) -> float:
-    """Mean pressure of the wave of order 1 without adhesion at a contact fraction."""
-    return float(PEAK_PRESSURE * np.sin(np.pi * fraction / 2) ** 2)
-
-
-def johnson_penetration(fraction: float) -> float:
-    """Penetration of the adhesive wave of order 1 at a contact fraction."""
-    psi = np.pi * fraction / 2
-    share = np.sin(psi) ** 2
-    bulk = WAVE * share * (1 - np.log(share))
-    return float(bulk + JOHNSON * WAVE * np.sqrt(np.tan(psi)) * np.log(share))
+from validation.cases.hard_case_scenes import (
+    PERIOD,
+    WAVE,
+    WAVE_WORK,
+    WORK,
+    HardCase,
+    Reached,
+    Samples,
+    johnson_penetration,
+    rough,
+    scene,
+    waves,
+    westergaard_pressure,
+)
+from validation.cases.hard_case_sweeps import swept_cases
 
 
 def _hard_cases() -> list[HardCase]:
     same, low = ("converged",), [60e-6, 30e-6]
     down_up = [60e-6, 30e-6, 60e-6]
+    double_crest, two_crests = waves([1, 2], [50e-6, -20e-6]), waves([1, 2], [50e-6, 40e-6])
     cases = [
         HardCase(
             "twin_crests",
@@ -161,11 +57,21 @@ def _hard_cases() -> list[HardCase]:
         ),
         HardCase(
             "merging_patches_without_adhesion",
-            "the gap between two patches closes continuously",
-            scene(waves([1, 4], [50e-6, 6e-6]), "mean_pressure", [3e3, 2e4, 2.4e4]),
+            "the gap between two patches closes continuously, as the root of the pressure still missing",
+            scene(double_crest, "mean_pressure", [2e3, 2356.19387, 2.4e3]),
             scene(rough(1000), "separation", [40e-6, 20e-6]),
             same * 3,
-            ("dense", "target_alone"),
+            ("dense", "compressive", "target_alone"),
+            reached=Reached(gap=1e-4),
+        ),
+        HardCase(
+            "vanishing_patch_without_adhesion",
+            "on unloading a patch shrinks continuously to a point",
+            scene(two_crests, "penetration", [8e-5, 7.013966352601551e-05, 6.9e-5]),
+            scene(rough(1000), "separation", [20e-6, 40e-6, 75e-6]),
+            same * 3,
+            ("dense", "compressive", "target_alone"),
+            reached=Reached(patch=1e-4),
         ),
         HardCase(
             "gap_1e-4",
@@ -174,6 +80,8 @@ def _hard_cases() -> list[HardCase]:
             scene(waves([1], [WAVE]), "mean_pressure", [westergaard_pressure(f) for f in (0.999, 0.9995, 0.9999)]),
             same,
             ("westergaard",),
+            reached=Reached(gap=1e-4),
+            reached_in_full=Reached(gap=1e-4),
         ),
         HardCase(
             "contact_fraction_1e-5",
@@ -182,24 +90,56 @@ def _hard_cases() -> list[HardCase]:
             scene(waves([1], [WAVE]), "mean_pressure", [westergaard_pressure(f) for f in (1e-5, 1e-4, 1e-3, 0.01)]),
             same * 2,
             ("westergaard",),
+            reached=Reached(least=1e-5),
+            reached_in_full=Reached(least=1e-5),
         ),
         HardCase(
             "contact_fraction_to_0.9999",
             "at given separation the load ends in ever larger tension as the last gap closes",
             scene(
                 waves([1], [WAVE]),
-                "penetration",
-                [johnson_penetration(f) for f in (0.3, 0.9, 0.999, 0.9999)],
+                "separation",
+                [WAVE - johnson_penetration(f) for f in (0.3, 0.9, 0.999, 0.9999)],
                 WAVE_WORK,
             ),
             scene(
                 waves([1], [WAVE]),
-                "penetration",
-                [johnson_penetration(f) for f in (0.3, 0.6, 0.9, 0.99, 0.999, 0.9999, 0.5, 0.1)],
+                "separation",
+                [WAVE - johnson_penetration(f) for f in (0.3, 0.6, 0.9, 0.99, 0.999, 0.9999, 0.5, 0.1)],
                 WAVE_WORK,
             ),
             same * 4,
-            ("johnson",),
+            ("johnson", "tension_at_the_end"),
+            reached=Reached(largest=0.9999),
+            reached_in_full=Reached(least=0.11, largest=0.9999),
+        ),
+        HardCase(
+            "rough_contact_fraction_to_0.9999",
+            "on a rough profile, too, the load ends tensile as the last gap closes",
+            scene(rough(8), "separation", [6e-5, 1e-11], WORK, True),
+            scene(rough(1000), "separation", [6e-5, 1e-12], WORK, True),
+            same * 2,
+            ("dense", "tension_at_the_end"),
+            reached=Reached(largest=0.9999),
+            reached_in_full=Reached(largest=0.9999),
+        ),
+        HardCase(
+            "rough_contact_fraction_1e-5_without_adhesion",
+            "from one crest that hardly touches to the last gap of a rough profile",
+            scene(rough(20), "mean_pressure", [3e-4, 1e2, 1.2085e5]),
+            scene(rough(1000), "separation", [20e-6, 1e-6, 1e-9]),
+            same * 3,
+            ("dense", "compressive", "target_alone"),
+            reached=Reached(least=1e-5, largest=0.998),
+        ),
+        HardCase(
+            "penetration_beyond_complete_contact",
+            "nothing lies beyond complete contact: unreachable, the states before it kept",
+            scene(waves([1], [WAVE]), "penetration", [3e-5, 6e-5], WAVE_WORK),
+            scene(rough(1000), "penetration", [5e-5, 1e-3], WORK, True),
+            same,
+            ("dense",),
+            status="unreachable",
         ),
         HardCase(
             "complete_contact_and_back_by_separation",
@@ -277,7 +217,7 @@ def _hard_cases() -> list[HardCase]:
             ("dense", "shift", "mirror"),
         ),
         HardCase(
-            "thousandfold_units",
+            "millionfold_units",
             "lengths and stresses scaled by 1e6 either way",
             scene(rough(30), "separation", down_up, WORK, True),
             scene(rough(1000), "separation", down_up, WORK, True),
@@ -325,88 +265,7 @@ def _hard_cases() -> list[HardCase]:
                 f"flat{kind}", "nothing to solve", flat_scene, flat_scene, ("complete_contact",), ("uniform_load",)
             )
         )
-    return cases + _swept()
-
-
-def _swept() -> list[HardCase]:
-    """Cases along one parameter."""
-    same, cases = ("converged",), []
-    for work in (1e-8, 1e-6, 1e-4, 1e-2, 1.0, 1e2):
-        cases.append(
-            HardCase(
-                f"work_{work:g}",
-                "from hardly any adhesion to surfaces that jump together",
-                scene(rough(40), "separation", [60e-6, 30e-6], work, True),
-                scene(rough(1000), "separation", [60e-6, 30e-6], work, True),
-                same * 2,
-            )
-        )
-    for height in (1e-9, 1e-7, 1e-5, 1e-3):
-        targets = [1.2 * height, 0.6 * height]
-        cases.append(
-            HardCase(
-                f"rms_height_{height:g}",
-                "nanometres to millimetres: adhesion from dominant to negligible",
-                scene(rough(40, rms_height=height), "separation", targets, WORK, True),
-                scene(rough(1000, rms_height=height), "separation", targets, WORK, True),
-                same * 2,
-            )
-        )
-    for hurst in (0.01, 0.99):
-        for kind, adhesion in (("", WORK), ("_without_adhesion", None)):
-            cases.append(
-                HardCase(
-                    f"hurst_{hurst:g}{kind}",
-                    "roughness at the shortest wavelengths only, or hardly any",
-                    scene(rough(60, hurst=hurst), "separation", [50e-6, 30e-6], adhesion),
-                    scene(rough(1000, hurst=hurst), "separation", [50e-6, 30e-6], adhesion),
-                    same * 2,
-                )
-            )
-    for harmonics, full in ((1, 1), (10, 10), (125, 1000), (125, 4000)):
-        targets = [60e-6, 40e-6] if full < 4000 else [60e-6]
-        cases.append(
-            HardCase(
-                f"harmonics_{full}",
-                "from one contact to hundreds",
-                scene(rough(harmonics), "separation", targets, WORK, True),
-                scene(rough(full), "separation", targets, WORK, True),
-                same * len(targets),
-            )
-        )
-        if full < 4000:
-            cases.append(
-                HardCase(
-                    f"harmonics_{full}_without_adhesion",
-                    "from one contact to hundreds of tiny ones",
-                    scene(rough(harmonics), "separation", targets),
-                    scene(rough(full), "separation", targets),
-                    same * len(targets),
-                    ("dense", "target_alone"),
-                )
-            )
-    for ratio in (-0.9, 0.0, 0.499999, 0.5):
-        cases.append(
-            HardCase(
-                f"poisson_ratio_{ratio:g}",
-                "a half-space knows E/(1 - nu^2) only",
-                scene(rough(20), "separation", [60e-6, 40e-6], WORK, poisson_ratio=ratio),
-                scene(rough(1000), "separation", [60e-6, 40e-6], WORK, poisson_ratio=ratio),
-                same * 2,
-                ("dense", "plane_strain_only"),
-            )
-        )
-        cases.append(
-            HardCase(
-                f"poisson_ratio_{ratio:g}_layer",
-                "a layer near incompressibility and beyond",
-                scene(rough(20), "separation", [60e-6, 40e-6], WORK, thickness=5e-4, poisson_ratio=ratio),
-                scene(rough(1000), "separation", [60e-6, 40e-6], WORK, thickness=5e-4, poisson_ratio=ratio),
-                same * 2,
-                ("doubled",),
-            )
-        )
-    return cases
+    return cases + swept_cases()
 
 
 HARD_CASES: tuple[HardCase, ...] = tuple(_hard_cases())

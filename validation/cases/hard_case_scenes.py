@@ -1,0 +1,147 @@
+"""The form of a hard case, and the profiles and scenes that the corpus is written with.  SI units.
+
+The rough profile is that of Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65: period 0.01 m, H = 0.7,
+rms height 50 um, E = 1 MPa, nu = 0.5, 0.03 J/m^2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+Table = dict[str, Any]
+
+PERIOD, RMS_HEIGHT, MODULUS, WORK = 0.01, 50e-6, 1e6, 0.03
+WAVE = 50e-6  # amplitude of single harmonics
+PEAK_PRESSURE = np.pi * MODULUS / 0.75 * WAVE / PERIOD  # p* of the wave of order 1
+JOHNSON = 0.3  # alpha of the adhesive waves
+WAVE_WORK = (JOHNSON * PEAK_PRESSURE) ** 2 * PERIOD * 0.75 / (2 * MODULUS)  # J/m^2, of the wave of order 1
+
+
+@dataclass(frozen=True)
+class Samples:
+    """A noisy scan: one rough profile at this many points plus uncorrelated noise, rms in m."""
+
+    number: int
+    noise: float
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Reached:
+    """What the targets of a scene must include: without it the case is not the hard one it is meant to be.
+
+    Parameters
+    ----------
+    least, largest : float, optional
+        Contact fraction that some target does not exceed, and one that some target has at least.
+    gap, patch : float, optional
+        Width in periods that the narrowest gap or patch of some target has, to a factor of two.
+    """
+
+    least: float | None = None
+    largest: float | None = None
+    gap: float | None = None
+    patch: float | None = None
+
+
+@dataclass(frozen=True)
+class HardCase:
+    """One hard case.
+
+    Parameters
+    ----------
+    id : str
+    reason : str
+        What is hard about it.
+    reduced, full : dict
+        Scenes, SI.
+    targets : tuple of str
+        Expected status of each target state of the reduced scene.
+    checks : tuple of str
+        Independent checks, by their names in hard_case_checks.py.
+    status : str
+        Expected status of the result.
+    events : tuple of str
+        Kinds of events that must occur.
+    samples : Samples, optional
+        The scan to write as profile.file.
+    reached, reached_in_full : Reached, optional
+        What the targets must include to be as hard as intended.
+    """
+
+    id: str
+    reason: str
+    reduced: Table
+    full: Table
+    targets: tuple[str, ...]
+    checks: tuple[str, ...] = ("dense",)
+    status: str = "converged"
+    events: tuple[str, ...] = ()
+    samples: Samples | None = None
+    reached: Reached | None = None
+    reached_in_full: Reached | None = None
+
+    @property
+    def targets_of_full(self) -> tuple[str, ...]:
+        """Expected status of each target state of the full scene: the same, or all converged where it has others."""
+        wanted, count = len(self.reduced["loading"]["targets"]), len(self.full["loading"]["targets"])
+        return self.targets if count == wanted else ("converged",) * count
+
+
+def rough(harmonics: int, hurst: float = 0.7, rms_height: float = RMS_HEIGHT, seed: int = 0) -> Table:
+    """[profile] of a self-affine profile."""
+    kind = {"kind": "self_affine", "period": PERIOD, "hurst": hurst}
+    return kind | {"rms_height": rms_height, "harmonics": harmonics, "seed": seed}
+
+
+def waves(orders: list[int], amplitudes: list[float]) -> Table:
+    """[profile] of cosines."""
+    return {
+        "kind": "harmonics",
+        "period": PERIOD,
+        "orders": orders,
+        "amplitudes": amplitudes,
+        "phases": [0.0] * len(orders),
+    }
+
+
+def scene(
+    profile: Table,
+    control: str,
+    targets: list[float],
+    work: float | None = None,
+    slope_term: bool = False,
+    thickness: float | None = None,
+    poisson_ratio: float = 0.5,
+    max_increment: float | None = None,
+    **loading: Any,
+) -> Table:
+    """A scene."""
+    tables: Table = {
+        "solid": {"youngs_modulus": MODULUS, "poisson_ratio": poisson_ratio},
+        "profile": profile,
+        "loading": {"control": control, "targets": targets, **loading},
+    }
+    if work is not None:
+        tables["adhesion"] = {"work_of_adhesion": work, "slope_term": slope_term}
+    if thickness is not None:
+        tables["layer"] = {"thickness": thickness}
+    if max_increment is not None:
+        tables["accuracy"] = {"max_increment": max_increment}
+    return tables
+
+
+def westergaard_pressure(fraction: float) -> float:
+    """Mean pressure of the wave of order 1 without adhesion at a contact fraction."""
+    return float(PEAK_PRESSURE * np.sin(np.pi * fraction / 2) ** 2)
+
+
+def johnson_penetration(fraction: float) -> float:
+    """Penetration of the adhesive wave of order 1 at a contact fraction."""
+    psi = np.pi * fraction / 2
+    share = np.sin(psi) ** 2
+    bulk = WAVE * share * (1 - np.log(share))
+    return float(bulk + JOHNSON * WAVE * np.sqrt(np.tan(psi)) * np.log(share))
