@@ -18,14 +18,13 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from validation import baseline
-from validation.compare import combined_tolerance, error_of
 from validation.provenance import provenance
 from validation.registry import CaseError, registry, select
-from validation.report.render import PAGE, ReportError, write_html
+from validation.report.render import PAGE, ReportError, failures, write_html
 from validation.runner import Note, run_cases, write_atomically
-from validation.schema import SCHEMA, Report
+from validation.schema import SCHEMA, Report, is_intact, with_checksum
 from validation.studies import STUDIES
-from validation.verdict import GATING, counts, fails, verdict_of
+from validation.verdict import counts, fails
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REPORT_FILE = "report.json"
@@ -85,7 +84,7 @@ def _run(options: argparse.Namespace) -> int:
     begun = time.monotonic()
     records = run_cases(cases, folder, options.jobs, _say, expected)
     level = options.level if options.only is None else f"only {options.only}"
-    report = Report(
+    made = Report(
         schema_=SCHEMA,
         level=level,
         command=_command(options),
@@ -94,6 +93,7 @@ def _run(options: argparse.Namespace) -> int:
         cases=records,
         changes=baseline.changes(records, baseline.FOLDER),
     )
+    report = with_checksum(made)
     write_atomically(folder / REPORT_FILE, report.model_dump_json(by_alias=True, indent=1) + "\n")
     return _render(report, folder, options.json)
 
@@ -105,43 +105,27 @@ def _report(options: argparse.Namespace) -> int:
 
 def _render(report: Report, folder: Path, as_json: bool) -> int:
     write_html(report, folder)
-    for line in _failures(report):
-        print(line, file=sys.stderr)
+    for case, why in failures(report):
+        print(f"FAILED {case}: {why}" if case else f"FAILED: {why}", file=sys.stderr)
+    failed = fails(report) or not is_intact(report)
     given = {name: count for name, count in counts(report.cases).items() if count}
     seconds = report.provenance.get("seconds")
     page = str(folder / PAGE)
     if as_json:
-        summary = {"cases": len(report.cases), "planned": report.planned, "failed": fails(report)}
+        summary = {"cases": len(report.cases), "planned": report.planned, "failed": failed}
         print(json.dumps(summary | {"verdicts": given, "seconds": seconds, "report": page}))
     else:
         told = ", ".join(f"{count} {name}" for name, count in given.items())
         print(f"{len(report.cases)} cases: {told}; {seconds} s; report: {page}")
-    return FAILED if fails(report) else DONE
-
-
-def _failures(report: Report) -> list[str]:
-    """What gates, one line each."""
-    lines = []
-    if len(report.cases) != report.planned:
-        lines.append(f"FAILED: {report.planned} cases planned, {len(report.cases)} reported")
-    for case in report.cases:
-        if case.status == "error":
-            lines.append(f"FAILED {case.id}: error, {case.message}")
-        elif case.status == "run" and not case.rows:
-            lines.append(f"FAILED {case.id}: error, it compares nothing")
-        for row in case.rows:
-            verdict = verdict_of(row)
-            if verdict in GATING:
-                allowed = f"{row.band.low:g} to {row.band.high:g}" if row.band else f"{combined_tolerance(row):.3g}"
-                why = row.message or f"error {error_of(row):.3g}, allowed {allowed}"
-                lines.append(f"FAILED {case.id}: {row.quantity}: {verdict}, {why}")
-    return lines
+    return FAILED if failed else DONE
 
 
 def _baseline_check(options: argparse.Namespace) -> int:
     """Compare a report with the baselines."""
     report = read_report(options.out)
     found = baseline.changes(report.cases, baseline.FOLDER)
+    if not is_intact(report):
+        found.append(f"{REPORT_FILE} was changed after it was written: its checksum does not fit")
     found += baseline.orphans([case.id for case in registry()], baseline.FOLDER)
     for line in found:
         print(line, file=sys.stderr)
@@ -153,6 +137,8 @@ def _baseline_update(options: argparse.Namespace) -> int:
     """Make a case of a report the new baseline."""
     report = read_report(options.out)
     baseline.refuse_other_sources(report.provenance)
+    if not is_intact(report):
+        raise baseline.BaselineError(f"{options.out / REPORT_FILE}: changed after it was written, run it again")
     chosen = [record for record in report.cases if record.id == options.case]
     if not chosen:
         raise baseline.BaselineError(f"case {options.case!r}: none of {', '.join(r.id for r in report.cases)}")

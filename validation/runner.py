@@ -177,6 +177,7 @@ def record_of(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
         scene=case.scene,
         rows=list(outcome.rows),
         figures=list(outcome.figures),
+        drawn=[figure.id for figure in outcome.figures],
         tables=list(outcome.tables),
         counts=dict(outcome.counts),
         seconds=seconds,

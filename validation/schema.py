@@ -2,11 +2,14 @@
 
 A row is refused when it lacks a reference, a quantity, a norm or an acceptance rule, or when its rule is not finite:
 an infinite tolerance, scale or uncertainty would accept anything.  Verdicts are not stored: they
-follow from the numbers (verdict.py), so that a changed number changes the verdict.
+follow from the numbers (verdict.py), so that a changed number changes the verdict.  `checksum` is the SHA-256 of the
+content without that field, keys sorted.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -98,13 +101,21 @@ class Row(_Strict):
 
 
 class Series(_Strict):
-    """One curve or set of points."""
+    """One curve or set of points; a `band` lies between `y` and `upper`."""
 
     label: str
     x: list[float | None]
     y: list[float | None]
     style: Literal["line", "points", "dashed", "band"] = "line"
     upper: list[float | None] | None = None
+
+    @model_validator(mode="after")
+    def _of_one_length(self) -> Series:
+        if len(self.x) != len(self.y) or (self.upper is not None and len(self.upper) != len(self.x)):
+            raise ValueError(f"series {self.label!r}: {len(self.x)} values of x for {len(self.y)} of y")
+        if (self.style == "band") != (self.upper is not None):
+            raise ValueError(f"series {self.label!r}: a band has an upper side, and only a band")
+        return self
 
 
 class Panel(_Strict):
@@ -114,7 +125,7 @@ class Panel(_Strict):
     ylabel: str
     xscale: Literal["linear", "log"] = "linear"
     yscale: Literal["linear", "log", "symlog"] = "linear"
-    series: list[Series]
+    series: list[Series] = Field(min_length=1)
 
 
 class Figure(_Strict):
@@ -135,7 +146,7 @@ class Table(_Strict):
 
 
 class CaseRecord(_Strict):
-    """All that is reported of a case."""
+    """All that is reported of a case; `drawn` names its figures, so that one that went missing is noticed."""
 
     id: Text
     group: Text
@@ -147,11 +158,19 @@ class CaseRecord(_Strict):
     scene: str = ""
     rows: list[Row]
     figures: list[Figure] = []
+    drawn: list[str] = []
     tables: list[Table] = []
     counts: dict[str, int] = {}
     seconds: float = 0.0
     status: Literal["run", "error", "not run"] = "run"
     message: str = ""
+
+    @model_validator(mode="after")
+    def _figures_are_there(self) -> CaseRecord:
+        missing = set(self.drawn) - {figure.id for figure in self.figures}
+        if missing:
+            raise ValueError(f"case {self.id}: missing figure {', '.join(sorted(missing))}")
+        return self
 
 
 class Report(_Strict):
@@ -164,5 +183,29 @@ class Report(_Strict):
     provenance: dict[str, Any]
     cases: list[CaseRecord]
     changes: list[str] = []
+    checksum: str = ""
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+def with_checksum(report: Report) -> Report:
+    """The report with the checksum of its content.
+
+    Examples
+    --------
+    >>> report = Report(level="quick", command="run", planned=0, provenance={}, cases=[])
+    >>> is_intact(report), is_intact(with_checksum(report))
+    (False, True)
+    """
+    return report.model_copy(update={"checksum": _checksum(report)})
+
+
+def is_intact(report: Report) -> bool:
+    """Whether the checksum of a report is that of its content."""
+    return report.checksum == _checksum(report)
+
+
+def _checksum(report: Report) -> str:
+    content = json.loads(report.model_dump_json(by_alias=True))
+    del content["checksum"]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

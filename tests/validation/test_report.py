@@ -10,7 +10,19 @@ from validation.__main__ import main, read_report
 from validation.report.figures import svg_of
 from validation.report.render import ReportError, number, render
 from validation.runner import write_atomically
-from validation.schema import Band, CaseRecord, Figure, Panel, Reference, Report, Row, Series, Table, Tolerance
+from validation.schema import (
+    Band,
+    CaseRecord,
+    Figure,
+    Panel,
+    Reference,
+    Report,
+    Row,
+    Series,
+    Table,
+    Tolerance,
+    with_checksum,
+)
 
 BAND = Band(low=1.5, high=3.0, cause="mean-field theory", source="the paper", review="2027-11-21")
 
@@ -59,7 +71,7 @@ def report(*cases, **changes):
 
 @pytest.fixture
 def folder(tmp_path):
-    write_atomically(tmp_path / "report.json", report().model_dump_json(by_alias=True))
+    write_atomically(tmp_path / "report.json", with_checksum(report()).model_dump_json(by_alias=True))
     return tmp_path
 
 
@@ -196,6 +208,110 @@ def test_missing_report_is_bad_input(tmp_path):
     assert main(["report", str(tmp_path)]) == 2
 
 
+def without(name):
+    def change(content):
+        content["cases"][0]["figures"] = [f for f in content["cases"][0]["figures"] if f["id"] != name]
+
+    return change
+
+
+@pytest.fixture
+def drawn_folder(drawn, tmp_path):
+    """A report whose case says which figures it drew."""
+    cases = [case.model_copy(update={"drawn": [figure.id for figure in case.figures]}) for case in drawn.cases]
+    made = with_checksum(drawn.model_copy(update={"cases": cases}))
+    write_atomically(tmp_path / "report.json", made.model_dump_json(by_alias=True))
+    return tmp_path
+
+
+def test_missing_figure_is_bad_input(drawn_folder, capsys):
+    assert main(["report", str(drawn_folder)]) == 0
+    (drawn_folder / "report.html").unlink()
+    edited(drawn_folder, without("curve"))
+    assert main(["report", str(drawn_folder)]) == 2
+    assert "missing figure curve" in capsys.readouterr().err
+    assert not (drawn_folder / "report.html").exists()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"x": [0.0, 1.0], "y": [0.0]},
+        {"x": [0.0], "y": [0.0], "upper": [1.0]},
+        {"x": [0.0], "y": [0.0], "style": "band"},
+        {"x": [0.0], "y": [0.0], "style": "band", "upper": []},
+    ],
+    ids=["lengths", "upper without band", "band without upper", "length of upper"],
+)
+def test_series_that_cannot_be_drawn_is_refused(change):
+    with pytest.raises(ValueError, match="series"):
+        Series(label="s", **change)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda content: content["cases"][0]["rows"][0].update(computed=[1.02]),
+        lambda content: content.pop("checksum"),
+        lambda content: content.update(level="full"),
+    ],
+    ids=["number", "none", "level"],
+)
+def test_report_changed_by_hand_is_told_on_page_and_by_exit_code(folder, change, capsys):
+    edited(folder, change)
+    assert main(["report", str(folder)]) == 1
+    assert "checksum does not fit" in capsys.readouterr().err
+    assert "its checksum does not fit" in (folder / "report.html").read_text()
+
+
+def test_report_in_another_layout_is_the_same_report(folder):
+    content = json.loads((folder / "report.json").read_text())
+    (folder / "report.json").write_text(json.dumps(content, indent=7, sort_keys=True))
+    assert main(["report", str(folder)]) == 0
+
+
+def test_strip_shows_the_worst_ratio_with_its_case_and_the_changes():
+    page = Page(render(with_checksum(report(case("a", row(1.02)), case("b", row(0.95)), changes=["b: moved"]))))
+    assert "0.5 worst error / tolerance 1 changes from the baselines" in page.text
+    assert "#b" in page.inside
+
+
+def test_infinite_ratio_is_the_worst():
+    page = Page(render(report(case("a", row(float("inf"))))))
+    assert "inf worst error / tolerance" in page.text
+
+
+def test_known_discrepancy_shows_band_cause_source_and_review():
+    text = Page(render(report())).text
+    known = text[text.index("Known discrepancies Recorded") :]
+    assert "persson load < K & friends 2 1.5 to 3 mean-field theory the paper 2027-11-21 ≈ expected deviation" in known
+
+
+@pytest.mark.parametrize(("date", "overdue"), [("2027-11-21", False), ("2027-11-22T08:00:00", True), ("soon", False)])
+def test_review_that_is_overdue_is_told(date, overdue):
+    text = Page(render(report(provenance={"date": date, "commit": "0123abc"}))).text
+    assert ("2027-11-21: overdue" in text) is overdue
+
+
+def test_what_fails_is_listed_first_with_its_link():
+    page = Page(render(with_checksum(report(case("fine"), case("wrong", row(2.0))))))
+    assert page.text.index("What fails wrong") < page.text.index("Summary Expected")
+    assert "wrong : load < K & friends: deviates, error 1, allowed 0.1" in page.text
+
+
+def test_cases_are_found_by_group():
+    cases = [case("a", group="one"), case("b", group="two"), case("c", group="one")]
+    text = Page(render(report(*cases))).text
+    assert "one ✓ a ✓ c two ✓ b Provenance" in text
+
+
+def test_commit_is_shown_by_its_first_digits():
+    commit = "0123456789abcdef" * 2 + "01234567 with changes"
+    text = Page(render(report(provenance={"date": "2026-11-21", "commit": commit}))).text
+    assert "commit 0123456789ab with changes." in text
+    assert commit in text
+
+
 def test_crashed_case_is_shown_with_its_message():
     page = Page(render(report(case("crash", rows=[], figures=[], status="error", message="the matrix is singular"))))
     assert "the matrix is singular" in page.text
@@ -225,12 +341,12 @@ def test_one_line_on_stdout(folder, capsys):
 
 
 def test_report_comes_back_from_its_file(folder):
-    assert read_report(folder) == report()
+    assert read_report(folder) == with_checksum(report())
 
 
 @pytest.mark.parametrize(
     ("value", "shown"),
-    [(None, "–"), (float("nan"), "not a number"), (0.0, "0"), (1e-12, "1.000e-12"), (True, "True"), ("as it is",) * 2],
+    [(None, "–"), (float("nan"), "not a number"), (0.0, "0"), (1e-12, "1e-12"), (True, "True"), ("as it is",) * 2],
 )
 def test_numbers_are_written_for_readers(value, shown):
     assert number(value) == shown

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from datetime import date
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
 from validation.compare import combined_tolerance, error_of, error_over_tolerance
 from validation.report.figures import svg_of
 from validation.runner import write_atomically
-from validation.schema import CaseRecord, Report, Row
+from validation.schema import CaseRecord, Report, Row, is_intact
 from validation.verdict import GATING, VERDICTS, case_verdicts, counts, verdict_of
 
 PAGE = "report.html"
@@ -37,15 +41,26 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class Line:
-    """A row as the tables show it."""
+    """A row as the tables show it; what begins with `sort_` is the number behind a text, "" where there is none."""
 
     row: Row
-    expected: str
-    computed: str
+    expected: Markup
+    computed: Markup
     error: float
     allowed: str
     ratio: float | None
     verdict: str
+    sort_expected: float | str
+    sort_computed: float | str
+    sort_allowed: float
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The largest error over tolerance, and the case it belongs to."""
+
+    ratio: float
+    case: str
 
 
 def write_html(report: Report, folder: Path) -> None:
@@ -60,7 +75,17 @@ def write_html(report: Report, folder: Path) -> None:
 
 
 def render(report: Report) -> str:
-    """The page as text."""
+    """The page as text.
+
+    Parameters
+    ----------
+    report : Report
+
+    Raises
+    ------
+    ReportError
+        A case cites a source that is not in the bibliography.
+    """
     environment = Environment(
         loader=PackageLoader("validation.report", "."),
         autoescape=True,
@@ -69,15 +94,20 @@ def render(report: Report) -> str:
         lstrip_blocks=True,
     )
     environment.filters["number"] = number
+    environment.filters["short"] = _short
     lines = {case.id: [_line(row) for row in case.rows] for case in report.cases}
-    ratios = [line.ratio for case in lines.values() for line in case if line.ratio is not None]
-    finite = [ratio for ratio in ratios if math.isfinite(ratio)]
+    groups = list(dict.fromkeys(case.group for case in report.cases))
     page = environment.get_template("page.jinja").render(
         report=report,
         lines=lines,
         verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
         marks=MARKS,
-        worst=max(finite) if finite else None,
+        worst=_worst_ratio(lines),
+        intact=is_intact(report),
+        failing=failures(report),
+        known=_known(report, lines),
+        groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
+        scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
         landing=[_drawn(case, LANDING) for case in report.cases if any(f.id.startswith(LANDING) for f in case.figures)],
         figures={case.id: _drawn(case, "") for case in report.cases},
         case_verdict={case.id: _worst(case) for case in report.cases},
@@ -102,7 +132,63 @@ def number(value: Any) -> str:
         return str(value)
     if math.isnan(value):
         return "not a number"
-    return f"{value:.4g}" if value == 0 or 1e-3 <= abs(value) < 1e5 else f"{value:.3e}"
+    return f"{value:.4g}"
+
+
+def failures(report: Report) -> list[tuple[str, str]]:
+    """What gates: the case ("" for the report itself) and what is wrong with it.
+
+    Parameters
+    ----------
+    report : Report
+
+    Returns
+    -------
+    list of (str, str)
+        In the order of the report; empty when nothing gates.
+    """
+    found = []
+    if not is_intact(report):
+        found.append(("", "report.json was changed after it was written: its checksum does not fit"))
+    if len(report.cases) != report.planned:
+        found.append(("", f"{report.planned} cases planned, {len(report.cases)} reported"))
+    for case in report.cases:
+        if case.status == "error":
+            found.append((case.id, f"error, {case.message}"))
+        elif case.status == "run" and not case.rows:
+            found.append((case.id, "error, it compares nothing"))
+        for row in case.rows:
+            verdict = verdict_of(row)
+            if verdict in GATING:
+                allowed = f"{row.band.low:g} to {row.band.high:g}" if row.band else f"{combined_tolerance(row):.3g}"
+                why = row.message or f"error {error_of(row):.3g}, allowed {allowed}"
+                found.append((case.id, f"{row.quantity}: {verdict}, {why}"))
+    return found
+
+
+def _worst_ratio(lines: dict[str, list[Line]]) -> Worst | None:
+    """The largest error over tolerance of all rows that have one; None when none has."""
+    known = [(line.ratio, case) for case, given in lines.items() for line in given if line.ratio is not None]
+    ratios = [Worst(ratio, case) for ratio, case in known if not math.isnan(ratio)]
+    return max(ratios, key=lambda worst: worst.ratio, default=None)
+
+
+def _known(report: Report, lines: dict[str, list[Line]]) -> list[tuple[str, Line, bool]]:
+    """Rows with a band: the case, the line, and whether its review is overdue at the date of the report."""
+    today = str(report.provenance.get("date", ""))[:10]
+    return [
+        (case, line, _is_before(line.row.band.review, today))
+        for case, given in lines.items()
+        for line in given
+        if line.row.band is not None
+    ]
+
+
+def _is_before(review: str, today: str) -> bool:
+    try:
+        return date.fromisoformat(review) < date.fromisoformat(today)
+    except ValueError:  # no dates: nothing can be overdue
+        return False
 
 
 def _line(row: Row) -> Line:
@@ -116,6 +202,9 @@ def _line(row: Row) -> Line:
         allowed=allowed,
         ratio=None if row.band else error_over_tolerance(row),
         verdict=verdict_of(row),
+        sort_expected=_sorted_as(row.expected[worst]),
+        sort_computed=_sorted_as(row.computed[worst]),
+        sort_allowed=row.band.high if row.band else combined_tolerance(row),
     )
 
 
@@ -128,10 +217,19 @@ def _place_of_worst(row: Row) -> int:
     return misses.index(max(misses))
 
 
-def _value(values: list[float | None], worst: int) -> str:
+def _value(values: list[float | None], worst: int) -> Markup:
     """The value at the worst place; how many there are beside it."""
-    text = number(values[worst])
-    return text if len(values) == 1 else f"{text} (worst of {len(values)})"
+    text = Markup(number(values[worst]))
+    return text if len(values) == 1 else text + Markup(f" <small>worst of {len(values)}</small>")
+
+
+def _short(commit: str) -> str:
+    """A commit by its first twelve digits; what follows them in words is kept."""
+    return re.sub(r"^([0-9a-f]{12})[0-9a-f]{28}", r"\1", str(commit))
+
+
+def _sorted_as(value: float | None) -> float | str:
+    return "" if value is None else value
 
 
 def _drawn(case: CaseRecord, prefix: str) -> list[tuple[str, str, str]]:

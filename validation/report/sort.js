@@ -1,20 +1,30 @@
 document.querySelectorAll("table.sortable").forEach((table) => {
-  table.querySelectorAll("thead th").forEach((head, column) => {
-    head.addEventListener("click", () => {
-      const body = table.tBodies[0];
-      const up = head.dataset.up !== "1";
-      head.dataset.up = up ? "1" : "0";
-      const key = (row) => {
-        const cell = row.cells[Math.min(column, row.cells.length - 1)];
-        const text = cell.dataset.sort ?? cell.textContent;
-        const value = parseFloat(text);
-        return Number.isNaN(value) ? text : value;
-      };
+  const heads = [...table.querySelectorAll("thead th")];
+  const body = table.tBodies[0];
+  const key = (row, column) => {
+    const cell = row.cells[column];
+    const text = cell.dataset.sort ?? cell.textContent.trim();
+    const value = Number(text);
+    return text === "" || text === "nan" ? null : Number.isNaN(value) ? text.toLowerCase() : value;
+  };
+  const compare = (x, y) => {
+    if (typeof x === typeof y) return (x > y) - (x < y);
+    return typeof x === "number" ? -1 : 1;
+  };
+  heads.forEach((head, column) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = head.textContent;
+    head.replaceChildren(button);
+    button.addEventListener("click", () => {
+      const up = head.getAttribute("aria-sort") !== "ascending";
+      heads.forEach((other) => other.removeAttribute("aria-sort"));
+      head.setAttribute("aria-sort", up ? "ascending" : "descending");
       [...body.rows]
         .sort((a, b) => {
-          const x = key(a), y = key(b);
-          const order = typeof x === typeof y ? (x > y) - (x < y) : typeof x === "number" ? -1 : 1;
-          return up ? order : -order;
+          const x = key(a, column), y = key(b, column);
+          if (x === null || y === null) return (x === null) - (y === null);
+          return up ? compare(x, y) : compare(y, x);
         })
         .forEach((row) => body.append(row));
     });

@@ -185,7 +185,7 @@ def _computed(case: Case, limit: float) -> CaseRecord:
         record = record_of(case, outcome, time.perf_counter() - begun)
     except (Exception, SystemExit) as error:
         record = failed_record(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)
-    return record.model_copy(update={"figures": [], "tables": [], "scene": ""})
+    return record.model_copy(update={"figures": [], "drawn": [], "tables": [], "scene": ""})
 
 
 @contextmanager

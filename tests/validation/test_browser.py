@@ -1,0 +1,199 @@
+"""The page in a real browser: headless Chromium opens it, follows every link, sorts, prints; nothing is complained of.
+
+A script is added to a copy of the page, looks at it from inside and writes what it found into the document, which the
+browser hands back.  The page forbids requests (its content security policy), and the browser puts every attempt on
+the console.  Without Chromium these tests are skipped.
+"""
+
+import json
+import re
+import shutil
+import subprocess
+from html import unescape
+
+import pytest
+
+from validation.report.render import render
+from validation.schema import (
+    Band,
+    CaseRecord,
+    Figure,
+    Panel,
+    Reference,
+    Report,
+    Row,
+    Series,
+    Table,
+    Tolerance,
+    with_checksum,
+)
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
+
+QUIET = (
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-dev-shm-usage"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-extensions"),
+    *("--host-resolver-rules=MAP * ~NOTFOUND", "--enable-logging=stderr", "--log-level=0"),
+)
+
+LOOK = """
+const found = {};
+const inside = [...document.querySelectorAll("a[href]")].map((link) => link.getAttribute("href"));
+found.outside = inside.filter((target) => !target.startsWith("#"));
+found.dead = inside.filter((target) => target.startsWith("#") && !document.getElementById(target.slice(1)));
+found.links = inside.length;
+const ids = [...document.querySelectorAll("[id]")].map((element) => element.id);
+found.repeated = ids.filter((id, place) => ids.indexOf(id) !== place);
+found.resources = performance.getEntriesByType("resource").map((entry) => entry.name);
+found.wide = document.documentElement.scrollWidth > window.innerWidth;
+const pictures = [...document.querySelectorAll("figure svg")];
+found.drawn = pictures.filter((svg) => svg.getBoundingClientRect().height > 50).length;
+const table = document.querySelector("table.sortable");
+const buttons = [...table.querySelectorAll("thead th button")];
+found.headings = table.querySelectorAll("thead th").length;
+found.reached = buttons.filter((button) => { button.focus(); return document.activeElement === button; }).length;
+const order = () => [...table.tBodies[0].rows].map((row) => row.cells[8].dataset.sort ?? "");
+buttons[8].click();
+found.up = order();
+found.said = buttons[8].parentElement.getAttribute("aria-sort");
+buttons[8].click();
+found.down = order();
+found.hidden = [...document.querySelectorAll("main *")].filter((e) => e.tagName === "DETAILS").length;
+const note = document.createElement("output");
+note.id = "found-by-test";
+note.textContent = JSON.stringify(found);
+document.body.append(note);
+"""
+
+
+def row(computed, **changes):
+    plain = {
+        "quantity": "load < K & friends",
+        "unit": "N/m",
+        "reference": Reference(kind="exact", source="closed form"),
+        "norm": "absolute",
+        "expected": [1.0],
+        "computed": [computed],
+        "tolerance": Tolerance(value=0.1, measured=0.04),
+    }
+    return Row(**(plain | changes))
+
+
+def figure(name):
+    above = Panel(xlabel="x", ylabel="load", series=[Series(label="solver", x=[0.0, 1.0, None], y=[0.0, 1.0, 2.0])])
+    below = Panel(xlabel="x", ylabel="error", series=[Series(label="solver", x=[0.0, 1.0], y=[0.1, -0.1])])
+    return Figure(id=name, caption=f"Caption of {name}.", solution=above, error=below)
+
+
+def case(name, group, *rows, **changes):
+    plain = {
+        "id": name,
+        "group": group,
+        "level": "quick",
+        "question": "Does it stick?",
+        "equations": "K^2 = 2 E* w",
+        "sources": ["johnson1995"],
+        "scene": "[solid]\nyoungs_modulus = 1.0e6 # <E>\n" * 30,
+        "rows": list(rows),
+        "tables": [Table(caption="Cost.", columns=["unknowns", "s"], rows=[[64, 0.25], [128, None]])],
+    }
+    return CaseRecord(**(plain | changes))
+
+
+@pytest.fixture(scope="module")
+def page():
+    """A page with everything a page can hold."""
+    band = Band(low=1.5, high=3.0, cause="mean-field theory", source="the paper", review="2025-01-01")
+    cases = [
+        case("johnson-0.1", "closed forms", row(1.01), row(1.001), figures=[figure("curve"), figure("landing-area")]),
+        case("persson", "theory", row(2.0, norm="ratio", tolerance=None, band=band), figures=[figure("area")]),
+        case("bad", "theory", row(1.5), row(None)),
+        case("crash", "theory", rows=[], status="error", message="the matrix is singular"),
+        case("peers", "theory", rows=[], status="not run", message="the extra 'peers' is not installed"),
+    ]
+    facts = {"date": "2026-11-21T10:00:00+00:00", "commit": "0123456789abcdef" * 2 + "01234567 with changes"}
+    changes = ["johnson-0.1: load was 1, is 1.01"]
+    made = Report(level="quick", command="run", planned=5, provenance=facts, cases=cases, changes=changes)
+    return render(with_checksum(made))
+
+
+def browse(folder, text, *options):
+    """Open a page: what the browser printed."""
+    path = folder / "page.html"
+    path.write_text(text, "utf-8")
+    command = [BROWSER, *QUIET, f"--user-data-dir={folder / 'profile'}", *options, path.as_uri()]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+def console_of(done):
+    return [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+
+
+@pytest.fixture(scope="module")
+def seen(page, tmp_path_factory):
+    """The page opened with the looking script: what that found, and the console."""
+    text = page.replace("</body>", f"<script>{LOOK}</script></body>")
+    done = browse(tmp_path_factory.mktemp("page"), text, "--dump-dom")
+    found = re.search(r'<output id="found-by-test">(.*?)</output>', done.stdout, re.DOTALL)
+    assert found, done.stderr[-2000:]
+    return json.loads(unescape(found[1])), console_of(done)
+
+
+def test_console_is_silent(seen):
+    assert seen[1] == []
+
+
+def test_nothing_is_asked_from_outside(seen):
+    assert (seen[0]["resources"], seen[0]["outside"]) == ([], [])
+
+
+def test_every_link_resolves(seen):
+    assert seen[0]["links"] > 20
+    assert (seen[0]["dead"], seen[0]["repeated"]) == ([], [])
+
+
+def test_every_figure_is_drawn(seen):
+    assert seen[0]["drawn"] == 4  # three, one of them also on top
+
+
+def test_page_is_not_wider_than_its_window(seen):
+    assert not seen[0]["wide"]
+
+
+def test_every_heading_is_reached_by_keyboard(seen):
+    assert seen[0]["reached"] == seen[0]["headings"] == 13
+
+
+def test_headings_sort_by_number_both_ways(seen):
+    numbers = [[float(value) for value in seen[0][way] if value not in ("", "nan")] for way in ("up", "down")]
+    assert numbers[0] == sorted(numbers[0])
+    assert numbers[1] == sorted(numbers[0], reverse=True)
+    assert len(numbers[0]) == 4
+    assert seen[0]["said"] == "ascending"
+
+
+def test_nothing_is_folded_away_that_paper_could_not_unfold(seen):
+    assert seen[0]["hidden"] == 0
+
+
+def test_page_prints_to_pdf(page, tmp_path):
+    done = browse(tmp_path, page, f"--print-to-pdf={tmp_path / 'page.pdf'}")
+    printed = (tmp_path / "page.pdf").read_bytes()
+    assert printed.startswith(b"%PDF"), done.stderr[-2000:]
+    sizes = re.findall(rb"/MediaBox \[0 0 ([0-9.]+) ([0-9.]+)\]", printed)
+    assert {float(width) > float(height) for width, height in sizes} == {True, False}  # the summary lies across
+    assert len(sizes) >= 5
+
+
+COMPLAINTS = {
+    "console": "<script>console.error('a fault')</script>",
+    "exception": "<script>missing.call()</script>",
+    "request": '<img src="http://example.org/x.png">',
+}
+
+
+@pytest.mark.parametrize("kind", COMPLAINTS)
+def test_what_must_not_be_there_would_be_seen(page, tmp_path, kind):
+    done = browse(tmp_path, page.replace("</body>", f"{COMPLAINTS[kind]}</body>"), "--dump-dom")
+    assert len(console_of(done)) == 1
