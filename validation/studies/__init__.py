@@ -4,6 +4,7 @@ Each is a module of this package (its name with underscores) with `run(folder, q
 """
 
 STUDIES: dict[str, str] = {
+    "work-precision": "error against time of every method, the price of each effect, and what to choose, in words",
     "convergence": "rates of every code against those predicted: geometric, algebraic, with and without graded meshes",
     "cost": "seconds, memory and counts of the paper's profile against harmonics; path convergence",
     "faults": "would the suite notice: faults put into the running code, what catches them, how small they may be",

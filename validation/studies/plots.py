@@ -18,6 +18,8 @@ from matplotlib.figure import Figure
 from validation.report.figures import COLOURS, MARKERS, SETTINGS
 from validation.runner import write_atomically
 
+WIDE = 64  # characters of a label with which two columns do not fit
+
 
 @dataclass(frozen=True)
 class Line:
@@ -93,7 +95,8 @@ def draw(plot: Plot) -> Figure:
         axes.set_ylabel(plot.ylabel)
         axes.set_title(plot.title, fontsize=9.5)
         if plot.lines or plot.failures:
-            canvas.legend(loc="outside lower center", ncols=2, fontsize=7.5)
+            longest = max(len(text) for text in axes.get_legend_handles_labels()[1])
+            canvas.legend(loc="outside lower center", ncols=2 if longest < WIDE else 1, fontsize=7.5)
     return canvas
 
 

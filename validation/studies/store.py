@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from validation.runner import write_atomically
 
 
@@ -24,7 +26,8 @@ def plain(value: Any) -> Any:
         return {name: plain(content) for name, content in value.items()}
     if isinstance(value, list | tuple):
         return [plain(content) for content in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    number = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(number, float) and not math.isfinite(number) else number
 
 
 def text_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:

@@ -1,0 +1,164 @@
+"""The work-precision study: errors and floors, failures that stay, files; its scenes, methods and references."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from validation.cases.closed_forms import Sinusoid
+from validation.execution import Ended
+from validation.studies import work_precision
+from validation.studies.work_precision import Point, Task, Timed, measured, point_of
+from validation.studies.work_precision_methods import METHODS, solve_bem, solve_fem, solve_paper
+from validation.studies.work_precision_references import SOURCES, source_for
+from validation.studies.work_precision_scenes import QUANTITIES, exact_sinusoid, scenes
+
+SINUSOID = scenes()["sinusoid"]
+
+
+@pytest.fixture
+def example(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    import example_methods
+
+    return example_methods
+
+
+@pytest.fixture
+def here(monkeypatch):
+    """Everything in this process: starting another takes seconds."""
+
+    def in_this_process(function, item):
+        try:
+            yield Ended(item, function(item))
+        except Exception as error:
+            yield Ended(item, error)
+
+    monkeypatch.setattr(work_precision, "run_alone", in_this_process)
+
+
+def study(folder, methods, sources):
+    return work_precision.run(folder, True, lambda note: None, methods, sources)
+
+
+def test_study_writes_points_conclusion_and_figure(example, tmp_path, capsys):
+    assert study(tmp_path, [example.method()], example.TRUTH) == 0
+    stored = json.loads((tmp_path / "work-precision.json").read_text())
+    assert [point["error"] for point in stored["points"]] == pytest.approx([0.1, None, 1e-4, 1e-12], abs=1e-15)
+    assert [point["within_uncertainty"] for point in stored["points"]] == [False, False, False, True]
+    told = capsys.readouterr().out
+    assert "sinusoid: 4 digits cost least with halving at 0.0001" in told
+    assert "not run on theory: it is no theory" in told
+    assert (tmp_path / "work-precision-sinusoid.svg").read_text().startswith("<?xml")
+
+
+def test_setting_that_fails_stays_with_its_message(here, example, tmp_path, capsys):
+    study(tmp_path, [example.method()], example.TRUTH)
+    stored = json.loads((tmp_path / "work-precision.json").read_text())
+    failed = stored["points"][1]["timed"]
+    assert (failed["setting"], failed["status"]) == ("0.25", "ArithmeticError: the matrix is singular")
+    assert "the matrix is singular" in capsys.readouterr().out
+    assert "the matrix is singular" in (tmp_path / "work-precision-sinusoid.svg").read_text()
+
+
+def test_method_that_fails_everywhere_fails_the_study(here, example, tmp_path, capsys):
+    assert study(tmp_path, [example.method(solve=example.never)], example.TRUTH) == 1
+    assert "FAILED: sinusoid, halving: no setting has an answer" in capsys.readouterr().out
+
+
+def test_reference_that_fails_is_told(here, example, tmp_path, capsys):
+    assert study(tmp_path, [example.method()], example.LOST) == 1
+    assert "reference lost: ArithmeticError: reference not converged" in capsys.readouterr().out
+
+
+def test_measurement_repeats_and_takes_the_least(example):
+    (found,) = measured(Task(SINUSOID, example.method(), (0.1,), 5, 10.0))
+    assert (found.repeats, found.status) == (5, "done")
+    assert found.wall_seconds >= 0.002
+    assert found.spread >= 0
+    assert found.peak_megabytes > 0
+
+
+def test_repeats_end_with_their_time(example):
+    (found,) = measured(Task(SINUSOID, example.method(), (0.1,), 1000, 0.02))
+    assert found.repeats <= 10
+
+
+def test_errors_are_over_the_scales_of_the_scene(example):
+    reference = example.truth(SINUSOID)
+    timed = Timed("1", found=example.off_by(SINUSOID, 0.1))
+    point = point_of(SINUSOID, example.method(), timed, reference)
+    assert point.errors == pytest.approx({"contact_fraction": 0.1, "mean_pressure": 0.0, "elastic_energy": 0.0})
+    assert point.floor == pytest.approx(1e-9)  # of the contact fraction; that of a pressure is 1e-9 Pa
+
+
+def test_point_below_the_uncertainty_is_grey():
+    def point(error):
+        return Point("sinusoid", "m", Timed("1"), {"contact_fraction": error}, floor=1e-6)
+
+    assert point(0.9e-6).grey
+    assert not point(1.1e-6).grey
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_references_are_of_another_code_and_settings_are_many(method):
+    for scene in method.scenes:
+        assert source_for(scene, method).code != method.code
+        assert len(method.settings_for(scene, quick=False)) >= 6
+    assert set(method.scenes) | set(method.cannot) <= set(scenes())
+
+
+def test_every_scene_is_done_or_told_why_not():
+    for scene in ("sinusoid", "layer", "rough"):
+        assert all(scene in method.scenes or scene in method.cannot for method in METHODS)
+
+
+def test_reference_of_the_same_code_only_is_refused(example):
+    with pytest.raises(ValueError, match="another code than truth"):
+        source_for("sinusoid", example.method(code="truth"), example.TRUTH)
+
+
+def test_closed_gap_and_energy_of_johnsons_state():
+    wave, found = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3), exact_sinusoid(SINUSOID)
+    psi = found["contact_fraction"] * np.pi / 2
+    share, tension = np.sin(psi) ** 2, 0.3 * wave.full_contact_pressure * np.sqrt(np.tan(psi))
+
+    def opening(v):  # slope of the gap, continued from the pressure
+        root = np.sqrt(np.sin(v) ** 2 - share)
+        return 2 / wave.modulus * (2 * wave.full_contact_pressure * np.cos(v) * root + tension * np.cos(v) / root)
+
+    # v = psi + s^2 takes the root singularity away
+    gap, _ = quad(lambda s: opening(psi + s * s) * 2 * s, 0, np.sqrt(np.pi / 2 - psi), epsabs=1e-16)
+    assert found["gap"] == pytest.approx(gap * wave.wavelength / np.pi, rel=1e-9)
+
+    def work(angle):  # dU = p dDelta + (G - w) da from the point where contact has no width, G = w throughout
+        step = 1e-5 * angle
+        rate = (float(wave.penetration(angle + step)) - float(wave.penetration(angle - step))) / (2 * step)
+        return float(wave.mean_pressure(angle)) * rate + wave.work_of_adhesion * 2 / np.pi
+
+    energy, _ = quad(work, 0, psi, epsrel=1e-9)
+    assert found["elastic_energy"] == pytest.approx(energy, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("solve", "setting", "error"),
+    [(solve_bem, 1e-6, 2e-11), (solve_fem, (2, 6, 6), 1.2e-3), (solve_paper, 32, 1e-3)],
+    ids=["bem", "fem", "paper"],
+)
+def test_methods_find_johnsons_state(solve, setting, error):
+    found = solve(SINUSOID, setting)
+    errors = SINUSOID.errors(found.answer, exact_sinusoid(SINUSOID))
+    assert set(errors) == set(QUANTITIES)
+    assert max(errors.values()) < error  # 6e-12, 4e-4, 3.5e-4
+    assert found.unknowns > 0
+
+
+def test_scales_of_a_sinusoid_are_those_of_johnson():
+    wave = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
+    assert SINUSOID.scales["mean_pressure"] == pytest.approx(wave.full_contact_pressure, rel=1e-13)
+
+
+def test_every_scene_has_a_reference():
+    assert set(SOURCES) == set(scenes())

@@ -1,0 +1,324 @@
+"""What accuracy costs: seconds against achieved error for every method, on contacts with a reference of another code.
+
+Protocol: one process for every scene and method, one thread, the coarsest setting first as a warm-up, then every
+setting up to 20 times or 2 s (quick: 3 times or 0.5 s), the least wall time and the spread of the others, CPU time,
+largest memory of the process so far, and set-up, solution and evaluation apart.  Errors of all quantities are kept; the
+curve shows the larger of those of contact fraction and mean pressure.  Points below the uncertainty of their
+reference are grey, failed ones stay with their message.  Counts, not seconds, are what could be gated.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from validation.execution import Ended, Running, run_alone
+from validation.provenance import provenance
+from validation.runner import Note
+from validation.studies.conclusion import Mark, MethodCurve, sentences
+from validation.studies.plots import Line, Plot, write_svg
+from validation.studies.store import peak_megabytes, text_table, write_json
+from validation.studies.work_precision_methods import METHODS, Found, Method
+from validation.studies.work_precision_references import SOURCES, Reference, Source, source_for
+from validation.studies.work_precision_scenes import Posed, scenes
+
+SCHEMA = "linecontact-work-precision/1"
+FILE = "work-precision.json"
+SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
+QUICK_SCENES = ("sinusoid", "theory")
+REPEATS, SECONDS = (20, 2.0), (3, 0.5)  # most repeats and seconds for them: in full, quick
+
+Item = TypeVar("Item")
+Answered = TypeVar("Answered")
+
+
+@dataclass(frozen=True)
+class Task:
+    """A method on a scene, in a process of its own."""
+
+    posed: Posed
+    method: Method
+    settings: tuple[Any, ...]
+    repeats: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A setting, measured; `status` is a message where it failed."""
+
+    setting: str
+    status: str = "done"
+    found: Found | None = None
+    wall_seconds: float = math.nan
+    spread: float = math.nan
+    cpu_seconds: float = math.nan
+    repeats: int = 0
+    peak_megabytes: float = math.nan
+
+
+@dataclass(frozen=True)
+class Point:
+    """A setting of a method on a scene, with its errors."""
+
+    scene: str
+    method: str
+    timed: Timed
+    errors: dict[str, float] = field(default_factory=dict)
+    floor: float = math.nan
+    reference: str = ""
+
+    @property
+    def error(self) -> float:
+        """The larger of the errors of SHOWN; nan where the setting failed."""
+        return max((self.errors[name] for name in SHOWN if name in self.errors), default=math.nan)
+
+    @property
+    def grey(self) -> bool:
+        """Below what the reference can tell."""
+        return self.error < self.floor
+
+
+def measured(task: Task) -> list[Timed]:
+    """All settings of a task, after a warm-up with the first."""
+    answers: list[Timed] = []
+    try:
+        task.method.solve(task.posed, task.settings[0])
+    except Exception as error:
+        answers.append(Timed("warm-up", f"{type(error).__name__}: {error}"))
+    for setting in task.settings:
+        try:
+            answers.append(_timed(task, setting))
+        except Exception as error:  # stays as a marker with its message
+            answers.append(Timed(str(setting), f"{type(error).__name__}: {error}"))
+    return [answer for answer in answers if answer.setting != "warm-up"]
+
+
+def computed_reference(item: tuple[Source, Posed]) -> Reference:
+    """A reference, in a process of its own."""
+    source, posed = item
+    return source.compute(posed)
+
+
+def run(
+    folder: Path,
+    quick: bool,
+    report: Callable[[Note], None],
+    methods: Sequence[Method] = METHODS,
+    sources: dict[str, tuple[Source, ...]] | None = None,
+) -> int:
+    """Run the study, print points and conclusion, write work-precision.json and a figure for each scene.
+
+    Parameters
+    ----------
+    folder : Path
+    quick : bool
+        Fewer scenes, settings and repeats.
+    report : callable
+        Gets a `Note` for every step.
+    methods : sequence of Method
+        Another one is one more entry.
+    sources : dict, optional
+        Other references than those of the study, by scene.
+
+    Returns
+    -------
+    int
+        1 when a reference fails, or a method on every setting of a scene.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    known = SOURCES if sources is None else sources
+    chosen = {name: posed for name, posed in scenes().items() if not quick or name in QUICK_SCENES}
+    repeats, seconds = SECONDS if quick else REPEATS
+    facts, points, failures = provenance(), list[Point](), list[str]()
+    for posed in chosen.values():
+        taking_part = [method for method in methods if posed.id in method.scenes]
+        references = _references(posed, taking_part, known, report, failures)
+        for method in taking_part:
+            task = Task(posed, method, method.settings_for(posed.id, quick), repeats, seconds)
+            answer = _alone(measured, task, f"{posed.id}, {method.name}", report)
+            timed = answer if isinstance(answer, list) else [Timed("all", f"{type(answer).__name__}: {answer}")]
+            reference = references.get(source_for(posed.id, method, known).name)
+            points += [point_of(posed, method, entry, reference) for entry in timed]
+            if all(math.isnan(point.error) for point in points if _is(point, posed.id, method.name)):
+                failures.append(f"{posed.id}, {method.name}: no setting has an answer")
+            _write(folder, facts, quick, points, methods, chosen, failures)
+    columns = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall/s", "spread", "cpu/s",
+               "MB", "repeats", "status"]  # fmt: skip
+    print(text_table(columns, [_row(point) for point in points]))
+    for method in methods:
+        print(f"{method.name}: {method.knob} is the knob; fixed: {method.fixed}")
+        for scene, reason in method.cannot.items():
+            if scene in chosen:
+                print(f"  not run on {scene}: {reason}")
+    for line in conclusion(points, tuple(chosen)):
+        print(line)
+    for message in failures:
+        print(f"FAILED: {message}")
+    for name, plot in figures_of(points, chosen):
+        write_svg(plot, folder / f"{name}.svg")
+    return 1 if failures else 0
+
+
+def point_of(posed: Posed, method: Method, timed: Timed, reference: Reference | None) -> Point:
+    """A setting with its errors against a reference; without errors where either failed."""
+    if timed.found is None or reference is None:
+        return Point(posed.id, method.name, timed)
+    floor = reference.floor(posed, SHOWN)
+    errors = posed.errors(timed.found.answer, reference.answer)
+    return Point(posed.id, method.name, timed, errors, floor, f"{reference.source} ({reference.kind})")
+
+
+def curves_of(points: Sequence[Point], scene: str) -> list[MethodCurve]:
+    """Curves of a scene as the conclusion takes them."""
+    names = dict.fromkeys(point.method for point in points if point.scene == scene)
+    curves = []
+    for name in names:
+        known = [point for point in points if _is(point, scene, name) and not math.isnan(point.error)]
+        if known:
+            marks = tuple(
+                Mark(point.timed.setting, max(point.error, point.floor), point.timed.wall_seconds) for point in known
+            )
+            curves.append(MethodCurve(name, known[0].reference, marks, known[0].floor))
+    return curves
+
+
+def conclusion(points: Sequence[Point], names: Sequence[str]) -> list[str]:
+    """What the points say, in words, scene by scene."""
+    return [line for scene in names for line in sentences(scene, curves_of(points, scene))]
+
+
+def figures_of(points: Sequence[Point], chosen: dict[str, Posed]) -> Iterator[tuple[str, Plot]]:
+    """A figure for every scene."""
+    for scene, posed in chosen.items():
+        here = [point for point in points if point.scene == scene]
+        lines, bands = [], dict[str, float]()
+        for name in dict.fromkeys(point.method for point in here):
+            known = [point for point in here if point.method == name and not math.isnan(point.error)]
+            if not known:
+                continue
+            bands[f"uncertainty of {known[0].reference}"] = known[0].floor
+            lines.append(
+                Line(
+                    label=f"{name}, against {known[0].reference}",
+                    x=[max(point.error, 1e-17) for point in known],
+                    y=[point.timed.wall_seconds for point in known],
+                    notes=[str(point.timed.found.unknowns) if point.timed.found else "" for point in known],
+                    grey=[point.grey for point in known],
+                )
+            )
+        failed = [f"{p.method} at {p.timed.setting}: {p.timed.status}" for p in here if p.timed.found is None]
+        yield (
+            f"work-precision-{scene}",
+            Plot(
+                title=f"{posed.title} (points: unknowns)",
+                xlabel="error of contact fraction and mean pressure, the larger",
+                ylabel="wall time / s, one thread",
+                lines=lines,
+                bands=list(bands.items()),
+                failures=failed,
+                size=(8.4, 6.0),
+            ),
+        )
+
+
+def _timed(task: Task, setting: Any) -> Timed:
+    """A setting, repeated; the answer is that of the last."""
+    walls: list[float] = []
+    cpus: list[float] = []
+    found = None
+    while not walls or (len(walls) < task.repeats and sum(walls) < task.seconds):
+        wall, cpu = time.perf_counter(), time.process_time()
+        found = task.method.solve(task.posed, setting)
+        walls.append(time.perf_counter() - wall)
+        cpus.append(time.process_time() - cpu)
+    return Timed(
+        setting=str(setting),
+        found=found,
+        wall_seconds=min(walls),
+        spread=max(walls) / min(walls) - 1,
+        cpu_seconds=min(cpus),
+        repeats=len(walls),
+        peak_megabytes=peak_megabytes(),
+    )
+
+
+def _references(
+    posed: Posed,
+    methods: Sequence[Method],
+    known: dict[str, tuple[Source, ...]],
+    report: Callable[[Note], None],
+    failures: list[str],
+) -> dict[str, Reference]:
+    """The references that these methods need, by name; those that fail are told."""
+    wanted = {source.name: source for source in (source_for(posed.id, method, known) for method in methods)}
+    found: dict[str, Reference] = {}
+    for name, source in wanted.items():
+        answer = _alone(computed_reference, (source, posed), f"{posed.id}, reference: {name}", report)
+        if isinstance(answer, Reference):
+            found[name] = answer
+        else:
+            failures.append(f"{posed.id}, reference {name}: {type(answer).__name__}: {answer}")
+    return found
+
+
+def _alone(
+    function: Callable[[Item], Answered], item: Item, name: str, report: Callable[[Note], None]
+) -> Answered | Exception:
+    """The answer of a function in a process of its own, or its exception."""
+    report(Note(f"{name}: started"))
+    begun = time.monotonic()
+    answer: Answered | Exception = RuntimeError("no answer")
+    with closing(run_alone(function, item)) as events:
+        for event in events:
+            if isinstance(event, Running):
+                report(Note(f"{name}: {event.seconds[0]:.0f} s"))
+            elif isinstance(event, Ended):
+                answer = event.answer
+    report(Note(f"{name}: {time.monotonic() - begun:.1f} s"))
+    return answer
+
+
+def _is(point: Point, scene: str, method: str) -> bool:
+    return point.scene == scene and point.method == method
+
+
+def _row(point: Point) -> list[Any]:
+    timed = point.timed
+    unknowns = timed.found.unknowns if timed.found else None
+    told = timed.status if timed.found is None or not point.grey else "within the uncertainty of its reference"
+    return [point.scene, point.method, timed.setting, unknowns, point.error, point.floor, timed.wall_seconds,
+            timed.spread, timed.cpu_seconds, timed.peak_megabytes, timed.repeats, told]  # fmt: skip
+
+
+def _write(
+    folder: Path,
+    facts: dict[str, Any],
+    quick: bool,
+    points: Sequence[Point],
+    methods: Sequence[Method],
+    chosen: dict[str, Posed],
+    failures: Sequence[str],
+) -> None:
+    told = [asdict(point) | {"error": point.error, "within_uncertainty": point.grey} for point in points]
+    content = {
+        "schema": SCHEMA,
+        "provenance": facts,
+        "quick": quick,
+        "threads": 1,
+        "scenes": {name: asdict(posed) for name, posed in chosen.items()},
+        "methods": [
+            {"name": m.name, "knob": m.knob, "fixed": m.fixed, "settings": [str(s) for s in m.settings],
+             "scenes": list(m.scenes), "not run on": dict(m.cannot)}
+            for m in methods
+        ],
+        "points": told,
+        "conclusion": conclusion(points, tuple(chosen)),
+        "failures": list(failures),
+    }  # fmt: skip
+    write_json(folder / FILE, content)

@@ -1,0 +1,178 @@
+"""What the error of each method is measured against: an exact answer, or another code, finer, with its uncertainty.
+
+Nothing is measured against its own code.  Uncertainties: of finite elements those of `fem_reference.solve` (three
+meshes); of the paper's method, of second order, the change of its extrapolation in 1/cells^2 by one level; of the
+solver and of Persson's routes the change by one level.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+import fem_reference
+from fem_reference import Resolution
+from validation.paper_method import follow
+from validation.paper_method import solve as paper_solve
+from validation.schema import ReferenceKind
+from validation.studies.work_precision_methods import (
+    PAPER_CLOSURE,
+    PAPER_GAP,
+    PATH_CLOSURE,
+    PATH_STEPS,
+    Method,
+    MethodError,
+    persson_finite_volumes,
+    persson_volterra,
+    solve_bem,
+)
+from validation.studies.work_precision_scenes import QUANTITIES, Answer, Posed, exact_sinusoid
+
+ROUNDING = 2e-15  # of the scale of a quantity
+
+
+@dataclass(frozen=True)
+class Reference:
+    """An answer to measure against.
+
+    Parameters
+    ----------
+    code : str
+        Whose numerics it is; `exact` for a closed form.
+    source : str
+        In words, with the setting.
+    answer, uncertainty : dict
+        By the names of QUANTITIES, SI.
+    """
+
+    code: str
+    kind: ReferenceKind
+    source: str
+    answer: Answer
+    uncertainty: Answer
+
+    def floor(self, posed: Posed, names: tuple[str, ...]) -> float:
+        """Uncertainty of the error: the largest of the named quantities over their scales."""
+        return max(self.uncertainty[name] / posed.scales[name] for name in names if name in self.uncertainty)
+
+
+@dataclass(frozen=True)
+class Source:
+    """How a reference is made: its name, its code, and the function that computes it."""
+
+    name: str
+    code: str
+    compute: Callable[[Posed], Reference]
+
+
+def johnson(posed: Posed) -> Reference:
+    """Closed form."""
+    spread = {name: ROUNDING * scale for name, scale in posed.scales.items()}
+    return Reference("exact", "exact", "Johnson 1995", exact_sinusoid(posed), spread)
+
+
+def finite_elements(posed: Posed) -> Reference:
+    """Quartic elements on three meshes, the finest with 12 cells per period and 22 halvings at the edges."""
+    resolution = Resolution(4, 12, 22)
+    found = fem_reference.solve(
+        youngs_modulus=posed.youngs_modulus,
+        poisson_ratio=posed.poisson_ratio,
+        thickness=posed.period * 3 if posed.thickness is None else posed.thickness,
+        period=posed.period,
+        harmonics=(posed.orders, posed.amplitudes, posed.phases),
+        control="penetration",
+        value=posed.penetration,
+        work_of_adhesion=posed.work_of_adhesion,
+        slope_term=posed.slope_term,
+        patches=posed.patches,
+        resolution=resolution,
+    )
+    if found.status != "converged":
+        raise MethodError(f"fem reference: {found.status}: {found.message}")
+    names = ("contact_fraction", "mean_pressure", "elastic_energy")
+    answer = {name: float(getattr(found, name)) for name in names}
+    spread = {name: float(np.max(found.uncertainty[name])) for name in names}
+    answer["elastic_energy"] /= posed.period
+    spread["elastic_energy"] /= posed.period
+    answer["gap"] = float(found.gap(np.array([posed.trough]))[0])
+    spread["gap"] = float(np.max(found.uncertainty["gap"]))
+    source = "fem, quartic, 6, 9 and 12 cells, tips halved 22 times on the finest; uncertainty of three meshes"
+    return Reference("fem", "FEM", source, answer, spread)
+
+
+def solver(posed: Posed) -> Reference:
+    """The production solver at 1e-12; uncertainty: the change from 1e-10, at least rounding."""
+    fine, coarse = solve_bem(posed, 1e-12).answer, solve_bem(posed, 1e-10).answer
+    return Reference("bem", "independent code", "bem at tolerance 1e-12", fine, _changes(posed, fine, coarse))
+
+
+def paper_extrapolated(posed: Posed) -> Reference:
+    """The paper's method at 32, 64 and 128 cells a patch, extrapolated; edges from its own path with 8 cells."""
+    way = np.linspace(0.0, posed.penetration, PATH_STEPS + 1)[1:]
+    path = follow(posed.surface(), way, 8, PATH_CLOSURE, PAPER_GAP)
+    edges = path[-1].edges
+    found: list[Answer] = []
+    for cells in (32, 64, 128):
+        state = paper_solve(posed.surface(), posed.penetration, edges, cells, PAPER_CLOSURE, PAPER_GAP)
+        if state.status != "converged":
+            raise MethodError(f"paper's method at {cells} cells: {state.status}: {state.message}")
+        edges = state.edges
+        gap = float(state.gap(np.array([posed.trough]))[0])
+        values = (state.contact_fraction, state.mean_pressure, state.elastic_energy / posed.period, gap)
+        found.append(dict(zip(QUANTITIES, values, strict=True)))
+    fine, coarse = _extrapolated(found[2], found[1]), _extrapolated(found[1], found[0])
+    source = "the paper's method at 64 and 128 cells a patch, extrapolated"
+    return Reference("paper's method", "independent code", source, fine, _changes(posed, fine, coarse))
+
+
+def volterra(posed: Posed) -> Reference:
+    """Persson's second route at resolution 8."""
+    fine, coarse = persson_volterra(posed, 8.0).answer, persson_volterra(posed, 4.0).answer
+    return Reference("persson, volterra", "independent code", "the Volterra route at resolution 8", fine,
+                     _changes(posed, fine, coarse))  # fmt: skip
+
+
+def finite_volumes(posed: Posed) -> Reference:
+    """Persson's first route at resolution 8."""
+    fine, coarse = persson_finite_volumes(posed, 8.0).answer, persson_finite_volumes(posed, 4.0).answer
+    return Reference("persson, finite volumes", "independent code", "the finite volumes at resolution 8", fine,
+                     _changes(posed, fine, coarse))  # fmt: skip
+
+
+JOHNSON = Source("Johnson 1995", "exact", johnson)
+FINITE_ELEMENTS = Source("finite elements", "fem", finite_elements)
+SOLVER = Source("solver", "bem", solver)
+PAPER = Source("paper's method, extrapolated", "paper's method", paper_extrapolated)
+VOLTERRA = Source("Volterra route", "persson, volterra", volterra)
+FINITE_VOLUMES = Source("finite volumes", "persson, finite volumes", finite_volumes)
+SOURCES: dict[str, tuple[Source, ...]] = {
+    "sinusoid": (JOHNSON,),
+    "layer": (FINITE_ELEMENTS, SOLVER),
+    "rough": (SOLVER, PAPER),
+    "theory": (VOLTERRA, FINITE_VOLUMES),
+}
+
+
+def source_for(scene: str, method: Method, sources: dict[str, tuple[Source, ...]] | None = None) -> Source:
+    """The first reference of a scene that is not of the method's own code.
+
+    Raises
+    ------
+    ValueError
+        There is none.
+    """
+    for source in (SOURCES if sources is None else sources)[scene]:
+        if source.code != method.code:
+            return source
+    raise ValueError(f"{scene}: no reference of another code than {method.code}")
+
+
+def _extrapolated(fine: Answer, coarse: Answer) -> Answer:
+    """Second order: (4 fine - coarse) / 3."""
+    return {name: (4 * fine[name] - coarse[name]) / 3 for name in fine}
+
+
+def _changes(posed: Posed, fine: Answer, coarse: Answer) -> Answer:
+    return {name: max(abs(fine[name] - coarse[name]), ROUNDING * posed.scales[name]) for name in fine}

@@ -1,0 +1,145 @@
+"""The contacts on which methods are compared at equal achieved error, and their exact answers where there are any.
+
+- sinusoid: Johnson's, alpha = 0.3, on a half-space; exact.
+- layer: two unequal crests on a bonded layer a fifth of a period thick.
+- rough: a self-affine profile with 60 harmonics on a half-space, nine contacts at the end of a loading path.
+- theory: Persson's theory of the same profile, its two routes against each other.
+
+All are given at a penetration, in raw data from which each method derives its own constants.  Compared are contact
+fraction, mean pressure, elastic energy and the gap at one place.  Pressures are compared by their integrals, load and
+energy: with edges that differ, pointwise pressures have infinite differences beside them and no weighted square norm
+that is the same for all methods.
+
+Johnson's state at psi = pi/2 times the contact fraction, S = sin^2 psi, is Westergaard's at penetration
+D S (1 - ln S) and a flat punch of the mean tension sigma_1 on the same contact:
+
+    U_el / wavelength = p* D (S^2/4 - S^2/2 ln S) + p* S delta - pi E* delta^2 / (2 wavelength ln S),
+    gap at the trough = (2 wavelength / pi E*) [p* (sqrt(1-S) - S arcosh S^-1/2) + sigma_1 arcosh S^-1/2],
+
+delta = wavelength sigma_1 ln S / (pi E*), sigma_1 = alpha p* sqrt(tan psi) (from dU/dDelta = load at fixed edges, and
+from the closed pressures 2 p* cos v sqrt(S - sin^2 v) and sigma_1 cos v / sqrt(S - sin^2 v), v = pi x / wavelength).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from validation.cases.closed_forms import Sinusoid
+from validation.paper_method import Surface
+
+QUANTITIES = ("contact_fraction", "mean_pressure", "elastic_energy", "gap")
+Answer = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Posed:
+    """A contact in raw data, SI.
+
+    Parameters
+    ----------
+    orders, amplitudes, phases : tuples
+        Harmonics, m and rad.
+    thickness : float or None
+        Of the bonded layer; None for a half-space.
+    penetration : float
+        Delta, m.
+    patches : int
+        Contacts a closure from crests looks for.
+    trough : float
+        Position at which the gap is compared, m.
+    """
+
+    id: str
+    title: str
+    youngs_modulus: float
+    poisson_ratio: float
+    period: float
+    orders: tuple[int, ...]
+    amplitudes: tuple[float, ...]
+    phases: tuple[float, ...]
+    work_of_adhesion: float
+    slope_term: bool
+    thickness: float | None
+    penetration: float
+    patches: int
+    trough: float
+
+    @property
+    def scales(self) -> Answer:
+        """What errors are divided by: 1, E* h'_rms / sqrt 2 (p* of a sinusoid), energy of that, rms height."""
+        amplitudes, orders = np.array(self.amplitudes), np.array(self.orders)
+        modulus = self.youngs_modulus / (1 - self.poisson_ratio**2)
+        height = float(np.sqrt(np.sum(amplitudes**2) / 2))
+        slope = float(np.sqrt(np.sum((2 * np.pi / self.period * orders * amplitudes) ** 2) / 2))
+        pressure = modulus * slope / np.sqrt(2)
+        values = (1.0, pressure, pressure * height, height)
+        return dict(zip(QUANTITIES, values, strict=True))
+
+    def surface(self) -> Surface:
+        """As the paper's method takes it."""
+        return Surface(
+            self.youngs_modulus, self.poisson_ratio, self.period, self.orders, self.amplitudes, self.phases,
+            self.work_of_adhesion, self.slope_term, self.thickness,
+        )  # fmt: skip
+
+    def errors(self, found: Answer, reference: Answer) -> Answer:
+        """Errors over their scales, of the quantities that both know."""
+        known = [name for name in QUANTITIES if name in found and name in reference]
+        return {name: abs(found[name] - reference[name]) / self.scales[name] for name in known}
+
+
+def scenes() -> dict[str, Posed]:
+    """All, by their ids."""
+    m = np.arange(1, 61)
+    heights = m**-1.2 * 50e-6 / np.sqrt(np.sum(m**-2.4) / 2)
+    phases = np.random.default_rng(1).uniform(-np.pi, np.pi, m.size)
+    rough = tuple(int(order) for order in m), tuple(heights.tolist()), tuple(phases.tolist())
+    posed = (
+        Posed("sinusoid", "Johnson's sinusoid, alpha = 0.3", 1e6, 0.5, 0.01, (1,), (1e-4,), (0.0,),
+              _johnson().work_of_adhesion, False, None, 6e-5, 1, 0.005),
+        Posed("layer", "two crests on a layer, d = 0.2 periods, nu = 0.45", 1e6, 0.45, 0.01, (1, 2), (2e-5, 6e-5),
+              (0.3, 0.0), 0.05, False, 0.002, 5e-5, 2, 0.0025),
+        Posed("rough", "self-affine profile, 60 harmonics", 1e6, 0.5, 0.01, *rough, 0.03, True, None, 5.8e-5, 0,
+              _lowest(rough)),
+        Posed("theory", "Persson's theory of the rough profile, 60 lines", 1e6, 0.5, 0.01, *rough, 0.03, True, None,
+              5.8e-5, 0, 0.0),
+    )  # fmt: skip
+    return {scene.id: scene for scene in posed}
+
+
+def exact_sinusoid(posed: Posed) -> Answer:
+    """Johnson's answer at the penetration of the scene.
+
+    Examples
+    --------
+    >>> round(exact_sinusoid(scenes()["sinusoid"])["contact_fraction"], 6)
+    0.478107
+    """
+    wave = _johnson()
+    psi = float(
+        brentq(lambda angle: float(wave.penetration(angle)) - posed.penetration, 0.5, 1.4, xtol=1e-16, rtol=1e-15)
+    )
+    share = np.sin(psi) ** 2
+    full, depth, length = wave.full_contact_pressure, wave.amplitude, wave.wavelength
+    tension = wave.alpha * full * np.sqrt(np.tan(psi))
+    lift = length * tension * np.log(share) / (np.pi * wave.modulus)
+    energy = full * depth * (share**2 / 4 - share**2 / 2 * np.log(share)) + full * share * lift
+    energy -= np.pi * wave.modulus * lift**2 / (2 * length * np.log(share))
+    angle = np.arccosh(1 / np.sqrt(share))
+    gap = 2 * length / (np.pi * wave.modulus) * (full * (np.sqrt(1 - share) - share * angle) + tension * angle)
+    values = (psi * 2 / np.pi, float(wave.mean_pressure(psi)), float(energy), float(gap))
+    return dict(zip(QUANTITIES, values, strict=True))
+
+
+def _lowest(harmonics: tuple[tuple[int, ...], tuple[float, ...], tuple[float, ...]]) -> float:
+    """Place of the lowest of 4096 points of a profile with period 0.01 m."""
+    orders, amplitudes, phases = (np.array(values) for values in harmonics)
+    x = np.arange(4096) / 4096
+    return 0.01 * float(x[np.argmin(np.cos(2 * np.pi * np.outer(x, orders) + phases) @ amplitudes)])
+
+
+def _johnson() -> Sinusoid:
+    return Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=0.3)
