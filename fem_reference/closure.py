@@ -40,6 +40,7 @@ NEAR = 3.0  # relative residual below which a Jacobian by differences is worth i
 VANISHED = 1e-3  # of its start: a patch or gap that shrank so far is gone
 CLOSED = 1e-8  # relative residual of K that ends the iteration
 SCAN = np.geomspace(0.01, 0.97, 10)  # depths of the starting family, of the total height of the profile
+SHALLOW = np.geomspace(1e-8, 0.01, 7)  # the same where all of these open: contacts of 1e-4 periods and less
 
 
 @dataclass(frozen=True)
@@ -139,17 +140,17 @@ def start_edges(
     """
     grid = np.linspace(0.0, 1.0, 256 * problem.highest_order)
     total = problem.highest - float(problem.height(grid).min())
-    means, family, opening = [], [], []
-    for share in SCAN:
-        edges = crest_patches(problem, crests, float(share * total))
-        mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
-        opened = residual(problem, evaluate(problem, mesh, resolution, control))
-        means.append(float(opened.mean()))
-        opening.append(bool(np.all(opened > 0.0)))
-        family.append(edges)
-    if all(opening):
+    for shares in (SCAN, SHALLOW):
+        family = [crest_patches(problem, crests, float(share * total)) for share in shares]
+        residuals = []
+        for edges in family:
+            mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
+            residuals.append(residual(problem, evaluate(problem, mesh, resolution, control)))
+        if not all(np.all(opened > 0.0) for opened in residuals):
+            break
+    else:
         raise InvalidProblemError("value", "detaches everything: every edge of every contact tried opens")
-    mean = np.array(means)
+    mean = np.array([opened.mean() for opened in residuals])
     stable = np.flatnonzero((mean[:-1] < 0.0) & (mean[1:] >= 0.0))
     if stable.size:
         k = int(stable[-1])

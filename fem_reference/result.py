@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 
 from fem_reference.closure import Evaluation
 from fem_reference.contact import projected_pressure
-from fem_reference.face import face_nodes, interpolate
+from fem_reference.face import face_nodes, interpolate, nodal_profile
 from fem_reference.mesh import Resolution
 from fem_reference.problem import FloatArray, IntArray, Problem
 
@@ -42,6 +42,7 @@ Status = Literal[
 ]
 Quantity = float | FloatArray
 
+WINDOW = 0.8  # of a patch: what its middle pressure is averaged over
 SAFETY = 1.5  # times the difference of two meshes
 ROUNDING = 1e-11  # relative: what the linear solver leaves, measured 1e-13 to 1e-12
 
@@ -91,6 +92,9 @@ class Result:
         Delta and u_tot, m (module docstring).
     strain_energy, elastic_energy, adhesion_energy, total_energy : float
         J/m per period; total = elastic + adhesion.
+    middle_pressure : FloatArray, shape (n_patches,)
+        Mean pressure of each patch away from its edges, Pa: under the weight (1 - (t / 0.8)^2)^4, |t| < 0.8, t from -1
+        to 1 across the patch.
     stress_intensity, energy_release_rate, rank_one_defect : FloatArray, shape (n_patches, 2)
         K in Pa sqrt(m), signed, positive when it opens; G in J/m^2; the relative defect, dimensionless.
     interface : Interface
@@ -100,7 +104,7 @@ class Result:
         Smallest eigenvalue of the Hessian of the energy at the given control, J/m^3; None for prescribed edges or
         without adhesion.
     uncertainty : mapping
-        From the names above (and `displacement`, `gap`: largest over the face; `pressure`: at every node) to numbers of
+        From the names above (and `displacement`, `gap`, `pressure`: those of `interface`, at every node) to numbers of
         the same shape and unit.
     """
 
@@ -117,6 +121,7 @@ class Result:
     elastic_energy: float
     adhesion_energy: float
     total_energy: float
+    middle_pressure: FloatArray
     stress_intensity: FloatArray
     energy_release_rate: FloatArray
     rank_one_defect: FloatArray
@@ -183,6 +188,28 @@ def adhesion_energy(problem: Problem, edges: FloatArray) -> float:
     return total
 
 
+def middle_pressure(evaluation: Evaluation) -> FloatArray:
+    """Weighted mean pressure (n_patches,) of the middle of each patch, E a / lambda, in the order of the computation.
+
+    The weight is carried by nodal values as the profile is, so that no pressure is projected and none interpolated.
+    """
+    states = evaluation.states
+    nodes = face_nodes(states.spaces)
+    reactions = states.reactions[0] + evaluation.load * states.reactions[1]
+    means = []
+    for (left, _), width in zip(states.mesh.local_edges, np.diff(evaluation.edges, axis=1)[:, 0], strict=True):
+
+        def weight(x: FloatArray, left: float = left, width: float = width) -> FloatArray:
+            t = 2.0 * ((x - left) % 1.0) / width - 1.0
+            return np.asarray(np.maximum(1.0 - (t / WINDOW) ** 2, 0.0) ** 4)
+
+        carried = np.zeros(states.spaces.sizes[0])
+        carried[nodes.index] = nodal_profile(nodes, weight)
+        integral = 128.0 / 315.0 * WINDOW * width
+        means.append(float(reactions @ carried[states.constraints.contact]) / integral)
+    return np.array(means)
+
+
 def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[str, Quantity]:
     """Every scalar and edge quantity of one mesh in SI units, by the names of `Result`.
 
@@ -209,6 +236,7 @@ def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[st
         "elastic_energy": elastic * problem.unit_energy,
         "adhesion_energy": adhesion * problem.unit_energy,
         "total_energy": (elastic + adhesion) * problem.unit_energy,
+        "middle_pressure": middle_pressure(evaluation)[listed] * problem.unit_stress,
         "stress_intensity": values.stress_intensity[listed] * problem.unit_stress_intensity,
         "energy_release_rate": values.release_rate[listed] * problem.unit_release_rate,
     }
@@ -265,30 +293,43 @@ def defect_spread(name: str, evaluation: Evaluation) -> FloatArray | float:
 def uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
     """Uncertainty of every quantity of the last evaluation, from two or more meshes, coarsest first."""
     fine = evaluations[-1]
-    problem = fine.states.problem
     result: dict[str, Quantity] = {}
     for name in quantities(fine):
         total = spread(aligned_values(name, evaluations), evaluations) + defect_spread(name, fine)
         result[name] = total if total.ndim else float(total)
-    apart = [_fields_apart(b, a) for a, b in pairwise(evaluations)]
-    for k, name in enumerate(("displacement", "gap")):
-        largest = float(np.max(np.abs(apart[-1][k])))
-        if len(apart) > 1:
-            largest = max(largest, _shrinkage(evaluations) * float(np.max(np.abs(apart[-2][k]))))
-        result[name] = SAFETY * largest + ROUNDING * problem.unit_height
-    result["pressure"] = SAFETY * np.abs(apart[-1][2]) + ROUNDING * problem.unit_stress
+    result |= _field_uncertainties(evaluations)
     return result
 
 
-def _fields_apart(fine: Evaluation, coarse: Evaluation) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Differences of displacement, gap and pressure at the face nodes of the finer evaluation, SI units."""
-    mine, theirs = interface_fields(fine), interface_fields(coarse)
-    nodes = face_nodes(coarse.states.spaces)
-    local = (mine.x / fine.states.problem.period - coarse.states.mesh.seam) % 1.0
-    displacement = mine.displacement - interpolate(local, nodes.x, theirs.displacement, nodes.order)
-    plates = [float(quantities(e)["total_displacement"]) for e in (fine, coarse)]
-    pressure = mine.pressure - interpolate(local, nodes.x, theirs.pressure, nodes.order)
-    return displacement, displacement - plates[0] + plates[1], pressure
+def _field_uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
+    """Uncertainty of displacement, gap and pressure at the face nodes of the last evaluation, SI units.
+
+    That of a node is the largest in the facets it belongs to: two meshes may agree at a point by chance.
+    """
+    fine = evaluations[-1]
+    problem, at = fine.states.problem, interface_fields(fine).x / fine.states.problem.period
+    values: dict[str, list[FloatArray]] = {"displacement": [], "gap": [], "pressure": []}
+    for evaluation in evaluations:
+        nodes, face = face_nodes(evaluation.states.spaces), interface_fields(evaluation)
+        local = at - fine.states.mesh.seam if evaluation is fine else (at - evaluation.states.mesh.seam) % 1.0
+        displacement = interpolate(local, nodes.x, face.displacement, nodes.order)
+        values["displacement"].append(displacement)
+        values["gap"].append(displacement - float(quantities(evaluation)["total_displacement"]))
+        values["pressure"].append(interpolate(local, nodes.x, face.pressure, nodes.order))
+    units = (problem.unit_height, problem.unit_height, problem.unit_stress)
+    order = fine.resolution.order
+    return {
+        name: _largest_beside(spread(values[name], evaluations), order) + ROUNDING * unit
+        for name, unit in zip(values, units, strict=True)
+    }
+
+
+def _largest_beside(values: FloatArray, order: int) -> FloatArray:
+    """Largest of (n_facets * order + 1,) nodal values in the facets a node belongs to."""
+    inner = np.lib.stride_tricks.sliding_window_view(values, order + 1)[::order].max(axis=1)
+    result = np.repeat(inner, order)
+    result[order::order] = np.maximum(inner[1:], inner[:-1])
+    return np.append(result, inner[-1])
 
 
 def nearest_period(difference: FloatArray, period: float) -> FloatArray:

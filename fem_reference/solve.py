@@ -202,7 +202,8 @@ def judged_closure(problem: Problem, closures: list[Closure]) -> Result:
     """Return the result of the last closure with its uncertainty, or the name of its failure."""
     last = closures[-1]
     if last.outcome != "converged":
-        unknown: dict[str, Quantity] = dict.fromkeys(("displacement", "gap", "pressure"), np.inf)
+        nowhere = np.full(face_nodes(last.evaluation.states.spaces).x.shape, np.inf)
+        unknown: dict[str, Quantity] = dict.fromkeys(("displacement", "gap", "pressure"), nowhere)
         for name, quantity in quantities(last.evaluation).items():
             unknown[name] = np.full(np.shape(quantity), np.inf) if np.ndim(quantity) else np.inf
         return _result(last.outcome, last.message, last.evaluation, unknown, last.residual, None)
@@ -229,7 +230,7 @@ def judged(
     closing = intensity < -2.0 * np.asarray(spread["stress_intensity"]) - 1e-7 * problem.unit_stress_intensity
     off_contact = ~contact_indicator(evaluation.states.mesh)(face_nodes(evaluation.states.spaces).x)
     smallest = float(np.min(interface_fields(evaluation).gap[off_contact], initial=0.0))
-    allowed = 2.0 * float(spread["gap"]) + 1e-9 * problem.unit_height
+    allowed = 2.0 * float(np.max(spread["gap"])) + 1e-9 * problem.unit_height
     if np.any(closing):
         status, message = "negative_stress_intensity", "an edge closes (K < 0): the faces overlap beside it"
     elif smallest < -allowed:
@@ -267,6 +268,7 @@ def _result(
         elastic_energy=number("elastic_energy"),
         adhesion_energy=number("adhesion_energy"),
         total_energy=number("total_energy"),
+        middle_pressure=table("middle_pressure"),
         stress_intensity=table("stress_intensity"),
         energy_release_rate=table("energy_release_rate"),
         rank_one_defect=evaluation.values.defect[patch_order(evaluation)],
