@@ -1,4 +1,4 @@
-"""Fields along the face against Westergaard's contact of one sinusoid: pressure of the middle, gap, their uncertainty."""
+"""Fields along the face and their uncertainty against Westergaard's contact of one sinusoid: pressure, gap."""
 
 import numpy as np
 import pytest
