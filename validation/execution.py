@@ -8,22 +8,17 @@ only, which decides.
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Generator, Iterable
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import partial
 from typing import Generic, TypeVar
 
-from threadpoolctl import threadpool_limits
+from validation.executors import Opener, local_processes, on_one_thread
 
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 PULSE = 5.0  # s between signs of life
 TURN = 0.2  # s for which each of several processes is listened to in turn
 
@@ -59,7 +54,11 @@ class Running(Generic[Item]):
 
 
 def run_in_processes(
-    function: Callable[[Item], Answer], items: Iterable[Item], jobs: int, pulse: float = PULSE
+    function: Callable[[Item], Answer],
+    items: Iterable[Item],
+    jobs: int,
+    pulse: float = PULSE,
+    opener: Opener = local_processes,
 ) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
     """Events of all items, which start in the order given and end in any.
 
@@ -73,6 +72,8 @@ def run_in_processes(
         Workers at a time, at least 1.
     pulse : float
         Seconds between `Running` events.
+    opener : callable
+        Opens the executor (executors.py); one with workers of its own ignores `jobs`.
 
     Raises
     ------
@@ -80,23 +81,21 @@ def run_in_processes(
         Workers are ended first; answers of events already given are the caller's.
     """
     waiting, suspects = deque(items), list[Item]()
-    with _one_thread_each():
-        while waiting:
-            for event in _one_pool(function, waiting, min(jobs, len(waiting)), pulse):
-                if isinstance(event, Ended) and isinstance(event.answer, WorkerDiedError):
-                    suspects.append(event.item)
-                else:
-                    yield event
-        for item in suspects:
-            yield from _one_pool(function, deque([item]), 1, pulse)
+    while waiting:
+        for event in _one_pool(function, waiting, min(jobs, len(waiting)), pulse, opener):
+            if isinstance(event, Ended) and isinstance(event.answer, WorkerDiedError):
+                suspects.append(event.item)
+            else:
+                yield event
+    for item in suspects:
+        yield from _one_pool(function, deque([item]), 1, pulse, opener)
 
 
 def run_alone(
     function: Callable[[Item], Answer], item: Item, pulse: float = PULSE
 ) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
     """Events of one item in a process of its own, so that its memory and time are its own."""
-    with _one_thread_each():
-        yield from _one_pool(function, deque([item]), 1, pulse)
+    yield from _one_pool(function, deque([item]), 1, pulse, local_processes)
 
 
 def run_each_alone(
@@ -118,11 +117,10 @@ def run_each_alone(
     """
     waiting = deque(items)
     with ExitStack() as stack:
-        stack.enter_context(_one_thread_each())
         active: list[Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]] = []
         while waiting or active:
             while waiting and len(active) < jobs:
-                active.append(_one_pool(function, deque([waiting.popleft()]), 1, TURN))
+                active.append(_one_pool(function, deque([waiting.popleft()]), 1, TURN, local_processes))
                 stack.callback(active[-1].close)
             for events in tuple(active):
                 event = next(events, None)
@@ -133,41 +131,33 @@ def run_each_alone(
 
 
 def _one_pool(
-    function: Callable[[Item], Answer], waiting: deque[Item], workers: int, pulse: float
+    function: Callable[[Item], Answer], waiting: deque[Item], workers: int, pulse: float, opener: Opener
 ) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
     """Events until nothing waits, or until the pool breaks; then all that ran ends with `WorkerDiedError`."""
-    others = set(multiprocessing.active_children())
-    context = multiprocessing.get_context("spawn")
     running: dict[Future[Answer], tuple[Item, float]] = {}
     broken = False
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_ignore_interrupts) as pool:
-        try:
-            while running or (waiting and not broken):
-                while waiting and not broken and len(running) < workers:
-                    try:
-                        future = pool.submit(partial(_on_one_thread, function), waiting[0])
-                    except BrokenProcessPool:
-                        broken = True
-                        break
-                    running[future] = waiting.popleft(), time.monotonic()
-                    yield Started(running[future][0])
-                finished, _ = wait(running, timeout=pulse, return_when=FIRST_COMPLETED)
-                if running and not finished:
-                    now = time.monotonic()
-                    yield Running(
-                        tuple(item for item, _ in running.values()),
-                        tuple(now - begun for _, begun in running.values()),
-                    )
-                for future in finished:
-                    item, _ = running.pop(future)
-                    answer = _answer(future)
-                    broken = broken or isinstance(answer, WorkerDiedError)
-                    yield Ended(item, answer)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in set(multiprocessing.active_children()) - others:
-                process.terminate()
-            raise
+    with opener(workers) as pool:
+        while running or (waiting and not broken):
+            while waiting and not broken and len(running) < pool.capacity():
+                try:
+                    future = pool.executor.submit(on_one_thread, function, waiting[0])
+                except BrokenProcessPool:
+                    broken = True
+                    break
+                running[future] = waiting.popleft(), time.monotonic()
+                yield Started(running[future][0])
+            finished, _ = wait(running, timeout=pulse, return_when=FIRST_COMPLETED)
+            if running and not finished:
+                now = time.monotonic()
+                yield Running(
+                    tuple(item for item, _ in running.values()),
+                    tuple(now - begun for _, begun in running.values()),
+                )
+            for future in finished:
+                item, _ = running.pop(future)
+                answer = _answer(future)
+                broken = broken or isinstance(answer, WorkerDiedError)
+                yield Ended(item, answer)
 
 
 def _answer(future: Future[Answer]) -> Answer | Exception:
@@ -180,29 +170,3 @@ def _answer(future: Future[Answer]) -> Answer | Exception:
         return RuntimeError(f"SystemExit: {error}")
     except Exception as error:
         return error
-
-
-def _on_one_thread(function: Callable[[Item], Answer], item: Item) -> Answer:
-    """In a worker: libraries loaded before the limit, such as by unpickling, are limited too."""
-    with threadpool_limits(limits=1):
-        return function(item)
-
-
-def _ignore_interrupts() -> None:
-    """In a worker: an interrupted solver would hand back a part of its path as if it were the whole."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """The environment that new processes inherit, with one BLAS thread; put back at the end."""
-    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value

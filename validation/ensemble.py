@@ -1,0 +1,207 @@
+"""Many solutions on any executor, each stored as soon as it is there, and computed only where it is missing.
+
+A member is a name and the content of a scene file; its result lies in `folder/NAME/` as the solver writes it:
+result.json with its checksum and fields.npz with its digest, both under temporary names first (bem/result.py).  Only
+the process that hands out the work writes, one member in one piece: whatever is killed, at most the members in flight
+are lost, and a member that two workers computed, because one was given up, is stored once.  A stored member counts
+when its checksums hold and its scene is the one asked for; any other is told, and computed again.
+
+A member depends on its scene alone, not on the number of workers: phases come from the seed in the scene, and
+`member_seed` gives the seeds of an ensemble independently of one another and of how many there are
+(numpy.random.SeedSequence).  Results carry the commit and the digest of the sources that made them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import bem
+from bem.result import CorruptResultError, Result, digest, read_result, write_result
+from bem.scene import parse_scene
+from validation.execution import PULSE, Ended, Running, run_in_processes
+from validation.executors import Opener, local_processes
+from validation.provenance import provenance
+from validation.runner import Note
+
+Report = Callable[[Note], None]
+
+
+class OtherSceneError(ValueError):
+    """The stored result is that of another scene."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """One solution of an ensemble.
+
+    Parameters
+    ----------
+    name : str
+        Of its folder.
+    scene : mapping
+        Content of a scene file, table by table, SI units.
+    """
+
+    name: str
+    scene: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run of an ensemble left behind: names of members.
+
+    Parameters
+    ----------
+    found, computed : tuples of str
+        Stored before, and now.
+    damaged : tuple of str
+        Stored before but not to be trusted, with the reason; computed again.
+    failed : dict of str to str
+        Kind and text of the exception that came in place of a result.
+    """
+
+    found: tuple[str, ...]
+    computed: tuple[str, ...]
+    damaged: tuple[str, ...] = ()
+    failed: dict[str, str] = field(default_factory=dict)
+
+
+def member_seed(root: int, k: int) -> int:
+    """Seed of realisation k of the ensemble with this root: the same whatever else is computed.
+
+    Examples
+    --------
+    >>> member_seed(7, 2) == member_seed(7, 2), member_seed(7, 2) == member_seed(7, 3)
+    (True, False)
+    """
+    return int(np.random.SeedSequence(root, spawn_key=(k,)).generate_state(1)[0])
+
+
+def run_ensemble(
+    members: Iterable[Member],
+    folder: Path,
+    jobs: int,
+    report: Report,
+    opener: Opener = local_processes,
+    pulse: float = PULSE,
+) -> Outcome:
+    """Compute and store what is missing.
+
+    Parameters
+    ----------
+    members : iterable of Member
+        With distinct names; started in this order.
+    folder : Path
+    jobs : int
+        Local processes.
+    report : callable
+        Gets a `Note` for every step.
+    opener : callable
+        Opens the executor (executors.py).
+    pulse : float
+        Seconds between signs of life.
+
+    Raises
+    ------
+    ValueError
+        Two members of one name.
+    SceneError
+        A scene with mistakes: told before anything runs.
+    OSError
+        Disk full, folder not writable: workers are ended, what is stored stays whole.
+    KeyboardInterrupt
+        Workers are ended first.
+    """
+    planned = tuple(members)
+    names = [member.name for member in planned]
+    if len(set(names)) != len(names):
+        raise ValueError(f"members: {sorted({n for n in names if names.count(n) > 1})} are named twice")
+    wanted = {member.name: digest(parse_scene(member.scene).resolved()) for member in planned}
+    folder.mkdir(parents=True, exist_ok=True)
+    found, damaged, waiting = _sorted_out(planned, wanted, folder, report)
+    computed: list[str] = []
+    failed: dict[str, str] = {}
+    with closing(run_in_processes(solve_member, waiting, jobs, pulse, opener)) as events:
+        for event in events:
+            if isinstance(event, Running):
+                told = zip(event.items, event.seconds, strict=True)
+                running = [f"{member.name} ({seconds:.0f} s)" for member, seconds in told]
+                left = len(waiting) - len(computed) - len(failed)
+                report(Note(f"{left} of {len(planned)} members left; running: {', '.join(running)}"))
+            elif isinstance(event, Ended):
+                name, answer = event.item.name, event.answer
+                if isinstance(answer, Exception):
+                    failed[name] = f"{type(answer).__name__}: {answer}"
+                    report(Note(f"{name}: {failed[name]}"))
+                    continue
+                write_result(answer, folder / name)
+                computed.append(name)
+                done = len(found) + len(computed) + len(failed)
+                report(Note(f"[{done}/{len(planned)}] {name}: {answer.status}"))
+    if len(found) + len(computed) + len(failed) != len(planned):
+        raise RuntimeError(f"planned {len(planned)} members, {len(found)} + {len(computed)} + {len(failed)} ended")
+    return Outcome(tuple(found), tuple(computed), tuple(damaged), failed)
+
+
+def read_member(member: Member, folder: Path) -> Result:
+    """The stored result of a member.
+
+    Raises
+    ------
+    FileNotFoundError
+        Not there.
+    CorruptResultError
+        Damaged.
+    OtherSceneError
+        That of another scene.
+    """
+    return _read(folder / member.name, digest(parse_scene(member.scene).resolved()))
+
+
+def solve_member(member: Member) -> Result:
+    """In a worker: the solution, with the commit and the digest of the sources that made it."""
+    result = bem.solve(parse_scene(member.scene))
+    return replace(result, provenance=result.provenance | _sources())
+
+
+@cache
+def _sources() -> dict[str, str]:
+    facts = provenance()
+    return {"commit": facts["commit"], "sources_sha256": facts["sources_sha256"]}
+
+
+def _read(folder: Path, scene_sha256: str) -> Result:
+    result = read_result(folder)
+    if result.provenance.get("scene_sha256") != scene_sha256:
+        raise OtherSceneError(f"{folder}: the result of another scene")
+    return result
+
+
+def _sorted_out(
+    planned: tuple[Member, ...], wanted: Mapping[str, str], folder: Path, report: Report
+) -> tuple[list[str], list[str], list[Member]]:
+    """Names of the members that are there, of those that cannot be trusted, and the members to compute."""
+    found: list[str] = []
+    damaged: list[str] = []
+    waiting: list[Member] = []
+    for member in planned:
+        try:
+            _read(folder / member.name, wanted[member.name])
+            found.append(member.name)
+            continue
+        except FileNotFoundError:
+            pass
+        except (CorruptResultError, OtherSceneError) as error:
+            damaged.append(member.name)
+            report(Note(f"{error}; computed again"))
+        waiting.append(member)
+    if found:
+        report(Note(f"{len(found)} of {len(planned)} members are there already"))
+    return found, damaged, waiting
