@@ -1,0 +1,137 @@
+"""Executors: opened by a text, one BLAS thread each; a real dask scheduler that loses a worker loses no member."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+from example_members import members
+from threadpoolctl import threadpool_info
+
+from bem.result import RESULT_FILE
+from validation import executors
+from validation.ensemble import read_member, run_ensemble
+from validation.execution import Ended, run_in_processes
+from validation.executors import ExecutorError, opener_of
+
+needs_dask = pytest.mark.skipif(find_spec("distributed") is None, reason="the extra 'cluster' is not installed")
+
+
+@pytest.mark.parametrize("spec", ["slurm", "dask://", "dask://host", "dask://:8786", "dask://host:port", "", "Local"])
+def test_unknown_executor_is_refused(spec):
+    with pytest.raises(ExecutorError, match="neither 'local' nor 'dask://host:port'"):
+        opener_of(spec)
+
+
+@needs_dask
+def test_scheduler_out_of_reach_is_told(monkeypatch):
+    monkeypatch.setattr(executors, "PATIENCE", 1.0)
+    with pytest.raises(ExecutorError, match="no dask scheduler answers"), opener_of("dask://127.0.0.1:9")(1):
+        pass
+
+
+def test_dask_without_the_extra_is_told(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ExecutorError, match=r"linecontact\[cluster\]"), opener_of("dask://127.0.0.1:9")(1):
+        pass
+
+
+def test_environment_is_put_back(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
+    with opener_of("local")(1):
+        assert os.environ["OMP_NUM_THREADS"] == os.environ["MKL_NUM_THREADS"] == "1"
+    assert os.environ["OMP_NUM_THREADS"] == "3"
+    assert "MKL_NUM_THREADS" not in os.environ
+
+
+class Cluster:
+    """A scheduler and two workers in processes of their own, on the loopback address."""
+
+    def __init__(self, folder):
+        self.processes = []
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+        self.start = lambda *words: self.processes.append(
+            subprocess.Popen(
+                [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]],
+                env=environment, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            )
+        )  # fmt: skip
+        where = folder / "scheduler.json"
+        self.start("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
+                   "--scheduler-file", str(where))  # fmt: skip
+        deadline = time.monotonic() + 60
+        while not where.exists() or not where.read_text().strip():
+            assert time.monotonic() < deadline, "no scheduler"
+            time.sleep(0.1)
+        self.address = json.loads(where.read_text())["address"].removeprefix("tcp://")
+        for _ in range(2):
+            self.start("dask_worker", f"tcp://{self.address}", "--nthreads", "1", "--no-nanny", "--no-dashboard",
+                       "--host", "127.0.0.1")  # fmt: skip
+
+    @property
+    def workers(self):
+        return self.processes[1:]
+
+    def stop(self):
+        for process in reversed(self.processes):
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    made = Cluster(tmp_path)
+    yield made
+    made.stop()
+
+
+@needs_dask
+@pytest.mark.filterwarnings("ignore::distributed.versions.VersionMismatchWarning")
+def test_member_of_a_killed_worker_is_neither_lost_nor_counted_twice(cluster, tmp_path):
+    planned, folder, told = members(6, harmonics=16), tmp_path / "members", []
+
+    def killing(note):
+        told.append(note.text)
+        if note.text.startswith("[1/6]"):
+            cluster.workers[0].send_signal(signal.SIGKILL)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(executors, "PATIENCE", 90.0)
+        outcome = run_ensemble(planned, folder, 1, killing, opener_of(f"dask://{cluster.address}"))
+    assert cluster.workers[0].wait(10) == -signal.SIGKILL
+    assert (sorted(outcome.computed), outcome.failed) == ([member.name for member in planned], {})
+    assert sorted(path.parent.name for path in folder.glob(f"*/{RESULT_FILE}")) == [member.name for member in planned]
+    assert [line.split("]")[0] for line in told if line.startswith("[")] == [f"[{k}/6" for k in range(1, 7)]
+    assert all(read_member(member, folder).status == "converged" for member in planned)
+
+
+THREADS = partial(eval, "[pool['num_threads'] for pool in threads()]", {"threads": threadpool_info, "of": np.float64})
+
+
+@pytest.fixture
+def many_threads(monkeypatch):
+    for name in executors.THREAD_VARIABLES:
+        monkeypatch.setenv(name, "2")
+
+
+def threads_of_a_worker(opener):
+    (answer,) = [
+        event.answer for event in run_in_processes(THREADS, [{}], 1, opener=opener) if isinstance(event, Ended)
+    ]
+    return answer
+
+
+@needs_dask
+def test_dask_worker_uses_one_blas_thread(many_threads, cluster):
+    assert set(threads_of_a_worker(opener_of(f"dask://{cluster.address}"))) == {1}
+
+
+def test_local_worker_uses_one_blas_thread(many_threads):
+    assert set(threads_of_a_worker(opener_of("local"))) == {1}
