@@ -14,14 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 
 from persson.adhesive import AdhesiveFields
-from persson.diffusion import StressDistribution, march
+from persson.diffusion import REACH, StressDistribution, march
 from persson.nonadhesive import power
 from persson.spectrum import Spectrum
 from persson.status import Status, advice_for
 
 FloatArray = NDArray[np.float64]
 
-DISTRIBUTION_CELLS = 800
+CELLS_PER_DEVIATION = 80
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,20 +123,23 @@ class AdhesiveContact:
 
     def stress_distribution(self, wavenumber: float | None = None) -> StressDistribution:
         """P in finite volumes, stresses in units of E*, with the roughness up to a wavenumber (rad/m) resolved."""
-        if wavenumber is None and self.fields.distribution is not None:
-            return self.fields.distribution
         mesh = self.fields.problem.mesh
         total = float(mesh.slope_variance[-1])
         resolved = total if wavenumber is None else min(self.spectrum.resolved_variance(wavenumber), total)
         if resolved == 0:
             raise ValueError(f"wavenumber: {wavenumber} resolves no roughness; P is a delta function there (rad/m)")
+        if resolved == total and self.fields.distribution is not None:
+            return self.fields.distribution
         kept = mesh.slope_variance < resolved * (1 - 1e-12)
         barrier = mesh.smoothed(self.fields.barrier)[0]
         barrier[0] = barrier[1]
         square = np.interp(resolved, mesh.slope_variance, barrier**2)
         nodes = np.append(mesh.stress_variance[kept], resolved / 4)
         path = np.append(barrier[kept], np.sqrt(square))
-        return march(self.fields.problem.loads[:1], nodes, path[None, :], DISTRIBUTION_CELLS).distribution
+        loads = self.fields.problem.loads[:1]
+        deviations = (float(loads[0] + path[-1]) / np.sqrt(resolved / 4)) + REACH
+        n_cells = int(np.ceil(CELLS_PER_DEVIATION * deviations))
+        return march(loads, nodes, path[None, :], n_cells).distribution
 
     def pressure_distribution(self, pressure: ArrayLike, wavenumber: float | None = None) -> FloatArray:
         """P(sigma) per nominal area in 1/Pa at pressures in Pa, tension < 0; its integral is A/A0."""

@@ -139,7 +139,8 @@ def solve(
     if work_length * float(factor(total)) > BRANCHES_FROM * spectrum.full_contact_energy:
         tiny = np.array(NEAR_ZERO_LOADS) * np.sqrt(total) / 2
         nodes = mesh(COARSE_GROWTH, COARSE_SUBSTEPS, COARSE_LINES, None, float(tiny[0]))
-        low, high = fields(nodes, tiny, None, coarse=True).area[:, -1]
+        guess = np.interp(nodes.slope_variance, rough.slope_variance, ladder.area[0])
+        low, high = fields(nodes, tiny, np.stack([guess, guess]), coarse=True).area[:, -1]
         if np.log(high / low) < PROPORTIONAL * np.log(tiny[1] / tiny[0]):
             persisting = float(low - (high - low) * tiny[0] / (tiny[1] - tiny[0]))
     separation = None

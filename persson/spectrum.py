@@ -30,6 +30,7 @@ ArrayFunction = Callable[[FloatArray], FloatArray]
 PANEL_RATIO = 1.25  # growth of S from panel to panel of the quadrature
 PANEL_FLOOR = 1e-6  # of S: below, one panel; the integrands are smooth there
 GAUSS_POINTS = 12
+TABLE_DENSITY = 20  # points to a decade of a self-affine table
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,13 +170,16 @@ class ContinuousSpectrum:
         q = _wavenumbers(wavenumbers, least=2)
         c = _values("power", power, q.size, "m^3")
         if not np.all(c > 0):
-            raise ValueError(f"power: {float(c.min())} m^3 is not allowed, > 0 is needed (cut the spectrum instead)")
+            at = int(np.argmin(c))
+            raise ValueError(f"power[{at}]: {c[at]} must be > 0 (m^3); end the spectrum where it ends")
         object.__setattr__(self, "wavenumbers", q)
         object.__setattr__(self, "power", c)
 
     @classmethod
     def self_affine(cls, lowest: float, highest: float, hurst: float, h_rms: float) -> ContinuousSpectrum:
         """C proportional to q^-(1 + 2 H) between two wavenumbers, with the rms height asked for.
+
+        Exact at and between the points of its table, TABLE_DENSITY to a decade.
 
         Examples
         --------
@@ -187,7 +191,9 @@ class ContinuousSpectrum:
             raise ValueError(f"highest: {highest} must be finite and > lowest = {lowest} (rad/m)")
         _hurst(hurst)
         _positive("h_rms", h_rms, "m")
-        unscaled = cls([lowest, highest], [lowest**-3.0, lowest**-3.0 * (highest / lowest) ** -(1 + 2 * hurst)])
+        count = int(np.ceil(TABLE_DENSITY * np.log10(highest / lowest))) + 1
+        q = np.geomspace(lowest, highest, max(count, 2))
+        unscaled = cls(q, lowest**-3.0 * (q / lowest) ** -(1 + 2 * hurst))
         return cls(unscaled.wavenumbers, unscaled.power * (h_rms / unscaled.h_rms) ** 2)
 
     @property

@@ -1,10 +1,10 @@
-"""The theory without adhesion at the paper's case, in its limits, and against its own derivatives."""
+"""The theory at the published points of the paper's case, in its limits, and against its own derivatives."""
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson import DiscreteSpectrum, solve_nonadhesive
+from persson import DiscreteSpectrum, solve, solve_nonadhesive
 
 SOLID = {"youngs_modulus": 1e6, "poisson_ratio": 0.5}
 MODULUS = 1e6 / 0.75
@@ -76,3 +76,11 @@ def test_loads_without_an_answer_are_refused(load):
 def test_bad_spectra_are_refused_by_name(wavenumbers, amplitudes, name):
     with pytest.raises(ValueError, match=name):
         DiscreteSpectrum(wavenumbers, amplitudes)
+
+
+@pytest.mark.parametrize("route", ["finite_volumes", "volterra"])
+@pytest.mark.parametrize(("load", "area", "separation"), [(0.005, 0.03397, 0.8488), (0.02, 0.13527, 0.1477)])
+def test_points_of_the_papers_case_with_adhesion(load, area, separation, route):
+    contact = solve(self_affine(), load * MODULUS, work_of_adhesion=0.03, route=route, **SOLID)
+    assert contact.contact_fraction == pytest.approx(area, abs=6e-6)  # the digits given; found .0339738, .1352720
+    assert contact.separation / 50e-6 == pytest.approx(separation, abs=6e-5)  # found .848833, .147744
