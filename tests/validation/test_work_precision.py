@@ -1,6 +1,7 @@
 """The work-precision study: errors and floors, failures that stay, files; its scenes, methods and references."""
 
 import json
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -40,10 +41,10 @@ def here(monkeypatch):
 
 
 def study(folder, methods, sources):
-    return work_precision.run(folder, True, lambda note: None, methods, sources)
+    return work_precision.run(folder, True, lambda note: None, methods, sources, with_prices=False)
 
 
-def test_study_writes_points_conclusion_and_figure(example, tmp_path, capsys):
+def test_study_writes_points_conclusion_and_figure(here, example, tmp_path, capsys):
     assert study(tmp_path, [example.method()], example.TRUTH) == 0
     stored = json.loads((tmp_path / "work-precision.json").read_text())
     assert [point["error"] for point in stored["points"]] == pytest.approx([0.1, None, 1e-4, 1e-12], abs=1e-15)
@@ -79,6 +80,12 @@ def test_measurement_repeats_and_takes_the_least(example):
     assert found.wall_seconds >= 0.002
     assert found.spread >= 0
     assert found.peak_megabytes > 0
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_methods_reach_other_processes(method):
+    task = Task(SINUSOID, method, method.settings, 1, 1.0)
+    assert pickle.loads(pickle.dumps(task)) == task
 
 
 def test_repeats_end_with_their_time(example):

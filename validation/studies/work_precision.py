@@ -22,6 +22,8 @@ from validation.provenance import provenance
 from validation.runner import Note
 from validation.studies.conclusion import Mark, MethodCurve, sentences
 from validation.studies.plots import Line, Plot, write_svg
+from validation.studies.price_list import Price, digits_of, loaded_for_nothing, priced
+from validation.studies.price_list import sentences as price_sentences
 from validation.studies.store import peak_megabytes, text_table, write_json
 from validation.studies.work_precision_methods import METHODS, Found, Method
 from validation.studies.work_precision_references import SOURCES, Reference, Source, source_for
@@ -31,6 +33,8 @@ SCHEMA = "linecontact-work-precision/1"
 FILE = "work-precision.json"
 SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
 QUICK_SCENES = ("sinusoid", "theory")
+QUICK_PRICES, PRICES = (60, 2), (400, 5)  # harmonics of the rough scene, runs of each effect
+PRICE_COLUMNS = ("effect", "on top of", "cpu/s", "extra/s", "ratio", "evaluations", "digits", "reference")
 REPEATS, SECONDS = (20, 2.0), (3, 0.5)  # most repeats and seconds for them: in full, quick
 
 Item = TypeVar("Item")
@@ -111,8 +115,9 @@ def run(
     report: Callable[[Note], None],
     methods: Sequence[Method] = METHODS,
     sources: dict[str, tuple[Source, ...]] | None = None,
+    with_prices: bool = True,
 ) -> int:
-    """Run the study, print points and conclusion, write work-precision.json and a figure for each scene.
+    """Run the study, print points, price list and conclusion, write work-precision.json and a figure for each scene.
 
     Parameters
     ----------
@@ -125,11 +130,14 @@ def run(
         Another one is one more entry.
     sources : dict, optional
         Other references than those of the study, by scene.
+    with_prices : bool
+        Whether the price list of the effects belongs to it.
 
     Returns
     -------
     int
-        1 when a reference fails, or a method on every setting of a scene.
+        1 when a reference fails, or a method on every setting of a scene, or the price list, or when the bare scene
+        loads a module of an effect that it does not have.
     """
     folder.mkdir(parents=True, exist_ok=True)
     known = SOURCES if sources is None else sources
@@ -147,7 +155,9 @@ def run(
             points += [point_of(posed, method, entry, reference) for entry in timed]
             if all(math.isnan(point.error) for point in points if _is(point, posed.id, method.name)):
                 failures.append(f"{posed.id}, {method.name}: no setting has an answer")
-            _write(folder, facts, quick, points, methods, chosen, failures)
+            _write(folder, facts, quick, points, methods, chosen, failures, [])
+    prices, told = _prices(quick, report, failures) if with_prices else ([], [])
+    _write(folder, facts, quick, points, methods, chosen, failures, prices)
     columns = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall/s", "spread", "cpu/s",
                "MB", "repeats", "status"]  # fmt: skip
     print(text_table(columns, [_row(point) for point in points]))
@@ -156,7 +166,9 @@ def run(
         for scene, reason in method.cannot.items():
             if scene in chosen:
                 print(f"  not run on {scene}: {reason}")
-    for line in conclusion(points, tuple(chosen)):
+    if prices:
+        print(text_table(PRICE_COLUMNS, [_price_row(price) for price in prices]))
+    for line in [*conclusion(points, tuple(chosen)), *told]:
         print(line)
     for message in failures:
         print(f"FAILED: {message}")
@@ -248,6 +260,19 @@ def _timed(task: Task, setting: Any) -> Timed:
     )
 
 
+def _prices(quick: bool, report: Callable[[Note], None], failures: list[str]) -> tuple[list[Price], list[str]]:
+    """The price list and what it says in words."""
+    harmonics, runs = QUICK_PRICES if quick else PRICES
+    answer = _alone(priced, (harmonics, runs), f"price list, {harmonics} harmonics", report)
+    loaded = _alone(loaded_for_nothing, harmonics, "the bare scene, alone", report)
+    if not isinstance(answer, list) or not isinstance(loaded, list):
+        failures.append(f"price list: {answer if isinstance(answer, Exception) else loaded}")
+        return [], []
+    if loaded:
+        failures.append(f"the bare scene loads {', '.join(loaded)}")
+    return answer, price_sentences(answer, loaded)
+
+
 def _references(
     posed: Posed,
     methods: Sequence[Method],
@@ -288,6 +313,11 @@ def _is(point: Point, scene: str, method: str) -> bool:
     return point.scene == scene and point.method == method
 
 
+def _price_row(price: Price) -> list[Any]:
+    return [price.effect, price.on_top_of, price.seconds, price.extra, price.ratio, price.evaluations, digits_of(price),
+            price.reference]  # fmt: skip
+
+
 def _row(point: Point) -> list[Any]:
     timed = point.timed
     unknowns = timed.found.unknowns if timed.found else None
@@ -304,6 +334,7 @@ def _write(
     methods: Sequence[Method],
     chosen: dict[str, Posed],
     failures: Sequence[str],
+    prices: Sequence[Price],
 ) -> None:
     told = [asdict(point) | {"error": point.error, "within_uncertainty": point.grey} for point in points]
     content = {
@@ -319,6 +350,7 @@ def _write(
         ],
         "points": told,
         "conclusion": conclusion(points, tuple(chosen)),
+        "prices": [asdict(price) | {"digits": price.digits} for price in prices],
         "failures": list(failures),
     }  # fmt: skip
     write_json(folder / FILE, content)

@@ -1,0 +1,319 @@
+"""The price list: what each effect costs in seconds on a rough scene, and how many digits it holds on an exact one.
+
+Seconds: the self-affine profile of the registry, loaded to two separations; CPU seconds, the least of a few runs after
+a warm-up, against the scene without the effect.  Digits: the same effect on one sinusoid, where its answer is known,
+
+- bare: Westergaard's contact; adhesion and unloading: Johnson's; slope term: Johnson's with the work of adhesion
+  gamma sqrt(1 + h'^2) at the edge;
+- layer: finite elements, digits up to their uncertainty;
+- shapes: the gap, 2 D (v sqrt(v^2 - S) - S arcosh(v S^-1/2)), v = sin(pi x / wavelength);
+- spectra: the first line of the pressure, p* (2 S - S^2);
+- pressure distribution: the share of the period above a pressure, from p = 2 p* cos v sqrt(S - sin^2 v);
+- error estimate: the estimated error of Johnson's contact fraction less the true one.
+
+An effect that a scene does not call for must cost nothing: the bare scene runs in a process of its own and names the
+modules of absent effects that were loaded, of which there must be none.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+import bem
+import fem_reference
+from bem.result import Result
+from fem_reference import Resolution
+from validation import adapters
+from validation.cases.closed_forms import Sinusoid
+from validation.studies.stages import timed_stages
+
+Changes = dict[str, Mapping[str, Any] | None]
+
+ABSENT = ("bem.layer", "bem.adhesion", "bem.observables", "bem.spectra", "bem.pressure_distribution", "bem.shapes")
+TARGETS = [45e-6, 35e-6]
+DEPTH = 6e-5  # penetration of the sinusoid, m
+NU, LAYER = 0.45, 0.002
+ADHESIVE: Changes = {"adhesion": {"work_of_adhesion": 0.03, "slope_term": True}}
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An effect, the scene that has it, and the one it is priced against.
+
+    Parameters
+    ----------
+    name, on_top_of : str
+    changes : dict
+        Of the registry's rough scene.
+    """
+
+    name: str
+    on_top_of: str
+    changes: Changes
+
+
+@dataclass(frozen=True)
+class Price:
+    """A line of the list.
+
+    Parameters
+    ----------
+    seconds, extra : float
+        CPU seconds of the scene, and those more than of the one it is priced against.
+    ratio : float
+        Of the two.
+    evaluations : int
+        Of the patch system.
+    error, floor : float
+        On the sinusoid, relative; and the uncertainty of its reference.
+    reference : str
+    """
+
+    effect: str
+    on_top_of: str
+    seconds: float
+    extra: float
+    ratio: float
+    evaluations: int
+    error: float = math.nan
+    floor: float = 0.0
+    reference: str = ""
+
+    @property
+    def digits(self) -> float:
+        """-log10 of the error, no more than the reference can tell."""
+        known = max(self.error, self.floor)
+        return -math.log10(known) if known > 0 else math.nan
+
+
+EFFECTS: tuple[Effect, ...] = (
+    Effect("bare", "", {"adhesion": None}),
+    Effect("layer", "bare", {"adhesion": None, "layer": {"thickness": LAYER}}),
+    Effect("adhesion", "bare", {"adhesion": {"work_of_adhesion": 0.03, "slope_term": False}}),
+    Effect("slope term", "adhesion", ADHESIVE),
+    Effect("unloading", "slope term", ADHESIVE | {"loading": {"targets": [*TARGETS, TARGETS[0]]}}),
+    Effect("shapes", "slope term", ADHESIVE | {"output": {"shapes": TARGETS}}),
+    Effect("spectra", "slope term", ADHESIVE | {"output": {"spectra": True}}),
+    Effect("pressure distribution", "slope term", ADHESIVE | {"output": {"pressure_distribution": True}}),
+    Effect("width distributions", "slope term", ADHESIVE | {"output": {"width_distributions": True}}),
+)
+
+
+def priced(item: tuple[int, int]) -> list[Price]:
+    """The list, for (harmonics, runs of each scene); in a process of its own."""
+    harmonics, runs = item
+    seconds: dict[str, float] = {}
+    evaluations: dict[str, int] = {}
+    for effect in EFFECTS:
+        seconds[effect.name], evaluations[effect.name] = _seconds(rough(effect.changes, harmonics), runs)
+    prices = []
+    for effect in EFFECTS:
+        own, base = seconds[effect.name], seconds.get(effect.on_top_of, math.nan)
+        error, floor, reference = DIGITS[effect.name]()
+        prices.append(
+            Price(effect.name, effect.on_top_of, own, own - base, own / base, evaluations[effect.name],
+                  error, floor, reference)
+        )  # fmt: skip
+    with timed_stages() as times:
+        bem.solve(rough(ADHESIVE, harmonics))
+    whole = times.whole["error estimate"]
+    error, floor, reference = DIGITS["error estimate"]()
+    without = times.total - whole
+    calls = times.calls["error estimate"]
+    return [
+        *prices,
+        Price(
+            "error estimate", "slope term", times.total, whole, times.total / without, calls, error, floor, reference
+        ),
+    ]
+
+
+def loaded_for_nothing(harmonics: int) -> list[str]:
+    """Modules of absent effects that the bare scene loads, in a process of its own: there must be none."""
+    bem.solve(rough({"adhesion": None}, harmonics))
+    return sorted(name for name in ABSENT if name in sys.modules)
+
+
+def sentences(prices: Sequence[Price], loaded: Sequence[str]) -> list[str]:
+    """The list in words."""
+    told = [
+        f"{price.effect}: {price.ratio:.2f} times the scene without it ({price.on_top_of}), "
+        f"{price.extra:+.2g} s; digits: {digits_of(price)} ({price.reference})."
+        for price in prices
+        if price.on_top_of
+    ]
+    if loaded:
+        return [*told, f"Absent effects are not absent: the bare scene loads {', '.join(loaded)}."]
+    return [*told, "Absent effects cost nothing: the bare scene loads no module of theirs."]
+
+
+def rough(changes: Changes, harmonics: int) -> Any:
+    """The rough scene with an effect."""
+    merged: Changes = {"profile": {"harmonics": harmonics}, "loading": {"targets": TARGETS}}
+    merged |= changes
+    return adapters.scene("rough_100", merged)
+
+
+def digits_of(price: Price) -> str:
+    """Digits as told in the list."""
+    if math.isnan(price.error):
+        return "no exact answer"
+    more = ", all that the reference tells" if price.error <= price.floor else ""
+    return f"{price.digits:.1f}{more}"
+
+
+def _seconds(scene: Any, runs: int) -> tuple[float, int]:
+    """Least CPU seconds of a few runs after a warm-up, and evaluations."""
+    result = _solved(scene)
+    least = math.inf
+    for _ in range(runs):
+        begun = time.process_time()
+        result = _solved(scene)
+        least = min(least, time.process_time() - begun)
+    return least, sum(state.evaluations for state in result.states)
+
+
+def _solved(scene: Any) -> Result:
+    result = bem.solve(scene)
+    if result.status != "converged":
+        raise ArithmeticError(f"the rough scene ended with {result.status}")
+    return result
+
+
+def _wave(alpha: float) -> Sinusoid:
+    return Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=alpha)
+
+
+def _sinusoid(changes: Changes) -> Result:
+    return _solved(adapters.scene("sinusoid", {"loading": {"targets": [DEPTH]}} | changes))
+
+
+def _fraction_error(result: Result, psi: float) -> float:
+    """Relative error of the contact fraction at the last target."""
+    return abs(result.targets[-1].contact_fraction / (psi * 2 / np.pi) - 1)
+
+
+def _angle(wave: Sinusoid) -> float:
+    return float(brentq(lambda psi: float(wave.penetration(psi)) - DEPTH, 0.3, 1.4, xtol=1e-16, rtol=1e-15))
+
+
+def _bare() -> tuple[float, float, str]:
+    return _fraction_error(_sinusoid({"adhesion": None}), _angle(_wave(0.0))), 1e-15, "Westergaard 1939"
+
+
+def _adhesion() -> tuple[float, float, str]:
+    wave = _wave(0.3)
+    found = _sinusoid({"adhesion": {"work_of_adhesion": wave.work_of_adhesion}})
+    return _fraction_error(found, _angle(wave)), 1e-15, "Johnson 1995"
+
+
+def _slope_term() -> tuple[float, float, str]:
+    wave = _wave(0.3)
+
+    def excess(psi: float) -> float:
+        share = np.sin(psi) ** 2
+        slope = 2 * np.pi * wave.amplitude / wave.wavelength * np.sin(2 * psi)
+        work = wave.work_of_adhesion * np.sqrt(1 + slope**2)
+        tension = np.sqrt(2 * wave.modulus * work * np.tan(psi) / wave.wavelength)
+        lift = wave.wavelength * tension * np.log(share) / (np.pi * wave.modulus)
+        return float(wave.amplitude * share * (1 - np.log(share)) + lift - DEPTH)
+
+    found = _sinusoid({"adhesion": {"work_of_adhesion": wave.work_of_adhesion, "slope_term": True}})
+    psi = float(brentq(excess, 0.3, 1.4, xtol=1e-16, rtol=1e-15))
+    return _fraction_error(found, psi), 1e-15, "Johnson 1995 with gamma sqrt(1 + h'^2) at the edge"
+
+
+def _layer() -> tuple[float, float, str]:
+    found = _sinusoid(
+        {"solid": {"poisson_ratio": NU}, "layer": {"thickness": LAYER}, "adhesion": {"work_of_adhesion": 0.5}}
+    )
+    reference = fem_reference.solve(
+        youngs_modulus=1e6, poisson_ratio=NU, thickness=LAYER, period=0.01, harmonics=([1], [1e-4], [0.0]),
+        control="penetration", value=DEPTH, work_of_adhesion=0.5, resolution=Resolution(4, 8, 18),
+    )  # fmt: skip
+    error = abs(found.targets[-1].contact_fraction / reference.contact_fraction - 1)
+    floor = float(np.max(reference.uncertainty["contact_fraction"])) / reference.contact_fraction
+    return error, floor, "finite elements, quartic, three meshes up to 8 cells"
+
+
+def _unloading() -> tuple[float, float, str]:
+    wave = _wave(0.3)
+    changes: Changes = {
+        "adhesion": {"work_of_adhesion": wave.work_of_adhesion},
+        "loading": {"targets": [1.2 * DEPTH, DEPTH]},
+    }
+    return _fraction_error(_sinusoid(changes), _angle(wave)), 1e-15, "Johnson 1995, on the way back"
+
+
+def _shapes() -> tuple[float, float, str]:
+    wave = _wave(0.0)
+    share = np.sin(_angle(wave)) ** 2
+    found = _sinusoid({"adhesion": None, "output": {"shapes": [wave.amplitude - DEPTH]}}).fields
+    sine = np.abs(np.sin(np.pi * found["x_0"] / wave.wavelength))
+    reach = np.maximum(sine, np.sqrt(share))  # on the contact the gap is that of its edge: zero
+    gap = reach * np.sqrt(reach**2 - share) - share * np.arccosh(reach / np.sqrt(share))
+    error = float(np.max(np.abs(found["gap_0"] / (2 * wave.amplitude) - gap)))
+    return error, 1e-15, "Westergaard 1939, gap along the period"
+
+
+def _spectra() -> tuple[float, float, str]:
+    wave = _wave(0.0)
+    share = np.sin(_angle(wave)) ** 2
+    line = (wave.full_contact_pressure * (2 * share - share**2) / 2) ** 2 * wave.wavelength / (2 * np.pi)
+    found = _sinusoid({"adhesion": None, "output": {"spectra": True}})
+    return abs(float(found.fields["C_sigma_0"][0]) / line - 1), 1e-15, "Westergaard 1939, first line of the pressure"
+
+
+def _distribution() -> tuple[float, float, str]:
+    wave = _wave(0.0)
+    psi = _angle(wave)
+    share = np.sin(psi) ** 2
+    found = _sinusoid({"adhesion": None, "output": {"pressure_distribution": True}}).fields
+    bounds, density = found["sigma_bounds_0"], found["P_0"]
+    above = np.append(np.cumsum((density * np.diff(bounds))[::-1])[::-1], 0.0)
+    reduced = np.clip(bounds / (2 * wave.full_contact_pressure), 0.0, np.sqrt(share))
+    square = ((1 + share) - np.sqrt((1 + share) ** 2 - 4 * (share - reduced**2))) / 2
+    exact = 2 / np.pi * np.arcsin(np.sqrt(np.maximum(square, 0.0)))
+    return float(np.max(np.abs(above - exact))), 1e-15, "Westergaard 1939, share of the period above a pressure"
+
+
+def _widths() -> tuple[float, float, str]:
+    wave = _wave(0.0)
+    found = _sinusoid({"adhesion": None, "output": {"width_distributions": True}})
+    width = float(found.fields["patch_width_0"][0])
+    return (
+        abs(width / (_angle(wave) * 2 / np.pi * wave.wavelength) - 1),
+        1e-15,
+        "Westergaard 1939, width of the contact",
+    )
+
+
+def _estimate() -> tuple[float, float, str]:
+    wave = _wave(0.3)
+    state = _sinusoid({"adhesion": {"work_of_adhesion": wave.work_of_adhesion}}).targets[-1]
+    estimated = state.error_estimate.contact_fraction or math.nan
+    true = abs(state.contact_fraction - _angle(wave) * 2 / np.pi)
+    told = f"Johnson 1995: estimated {estimated:.1e}, true {true:.1e}; the error told is their difference"
+    return abs(estimated - true), 1e-15, told
+
+
+DIGITS = {
+    "bare": _bare,
+    "layer": _layer,
+    "adhesion": _adhesion,
+    "slope term": _slope_term,
+    "unloading": _unloading,
+    "shapes": _shapes,
+    "spectra": _spectra,
+    "pressure distribution": _distribution,
+    "width distributions": _widths,
+    "error estimate": _estimate,
+}
