@@ -7,4 +7,5 @@ MODULES: tuple[str, ...] = (
     "validation.cases.path_convergence",
     "validation.cases.paper_profile",
     "validation.cases.fault_gaps",
+    "validation.cases.harness",
 )

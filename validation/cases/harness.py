@@ -1,0 +1,157 @@
+"""The harness examined by itself: rows whose verdicts, errors and tolerances are known, orders, a known baseline.
+
+The number of wrong answers is compared with none; it is also pinned, since a judge that accepts everything would
+accept its own errors, but not move the baseline.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import tempfile
+from pathlib import Path
+
+from validation.baseline import Baseline, differences, quantities_of
+from validation.case import Case, Outcome
+from validation.compare import combined_tolerance, error_of, fitted_order, pairwise_orders
+from validation.schema import Band, CaseRecord, Reference, Row, Tolerance
+from validation.verdict import Verdict, verdict_of
+
+KNOWN = Reference(kind="exact", source="rows made for the purpose")
+
+
+def _row(computed: list[float | None], expected: list[float | None], uncertainty: float = 0.0) -> Row:
+    reference = Reference(kind="FEM", source="a row made for the purpose", uncertainty=uncertainty)
+    return Row(
+        quantity="load",
+        unit="N/m",
+        reference=reference,
+        norm="absolute",
+        expected=expected,
+        computed=computed,
+        scale=2.0,
+        tolerance=Tolerance(value=0.1, measured=0.04),
+    )
+
+
+def _ratio(computed: float) -> Row:
+    return Row(
+        quantity="area",
+        unit="",
+        reference=Reference(kind="theory", source="a row made for the purpose"),
+        norm="ratio",
+        expected=[2.0],
+        computed=[computed],
+        band=Band(low=1.5, high=3.0, cause="made up", source="this case", review="2099-01-01"),
+    )
+
+
+def _verdicts() -> list[tuple[Row, Verdict]]:
+    """Rows and the verdicts that are right."""
+    return [
+        (_row([1.0], [1.0]), "agrees"),
+        (_row([1.19], [1.0]), "agrees"),
+        (_row([1.21], [1.0]), "deviates"),
+        (_row([0.79], [1.0]), "deviates"),
+        (_row([1.0, 1.0, 1.0, 1.3], [1.0] * 4), "deviates"),
+        (_row([1.0, None], [1.0, 1.0]), "error"),
+        (_row([1.0, math.nan], [1.0, 1.0]), "error"),
+        (_row([1.5], [1.0], uncertainty=0.3), "agrees"),
+        (_row([1.7], [1.0], uncertainty=0.3), "deviates"),
+        (_ratio(4.0), "expected deviation"),
+        (_ratio(2.1), "changed"),
+        (_ratio(7.0), "changed"),
+    ]
+
+
+def _harness() -> Outcome:
+    wrong_verdicts = float(sum(verdict_of(row) != right for row, right in _verdicts()))
+    errors = [error_of(_row([1.0, 1.4, 0.4], [1.0, 1.0, 1.0])), error_of(_ratio(4.0))]
+    allowed = [combined_tolerance(_row([1.0], [1.0])), combined_tolerance(_row([1.0], [1.0], uncertainty=0.3))]
+    sizes = [0.5, 0.25, 0.1, 0.05]
+    decay = [3.0 * size**2.5 for size in sizes]
+    orders = [fitted_order(sizes, decay), *pairwise_orders(sizes, decay)]
+    rows = (
+        _exactly("wrong verdicts on known rows", [0.0], [wrong_verdicts]),
+        _within("errors of known rows", [0.3, 2.0], errors),
+        _within("tolerances of known rows, the second set by the uncertainty", [0.1, 0.3], allowed),
+        _within("orders of a sequence of order 5/2, fitted and between neighbours", [2.5] * 4, orders),
+        _exactly("differences told from a known baseline", [3.0], [float(_differences())]),
+    )
+    return Outcome(rows=rows, counts={"rows": len(_verdicts())})
+
+
+def _differences() -> int:
+    """Differences told of a record whose value, count of evaluations and number of patches moved."""
+    before = _record([1.0], 3.0, 100)
+    after = _record([1.5], 4.0, 130)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        pinned = Baseline(
+            case=before.id,
+            reason="made for the purpose",
+            date="2099-01-01",
+            commit="none",
+            versions={},
+            blas="none",
+            blas_threads=1,
+            scene_sha256=hashlib.sha256(b"").hexdigest(),
+            resolution={},
+            quantities=quantities_of(before),
+        )
+        (folder / f"{before.id}.json").write_text(pinned.model_dump_json(), "utf-8")
+        return len(differences(after, folder))
+
+
+def _record(load: list[float | None], patches: float, evaluations: int) -> CaseRecord:
+    counted = _row([patches], [patches]).model_copy(update={"quantity": "patches", "pinned": "exact"})
+    return CaseRecord(
+        id="known",
+        group="harness",
+        level="quick",
+        question="q",
+        equations="e",
+        sources=[],
+        rows=[_row(load, [1.0]), counted],
+        counts={"evaluations": evaluations},
+    )
+
+
+def _exactly(quantity: str, expected: list[float | None], computed: list[float | None]) -> Row:
+    return Row(
+        quantity=quantity,
+        unit="",
+        reference=KNOWN,
+        norm="absolute",
+        expected=expected,
+        computed=computed,
+        tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
+        pinned="exact",
+    )
+
+
+def _within(quantity: str, expected: list[float | None], computed: list[float]) -> Row:
+    return Row(
+        quantity=quantity,
+        unit="",
+        reference=KNOWN,
+        norm="absolute",
+        expected=expected,
+        computed=[float(value) for value in computed],
+        tolerance=Tolerance(value=1e-12, measured=MEASURED_ARITHMETIC),
+    )
+
+
+MEASURED_ARITHMETIC = 4e-15  # orders by logarithms; the others to the last digit
+
+CASES = (
+    Case(
+        id="harness",
+        group="harness",
+        level="quick",
+        question="Does the harness judge rows right whose verdicts are known?",
+        equations="error = max |computed - expected| / scale;  allowed = max(tolerance, 2 (u + u_ref) / scale)",
+        sources=("oberkampf2008",),
+        compute=_harness,
+    ),
+)
