@@ -101,12 +101,12 @@ class Row(_Strict):
 
 
 class Series(_Strict):
-    """One curve or set of points; a `band` lies between `y` and `upper`."""
+    """One curve or set of points; a `band` lies between `y` and `upper`, `thin` curves stay in the background."""
 
     label: str
     x: list[float | None]
     y: list[float | None]
-    style: Literal["line", "points", "dashed", "band"] = "line"
+    style: Literal["line", "points", "dashed", "band", "thin"] = "line"
     upper: list[float | None] | None = None
 
     @model_validator(mode="after")

@@ -32,21 +32,27 @@ SETTINGS: Any = {
 }
 
 
-def svg_of(figure: Figure, prefix: str) -> str:
-    """The figure as an SVG element; `prefix` makes its ids unique on the page."""
+def canvas_of(figure: Figure) -> Canvas:
+    """The figure drawn; save it within `matplotlib.rc_context(SETTINGS)`."""
     with mpl.rc_context(SETTINGS):
         if figure.error is None:
             canvas = Canvas(figsize=(6.4, 3.9), layout="constrained")
             _draw(canvas.subplots(), figure.solution)
-        else:
-            canvas = Canvas(figsize=(6.4, 5.6), layout="constrained")
-            above, below = canvas.subplots(2, 1, height_ratios=(2, 1))
-            _draw(above, figure.solution)
-            _draw(below, figure.error)
-            below.axhline(0.0, color="#888888", linewidth=0.8)
-            below.ticklabel_format(axis="y", style="sci", scilimits=(-3, 3))
+            return canvas
+        canvas = Canvas(figsize=(6.4, 5.6), layout="constrained")
+        above, below = canvas.subplots(2, 1, height_ratios=(2, 1))
+        _draw(above, figure.solution)
+        _draw(below, figure.error)
+        below.axhline(0.0, color="#888888", linewidth=0.8)
+        below.ticklabel_format(axis="y", style="sci", scilimits=(-3, 3))
+    return canvas
+
+
+def svg_of(figure: Figure, prefix: str) -> str:
+    """The figure as an SVG element; `prefix` makes its ids unique on the page."""
+    with mpl.rc_context(SETTINGS):
         stream = io.StringIO()
-        canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+        canvas_of(figure).savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
     text = stream.getvalue()
     element = text[text.index("<svg") :]
     element = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', element)
@@ -68,6 +74,8 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
     x, y = _numbers(series.x), _numbers(series.y)
     if series.style == "band" and series.upper is not None:
         axes.fill_between(x, y, _numbers(series.upper), color=colour, alpha=0.2, linewidth=0, label=series.label)
+    elif series.style == "thin":
+        axes.plot(x, y, "-", color="#9aa0a6", linewidth=0.5, zorder=1.5, label=series.label)
     elif series.style == "points":
         axes.plot(x, y, marker, color=colour, markersize=3.6, linestyle="none", label=series.label)
     else:
