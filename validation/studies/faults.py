@@ -163,12 +163,13 @@ def run(
     control = control_run(catalogue, quick, jobs, report, modules)
     red = [f"{record.id}: {verdict}" for record in control.records for verdict in case_verdicts(record) if bad(verdict)]
     findings = [] if red else examine_faults(faults, catalogue, control, jobs, report, modules)
-    if not quick:
-        shrink(findings, catalogue, control, jobs, report, modules)
     failures = [f"control run is not green: {line}" for line in red] + failures_of(findings)
     write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
     if findings:
         write_matrix(folder / FIGURE, [record.id for record in control.records], findings)
+    if not quick:
+        shrink(findings, catalogue, control, jobs, report, modules)
+        write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
     print(table_of(findings))
     for line in failures:
         print(f"NOT MET: {line}")
