@@ -142,6 +142,7 @@ def start_edges(
     total = problem.highest - float(problem.height(grid).min())
     for shares in (SCAN, SHALLOW):
         family = [crest_patches(problem, crests, float(share * total)) for share in shares]
+        family = [edges for edges in family if np.diff(edges).min() > 2.0 * NARROWEST]
         residuals = []
         for edges in family:
             mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)

@@ -57,6 +57,8 @@ def crest_patches(problem: Problem, crests: FloatArray, depth: float) -> FloatAr
     for i, crest in enumerate(crests):
         height = float(problem.height(crest))
         level = height - max(depth - (problem.highest - height), 0.1 * depth)
+        bend = max(-float(problem.curvature(crest)), np.finfo(float).tiny)
+        near = np.sqrt(2.0 * (height - level) / bend)  # within the first points: a parabola
         sides = []
         for direction, neighbour in ((-1.0, crests[i - 1]), (1.0, crests[(i + 1) % len(crests)])):
             distance = (direction * (neighbour - crest)) % 1.0 or 1.0
@@ -65,7 +67,8 @@ def crest_patches(problem: Problem, crests: FloatArray, depth: float) -> FloatAr
             valley = SHORT_OF_VALLEY * offsets[np.argmin(along)]
             below = np.flatnonzero(along < level)
             walked = offsets[below[0]] if below.size else np.inf
-            sides.append(crest + direction * max(min(walked, valley), 2.0 * step))
+            resolved = max(min(walked, valley), 2.0 * step)
+            sides.append(crest + direction * (resolved if near > 4.0 * step else near))
         patches.append(sides)
     return np.array(patches)
 
