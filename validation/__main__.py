@@ -18,6 +18,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from validation import baseline
+from validation.executors import ExecutorError, opener_of
 from validation.provenance import provenance
 from validation.registry import CaseError, registry, select
 from validation.report.render import PAGE, ReportError, failures, write_html
@@ -35,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         return int(options.command(options))
-    except (CaseError, ReportError, baseline.BaselineError) as error:
+    except (CaseError, ExecutorError, ReportError, baseline.BaselineError) as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except (FileExistsError, IsADirectoryError, NotADirectoryError) as error:
@@ -75,21 +76,22 @@ def read_report(folder: Path) -> Report:
 
 def _run(options: argparse.Namespace) -> int:
     """Run cases and write report.json and report.html."""
-    if options.executor != "local":
-        raise CaseError(f"--executor {options.executor!r} is not available yet; 'local' is")
+    opener = opener_of(options.executor)
     cases = select(registry(), options.level, options.only)
     expected = baseline.expected_seconds([case.id for case in cases], baseline.FOLDER)  # a malformed one is told now
     facts = provenance()  # before the run: sources that change meanwhile are not those of the report
     folder: Path = options.out
     begun = time.monotonic()
-    records = run_cases(cases, folder, options.jobs, _say, expected)
+    records = run_cases(cases, folder, options.jobs, _say, expected, opener)
     level = options.level if options.only is None else f"only {options.only}"
     made = Report(
         schema_=SCHEMA,
         level=level,
         command=_command(options),
         planned=len(cases),
-        provenance=facts | {"seconds": round(time.monotonic() - begun, 1), "jobs": options.jobs},
+        provenance=facts
+        | {"seconds": round(time.monotonic() - begun, 1), "jobs": options.jobs}
+        | {"executor": options.executor.split(":")[0]},  # not its address
         cases=records,
         changes=baseline.changes(records, baseline.FOLDER),
     )
@@ -171,7 +173,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--level", default="quick", help="quick, standard or full (default: quick)")
     run.add_argument("--only", metavar="PATTERN", help="cases whose name or group matches, of any level")
     run.add_argument("--jobs", type=_positive, default=cores, help=f"worker processes (default: {cores})")
-    run.add_argument("--executor", default="local", help="local (default)")
+    run.add_argument("--executor", default="local", help="local (default) or dask://host:port")
     run.add_argument("--out", type=Path, required=True, help="folder of the report; what is there already is kept")
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
     run.set_defaults(command=_run)

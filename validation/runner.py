@@ -24,6 +24,7 @@ from pydantic import ValidationError
 
 from validation.case import Case, Outcome
 from validation.execution import Ended, Running, Started, run_in_processes
+from validation.executors import Opener, local_processes
 from validation.provenance import sources_digest, versions
 from validation.schema import CaseRecord
 
@@ -41,7 +42,12 @@ Report = Callable[[Note], None]
 
 
 def run_cases(
-    cases: Iterable[Case], folder: Path, jobs: int, report: Report, expected: Mapping[str, float] | None = None
+    cases: Iterable[Case],
+    folder: Path,
+    jobs: int,
+    report: Report,
+    expected: Mapping[str, float] | None = None,
+    opener: Opener = local_processes,
 ) -> list[CaseRecord]:
     """Run what is not there yet; records in the order of the cases.
 
@@ -56,9 +62,14 @@ def run_cases(
         Gets a `Note` for every step.
     expected : mapping of str to float
         Seconds that cases are expected to take, by id; what earlier runs in this folder took is preferred.
+    opener : callable
+        Opens the executor (executors.py).  Local processes store each record themselves; workers elsewhere may not see
+        this folder, and hand it back.
 
     Raises
     ------
+    ExecutorError
+        The executor is out of reach.
     KeyboardInterrupt
         After finished cases are stored.
     RuntimeError
@@ -74,7 +85,7 @@ def run_cases(
     waiting = [case for case in planned if case.id not in records]
     seconds = {case.id: _expected_seconds(case, store, expected or {}) for case in waiting}
     waiting.sort(key=lambda case: -seconds[case.id])
-    for record in _computed(waiting, store, code, jobs, report, len(planned), seconds):
+    for record in _computed(waiting, store, code, jobs, report, len(planned), seconds, opener):
         records[record.id] = record
     if set(records) != {case.id for case in planned}:
         raise RuntimeError(f"planned {len(planned)} cases, {len(records)} reported")
@@ -91,14 +102,18 @@ def _computed(
     report: Report,
     planned: int,
     seconds: Mapping[str, float],
+    opener: Opener,
 ) -> Iterable[CaseRecord]:
     """Records as they are finished, told with what is done and what is left."""
     if not cases:
         return
-    workers = min(jobs, len(cases))
-    report(Note(f"{len(cases)} cases on {workers} {'process' if workers == 1 else 'processes'}"))
+    local = opener is local_processes
+    workers = min(jobs, len(cases)) if local else 1
+    where = f"{workers} {'process' if workers == 1 else 'processes'}" if local else "workers elsewhere"
+    report(Note(f"{len(cases)} cases on {where}"))
     begun, left = time.monotonic(), {case.id for case in cases}
-    with closing(run_in_processes(partial(_run, store=store, code=code), cases, workers)) as events:
+    solve: Callable[[Case], CaseRecord | Solved] = partial(_run, store=store, code=code) if local else _solved
+    with closing(run_in_processes(solve, cases, workers, opener=opener)) as events:
         for event in events:
             if isinstance(event, Started):
                 report(Note(f"{event.item.id}: started"))
@@ -115,6 +130,8 @@ def _computed(
                 if isinstance(record, Exception):
                     record = failed_record(event.item, f"{type(record).__name__}: {record}", 0.0)
                     _keep(record, event.item, store, code)
+                elif isinstance(record, Solved):
+                    record = _kept(record, event.item, store, code)
                 left.discard(record.id)
                 told = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
                 done = f"[{planned - len(left)}/{planned}]"
@@ -141,18 +158,38 @@ def _expected_seconds(case: Case, store: Path, expected: Mapping[str, float]) ->
     return expected.get(case.id, GUESSED_SECONDS[case.level])
 
 
+@dataclass(frozen=True)
+class Solved:
+    """A record, and the traceback of its crash ("" without one)."""
+
+    record: CaseRecord
+    trace: str
+
+
 def _run(case: Case, store: Path, code: str) -> CaseRecord:
     """One case, in a worker: its record, also when it crashes; stored before it is handed back."""
+    return _kept(_solved(case), case, store, code)
+
+
+def _solved(case: Case) -> Solved:
+    """One case, anywhere: its record, also when it crashes."""
     begun = time.perf_counter()
-    log = store / f"{case.id}.log"
     try:
-        record = record_of(case, case.compute(), time.perf_counter() - begun)
-        log.unlink(missing_ok=True)
+        return Solved(record_of(case, case.compute(), time.perf_counter() - begun), "")
     except (Exception, SystemExit) as error:
-        log.write_text(traceback.format_exc(), "utf-8")
-        record = failed_record(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)
-    _keep(record, case, store, code)
-    return record
+        message = f"{type(error).__name__}: {error}"
+        return Solved(failed_record(case, message, time.perf_counter() - begun), traceback.format_exc())
+
+
+def _kept(solved: Solved, case: Case, store: Path, code: str) -> CaseRecord:
+    """The record, after it and its traceback were stored."""
+    log = store / f"{case.id}.log"
+    if solved.trace:
+        log.write_text(solved.trace, "utf-8")
+    else:
+        log.unlink(missing_ok=True)
+    _keep(solved.record, case, store, code)
+    return solved.record
 
 
 def record_of(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:

@@ -2,7 +2,8 @@
 
 import json
 import os
-from contextlib import closing
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 from validation import runner
 from validation.execution import Running, Started, run_in_processes
+from validation.executors import Workers
 from validation.runner import run_cases, write_atomically
 from validation.verdict import case_verdicts
 
@@ -205,6 +207,23 @@ def test_record_that_cannot_be_trusted_is_computed_again(examples, tmp_path, dam
     damage(tmp_path / "cases" / "note.json")
     run([examples.noting(tmp_path)], tmp_path)
     assert times_run(tmp_path) == 2
+
+
+@contextmanager
+def elsewhere(_):
+    """Workers that do not see the folder of the run: what they do is handed back."""
+    with ThreadPoolExecutor(1) as pool:
+        yield Workers(pool, lambda: 1)
+
+
+def test_records_of_workers_elsewhere_are_stored_here(examples, tmp_path):
+    cases = [examples.case("a", examples.agree), examples.case("b", examples.crash)]
+    fine, bad = run_cases(cases, tmp_path, 1, lambda note: None, opener=elsewhere)
+    assert (case_verdicts(fine), case_verdicts(bad)) == (["agrees"], ["error"])
+    assert "in crash" in (tmp_path / "cases" / "b.log").read_text()
+    notes = []
+    run([examples.noting(tmp_path), *cases[:1]], tmp_path, notes=notes)
+    assert notes[0].text == "1 of 2 cases are there already"
 
 
 def test_failed_write_leaves_the_old_file(tmp_path, monkeypatch):

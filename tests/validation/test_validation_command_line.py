@@ -129,7 +129,7 @@ def test_same_command_does_not_compute_again(examples, monkeypatch, tmp_path):
     [
         (["--only", "other"], "matches none of: fine, bad"),
         (["--level", "now"], "quick, standard, full"),
-        (["--executor", "cluster"], "'cluster' is not available yet"),
+        (["--executor", "cluster"], "neither 'local' nor 'dask://host:port'"),
         (["--jobs", "0"], "an integer >= 1"),
         (["--jobs", "two"], "an integer >= 1"),
     ],
