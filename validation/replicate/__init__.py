@@ -1,0 +1,176 @@
+"""`python -m validation replicate`: the results section of the paper from an ensemble of our own, as a report.
+
+The realisations (members.py) are computed on any executor and kept in `folder/members`; the figures and the paper's
+statements follow from what is stored there, so that an interrupted replication goes on, and a finished one is
+reported again in seconds.  A realisation that is missing is told in the report; statements that rest on an ensemble
+other than the paper's are `not run`.
+
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from bem.result import CorruptResultError
+from validation.case import Case, Outcome
+from validation.ensemble import Member, OtherSceneError, read_member, run_ensemble
+from validation.executors import Opener
+from validation.provenance import provenance
+from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra
+from validation.replicate.evidence import Evidence, Realisation
+from validation.replicate.files import write_figure
+from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
+from validation.replicate.members import hurst as hurst_members
+from validation.replicate.members import shapes as shapes_member
+from validation.runner import Note, failed_record, record_of
+from validation.schema import SCHEMA, CaseRecord, Report
+
+GROUP = "the paper replicated"
+ENSEMBLE_EFFECTS = ("half_space", "adhesion", "slope_term", "spectra", "pressure_distribution")
+
+TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
+    ("replicate-realisations", "Which realisations is this made of?",
+     "h_m ~ m^-(H + 1/2), phases default_rng(seed).uniform(-pi, pi)", realisations.compute),
+    ("replicate-area", "Is the area linear in the load, and twice the theory's?",
+     "A/A0 = a + b p/E*; Persson: A/A0 = erf(sqrt 2 p / (E* h'_rms)) without adhesion", area.compute),
+    ("replicate-separation", "Does the separation follow the theory?", "ln(p/E*) = c - s/u0", separation.compute),
+    ("replicate-spectra", "What are the exponents of the spectra, and is contact full at short wavelengths?",
+     "C_u ~ q^-(2 + H), C_sigma = E*^2 q^2 C_u / 4; full contact: C_sigma ~ q^(1 - 2 H)", spectra.compute),
+    ("replicate-pressure", "What is the distribution of the pressure?",
+     "double Gaussian; P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3 for sigma -> -infinity", pressure.compute),
+    ("replicate-hurst", "Are short waves in full contact for H = 0.8, and not for H = 0.3?",
+     "C_u / C = A(q)/A0 in the theory", hurst.compute),
+    ("replicate-shapes", "What do the deformed shapes look like?", "s = (1/lambda) int gap dx", shapes.compute),
+    ("replicate-heights", "Are the heights of the profiles Gaussian?",
+     "sum h_m^2 / 2 = h_rms^2", heights.compute),
+)  # fmt: skip
+
+
+def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable[[Note], None], command: str) -> Report:
+    """Compute what is missing, write the figures, and hand back the report.
+
+    Parameters
+    ----------
+    folder : Path
+        Realisations go to folder/members, figures (SVG, PDF, CSV) to folder/figures.
+    size : Size
+        `members.PAPER`, or a short form that replicates nothing.
+    jobs : int
+        Local processes.
+    opener : callable
+        Opens the executor (executors.py).
+    say : callable
+        Gets a `Note` for every step.
+    command : str
+        What the report says it was made with.
+
+    Raises
+    ------
+    OSError
+        Disk full or folder not writable; what is stored stays whole.
+    KeyboardInterrupt
+        What was finished is kept.
+    """
+    facts = provenance()
+    begun = time.monotonic()
+    outcome = run_ensemble(all_members(size), folder / "members", jobs, say, opener)
+    evidence = gather(size, folder / "members", outcome.failed)
+    say(Note("figures and statements"))
+    records = [_record(case) for case in cases(evidence)]
+    for record in records:
+        for figure in record.figures:
+            write_figure(figure, folder / "figures")
+    return Report(
+        schema_=SCHEMA,
+        level="replicate" if size == PAPER else "replicate, short form",
+        command=command,
+        planned=len(TOPICS),
+        provenance=facts | {"seconds": round(time.monotonic() - begun, 1), "jobs": jobs},
+        cases=records,
+        changes=[],
+    )
+
+
+def gather(size: Size, folder: Path, failed: Mapping[str, str]) -> Evidence:
+    """What is stored of the realisations of a size; those without a result are named."""
+    missing: dict[str, str] = {}
+
+    def read(member: Member) -> Realisation | None:
+        try:
+            return Realisation(member.name, read_member(member, folder))
+        except (FileNotFoundError, CorruptResultError, OtherSceneError) as error:
+            missing[member.name] = failed.get(member.name, str(error))
+            return None
+
+    ensemble = [one for member in loading(size) if (one := read(member)) is not None]
+    reached = [one.final_load >= LOADS[-1] * (1 - 1e-9) for one in ensemble]
+    return Evidence(
+        size=size,
+        loading=tuple(one for one, far in zip(ensemble, reached, strict=True) if far),
+        short=tuple(one for one, far in zip(ensemble, reached, strict=True) if not far),
+        shapes=read(shapes_member(size)),
+        high_load=read(high_load(size)),
+        hurst={
+            exponent: tuple(one for member in group if (one := read(member)) is not None)
+            for exponent, group in hurst_members(size).items()
+        },
+        missing=missing,
+    )
+
+
+def cases(evidence: Evidence) -> list[Case]:
+    """One case for each topic."""
+    return [
+        Case(
+            id=name,
+            group=GROUP,
+            level="full",
+            question=question,
+            equations=equations,
+            sources=("carbone2009", "persson2001"),
+            compute=partial(_answered, compute, evidence),
+            effects=ENSEMBLE_EFFECTS,
+            scene=scene_text(loading(evidence.size)[0].scene) if name == TOPICS[0][0] else "",
+        )
+        for name, question, equations, compute in TOPICS
+    ]
+
+
+def scene_text(scene: Mapping[str, Any]) -> str:
+    """A scene as the text of a scene file; its values are written alike in TOML and JSON.
+
+    Examples
+    --------
+    >>> print(scene_text({"title": "one", "profile": {"seed": 3}}), end="")
+    title = "one"
+    <BLANKLINE>
+    [profile]
+    seed = 3
+    """
+    lines = [f"{key} = {json.dumps(value)}" for key, value in scene.items() if not isinstance(value, Mapping)]
+    for name, table in scene.items():
+        if isinstance(table, Mapping):
+            lines += ["", f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _answered(compute: Callable[[Evidence], Outcome], evidence: Evidence) -> Outcome:
+    """A topic, unless there are too few realisations for a standard error."""
+    if compute is not realisations.compute and len(evidence.loading) < 2:
+        return Outcome(skipped=f"{len(evidence.loading)} realisations reached {LOADS[-1]:g} E*; 2 at least are needed")
+    return compute(evidence)
+
+
+def _record(case: Case) -> CaseRecord:
+    """What is reported of a topic; one that crashes is a row with its message."""
+    begun = time.perf_counter()
+    try:
+        return record_of(case, case.compute(), time.perf_counter() - begun)
+    except Exception as error:
+        return failed_record(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)

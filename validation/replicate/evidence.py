@@ -1,0 +1,211 @@
+"""What the realisations and the theory say, at the loads they were asked for; means with their standard errors.
+
+The standard error of a mean over n realisations is s / sqrt n with the n - 1 standard deviation s; that of a quantity
+taken from the mean curve, such as a fitted exponent, is the jackknife's: the curve without realisation k gives t_k, and
+the error is sqrt((n - 1) / n sum (t_k - mean t)^2).  Loads in units of E*, lengths in m, pressures in Pa.
+
+Source of the jackknife: B. Efron, C. Stein, Ann. Statist. 9 (1981) 586, doi:10.1214/aos/1176345462.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bem.profile import Profile
+from bem.result import Result, State
+from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
+from validation.replicate.members import LOADS, MODULUS, PAPER, Size
+
+FloatArray = NDArray[np.float64]
+
+SAME_LOAD = 1e-9  # of E*
+
+
+@dataclass(frozen=True, eq=False)
+class Realisation:
+    """A member that was computed."""
+
+    name: str
+    result: Result
+
+    @cached_property
+    def surface(self) -> Profile:
+        """The profile, SI units."""
+        table = self.result.scene["profile"]
+        return Profile.self_affine(
+            table["period"], table["hurst"], table["rms_height"], table["harmonics"], table["seed"]
+        )
+
+    @property
+    def touching(self) -> list[State]:
+        """States that carry a load > 0."""
+        return [state for state in self.result.states if state.mean_pressure > 0]
+
+    @property
+    def final_load(self) -> float:
+        """Highest load reached."""
+        return max((state.mean_pressure for state in self.result.states), default=0.0) / MODULUS
+
+    @property
+    def all_certified(self) -> bool:
+        """Whether the audit of every state holds."""
+        return all(state.certificate.ok for state in self.result.states)
+
+    def value_at(self, load: float, of: Callable[[State], float]) -> float:
+        """A number of the state at this load; on the straight line across the jump when the load jumps over it."""
+        k = self.index_of(load)
+        if k is not None:
+            return of(self.result.targets[k])
+        for before, after in pairwise(self.result.states):
+            low, high = before.mean_pressure / MODULUS, after.mean_pressure / MODULUS
+            if low < load < high:
+                return of(before) + (of(after) - of(before)) * (load - low) / (high - low)
+        raise LookupError(f"{self.name}: the load {load:g} E* is never met")
+
+    def field(self, name: str, load: float) -> NDArray[Any]:
+        """A field of the state at this load; LookupError when there is none."""
+        k = self.index_of(load)
+        if k is None:
+            raise LookupError(f"{self.name}: no state at {load:g} E*")
+        return self.result.fields[f"{name}_{k}"]
+
+    def index_of(self, load: float) -> int | None:
+        """Which target has this load; None when an instability carries the load across it."""
+        for k, state in enumerate(self.result.targets):
+            if abs(state.mean_pressure / MODULUS - load) < SAME_LOAD:
+                return k
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """All members that were computed, by what they are for.
+
+    Parameters
+    ----------
+    size : Size
+        What was asked for.
+    loading : tuple of Realisation
+        Those that reached the highest load.
+    short : tuple of Realisation
+        Those that did not.
+    shapes, high_load : Realisation, optional
+    hurst : dict of float to tuple of Realisation
+    missing : dict of str to str
+        Members without a result, and why.
+    """
+
+    size: Size
+    loading: tuple[Realisation, ...]
+    short: tuple[Realisation, ...]
+    shapes: Realisation | None
+    high_load: Realisation | None
+    hurst: dict[float, tuple[Realisation, ...]]
+    missing: dict[str, str]
+
+    @property
+    def shortfall(self) -> str:
+        """Why this is not the paper's ensemble; empty when it is."""
+        if self.size != PAPER:
+            return f"short form: {len(self.loading)} realisations with {self.size.harmonics} harmonics"
+        if len(self.loading) < self.size.seeds:
+            return f"only {len(self.loading)} of {self.size.seeds} realisations reached {LOADS[-1]:g} E*"
+        return ""
+
+    @cached_property
+    def lines(self) -> DiscreteSpectrum:
+        """The spectrum that all profiles of the loading ensemble share."""
+        return lines_of(self.loading[0])
+
+    @cached_property
+    def with_adhesion(self) -> dict[float, AdhesiveContact]:
+        """Persson's theory with adhesion at every load of `LOADS`."""
+        return {load: theory_with_adhesion(self.loading[0], load) for load in LOADS}
+
+    @cached_property
+    def without_adhesion(self) -> dict[float, NonadhesiveContact]:
+        """Persson's theory without adhesion at every load of `LOADS`."""
+        return {load: solve_nonadhesive(self.lines, load * MODULUS, **_solid(self.loading[0])) for load in LOADS}
+
+    def with_fields_at(self, load: float) -> tuple[Realisation, ...]:
+        """The realisations that have a state at this load, for spectra and distributions."""
+        return tuple(one for one in self.loading if one.index_of(load) is not None)
+
+    def values(self, of: Callable[[State], float]) -> FloatArray:
+        """A number of the states at `LOADS`, (n_realisations, n_loads)."""
+        return np.array([[one.value_at(load, of) for load in LOADS] for one in self.loading])
+
+
+def lines_of(one: Realisation) -> DiscreteSpectrum:
+    """The lines of a profile for the theory."""
+    return DiscreteSpectrum(one.surface.q0 * one.surface.orders, one.surface.amplitudes)
+
+
+def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 1.0) -> AdhesiveContact:
+    """Persson's theory for the lines of this profile; the raw constants of its scene are handed over.
+
+    A `detached_width` of 1/f^2 multiplies the detachment stress by f.
+    """
+    work = one.result.scene["adhesion"]["work_of_adhesion"]
+    solid = one.result.scene["solid"]
+    found = solve(
+        lines_of(one),
+        load * MODULUS,
+        youngs_modulus=solid["youngs_modulus"],
+        poisson_ratio=solid["poisson_ratio"],
+        work_of_adhesion=work,
+        detached_width=detached_width,
+    )
+    assert isinstance(found, AdhesiveContact)
+    return found
+
+
+def _solid(one: Realisation) -> dict[str, float]:
+    table = one.result.scene["solid"]
+    return {"youngs_modulus": table["youngs_modulus"], "poisson_ratio": table["poisson_ratio"]}
+
+
+def mean_and_error(values: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Mean over the first axis and its standard error.
+
+    Examples
+    --------
+    >>> mean, error = mean_and_error([[1.0], [3.0]])
+    >>> float(mean[0]), float(error[0])
+    (2.0, 1.0)
+    """
+    array = np.asarray(values, dtype=np.float64)
+    return array.mean(axis=0), array.std(axis=0, ddof=1) / np.sqrt(len(array))
+
+
+def jackknife(quantity: Callable[[FloatArray], float], values: ArrayLike) -> tuple[float, float]:
+    """A quantity of the mean over the first axis, and its standard error.
+
+    Examples
+    --------
+    >>> value, error = jackknife(lambda mean: float(mean[0]), [[1.0], [3.0]])
+    >>> round(value, 12), round(error, 12)
+    (2.0, 1.0)
+    """
+    array = np.asarray(values, dtype=np.float64)
+    n = len(array)
+    total = array.sum(axis=0)
+    without = np.array([quantity((total - one) / (n - 1)) for one in array])
+    return quantity(total / n), float(np.sqrt((n - 1) / n * np.sum((without - without.mean()) ** 2)))
+
+
+def joined(curves: Sequence[tuple[Sequence[float], Sequence[float]]]) -> tuple[list[float | None], list[float | None]]:
+    """Curves as one series, with gaps between them."""
+    x: list[float | None] = []
+    y: list[float | None] = []
+    for a, b in curves:
+        x += [*map(float, a), None]
+        y += [*map(float, b), None]
+    return x[:-1], y[:-1]

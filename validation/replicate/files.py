@@ -1,0 +1,55 @@
+"""Figures of the replication as files: SVG and PDF as they are in the report, and the numbers behind them as CSV.
+
+A CSV has one line for each point: panel (`solution` or `error`), series, x, y, and upper for bands.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from pathlib import Path
+
+import matplotlib as mpl
+
+from validation.report.figures import SETTINGS, canvas_of
+from validation.runner import write_atomically
+from validation.schema import Figure
+
+WITHOUT_DATE = {
+    "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+}
+
+
+def write_figure(figure: Figure, folder: Path) -> None:
+    """Write ID.svg, ID.pdf and ID.csv; equal numbers give equal files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with mpl.rc_context({**SETTINGS, "pdf.fonttype": 42}):
+        canvas = canvas_of(figure)
+        for kind, metadata in WITHOUT_DATE.items():
+            stream = io.BytesIO()
+            canvas.savefig(stream, format=kind, metadata=metadata)
+            path = folder / f"{figure.id}.{kind}"
+            temporary = path.with_name(path.name + ".part")
+            temporary.write_bytes(stream.getvalue())
+            temporary.replace(path)
+    write_atomically(folder / f"{figure.id}.csv", table_of(figure))
+
+
+def table_of(figure: Figure) -> str:
+    """The numbers of a figure as CSV."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(["panel", "series", "x", "y", "upper"])
+    writer.writerows(_lines(figure))
+    return stream.getvalue()
+
+
+def _lines(figure: Figure) -> Iterable[list[str | float | None]]:
+    for name, panel in (("solution", figure.solution), ("error", figure.error)):
+        for series in panel.series if panel is not None else ():
+            upper = series.upper or [None] * len(series.x)
+            for x, y, high in zip(series.x, series.y, upper, strict=True):
+                if x is not None:
+                    yield [name, series.label, x, y, high]

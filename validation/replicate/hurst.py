@@ -1,0 +1,83 @@
+"""Contact at short wavelengths for H = 0.8 and H = 0.3, at the same load over the rms slope.
+
+C_u / C at a wavenumber q is the part of the roughness of that wavelength that the solid follows.  The theory has C_u
+/ C = A(q)/A0: level at high q for H > 0.5, where within the contact the short waves are in full contact, and falling
+about as q^-(1 - H) for H < 0.5.  Compared are the exponents of C_u / C over the last decade of orders (fixed
+beforehand), each against the theory's own over the same orders.
+
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from validation.case import Outcome
+from validation.replicate.evidence import (
+    Evidence,
+    Realisation,
+    jackknife,
+    lines_of,
+    mean_and_error,
+    theory_with_adhesion,
+)
+from validation.replicate.spectra import banded, exponent, sensitivity
+from validation.replicate.statements import statement
+from validation.schema import Figure, Panel, Row, Series, Table
+
+MEASURED = {0.8: 0.05, 0.3: 0.06}
+
+
+def compute(evidence: Evidence) -> Outcome:
+    """Rows, figure and table."""
+    rows: list[Row] = []
+    series: list[Series] = []
+    lines: list[list[str | float | int | None]] = []
+    for value, group in evidence.hurst.items():
+        if len(group) < 2:
+            return Outcome(skipped=f"H = {value:g}: {len(group)} realisations, 2 at least are needed")
+        orders = group[0].surface.max_order
+        last = (orders / 10, float(orders))
+        power = np.array([_followed(one, orders) for one in group])
+        found, error = jackknife(lambda mean, window=last: exponent(mean, window), power)  # type: ignore[misc]
+        theory = theory_with_adhesion(group[0], group[0].final_load)
+        said = exponent(theory.contact_fractions, last)
+        area = float(np.mean([one.result.targets[-1].contact_fraction for one in group]))
+        swing = sensitivity(power.mean(axis=0), (last[0] * 2**0.5, last[1] / 2**0.5))
+        lines.append(
+            [value, len(group), orders, group[0].final_load, area, theory.contact_fraction, found, error, swing, said]
+        )
+        rows.append(
+            statement(
+                f"exponent of C_u / C over orders {last[0]:g} to {last[1]:g}, H = {value:g}",
+                found, error, said, 0.15, measured=MEASURED[value],
+                where="section 5: full contact at short wavelengths as the theory, computed here, expects for H > 0.5",
+                shortfall=evidence.shortfall,
+            )
+        )  # fmt: skip
+        bands = [banded(one, 16) for one in power]
+        mean, spread = mean_and_error([y for _, y in bands])
+        x = bands[0][0]
+        series.append(Series(label=f"H = {value:g}, mean and standard error", x=x, y=(mean - spread).tolist(),
+                             upper=(mean + spread).tolist(), style="band"))  # fmt: skip
+        every = [float(order) for order in range(1, orders + 1)]
+        series.append(Series(label=f"H = {value:g}, Persson's A(q)/A0", x=every, y=theory.contact_fractions.tolist()))
+    table = Table(
+        caption="Exponents of C_u / C over the last decade of orders; sensitivity: half an octave either way.",
+        columns=["H", "realisations", "harmonics", "p/E*", "A/A0", "Persson's A/A0", "exponent", "standard error",
+                 "sensitivity", "Persson's exponent"],
+        rows=lines,
+    )  # fmt: skip
+    figure = Figure(
+        id="short-wavelengths",
+        caption="Part of the roughness that the solid follows, C_u / C, against the order, for H = 0.8 and H = 0.3.",
+        solution=Panel(xlabel="q / q0", ylabel="C_u / C", xscale="log", yscale="log", series=series),
+    )
+    return Outcome(rows=tuple(rows), figures=(figure,), tables=(table,))
+
+
+def _followed(one: Realisation, orders: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """C_u / C at the last target, (n_orders,)."""
+    last = len(one.result.targets) - 1
+    q0 = one.surface.q0
+    return np.asarray(one.result.fields[f"C_u_{last}"][:orders] / lines_of(one).power(q0))

@@ -1,0 +1,147 @@
+"""The realisations of the replication, as scenes.
+
+loading    the paper's profile (H = 0.7, h_rms = 50 um, period 0.01 m, E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2) with
+           1000 harmonics, seeds 0 to 10, from first touch to 0.025 E*; spectra and distributions at all of `LOADS`
+shapes     one of them whose highest crest lies above 90 um, through s = 86, 48 and 9.6 um
+high load  one profile with fewer harmonics, pressed until contact is all but complete
+Hurst      H = 0.8 and H = 0.3 with fewer harmonics, each to the same load over its rms slope
+
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  The quick form has the same
+scenes with fewer realisations and harmonics: it shows that everything runs, and replicates nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from bem.profile import Profile
+from validation.ensemble import Member
+
+PERIOD, RMS_HEIGHT, HURST = 0.01, 50e-6, 0.7
+YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03
+MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
+LOADS = (0.001, 0.0025, 0.005, 0.0075, 0.01, 0.0125, 0.015, 0.0175, 0.02, 0.0225, 0.025)  # of E*
+SPECTRA_AT = (0.005, 0.02)  # of E*
+SHAPES_AT = (86e-6, 48e-6, 9.6e-6)  # separations, m
+HIGHEST_CREST = 90e-6  # m, exceeded by the profile whose shapes are shown
+NEARLY_FLAT = (1e-6, 0.2e-6, 0.04e-6)  # separations, m
+HURSTS = (0.8, 0.3)
+HURST_LOAD = 0.08  # of E* times the rms slope
+
+
+@dataclass(frozen=True)
+class Size:
+    """How much is computed.
+
+    Parameters
+    ----------
+    seeds : int
+        Realisations 0, 1, .. of the loading ensemble.
+    harmonics : int
+        Of the loading ensemble and of the shapes.
+    fewer_harmonics : int
+        At high load, and of the profiles of other Hurst exponents.
+    hurst_seeds : int
+        Realisations of each of these.
+    """
+
+    seeds: int
+    harmonics: int
+    fewer_harmonics: int
+    hurst_seeds: int
+
+
+PAPER = Size(seeds=11, harmonics=1000, fewer_harmonics=250, hurst_seeds=3)
+QUICK = Size(seeds=2, harmonics=64, fewer_harmonics=32, hurst_seeds=2)
+
+
+def loading(size: Size) -> list[Member]:
+    """The ensemble that is loaded to the highest of `LOADS`."""
+    return [
+        Member(
+            f"loading-{seed:02d}",
+            _profile(seed, HURST, size.harmonics)
+            | {
+                "loading": {
+                    "control": "separation",
+                    "targets": [1e-6],
+                    "at_mean_pressures": [load * MODULUS for load in LOADS[:-1]],
+                    "stop_at_mean_pressure": LOADS[-1] * MODULUS,
+                },
+                "output": {"spectra": True, "pressure_distribution": True},
+            },
+        )
+        for seed in range(size.seeds)
+    ]
+
+
+def shapes(size: Size) -> Member:
+    """The first realisation with a crest above `HIGHEST_CREST`, through `SHAPES_AT`."""
+    seed = next(k for k in range(1000) if _surface(k, size.harmonics).max_height > HIGHEST_CREST)
+    return Member(
+        f"shapes-{seed:02d}",
+        _profile(seed, HURST, size.harmonics)
+        | {
+            "loading": {"control": "separation", "targets": [SHAPES_AT[-1]]},
+            "output": {"shapes": list(SHAPES_AT), "spectra": True},
+        },
+    )
+
+
+def high_load(size: Size) -> Member:
+    """A profile pressed to `NEARLY_FLAT`."""
+    return Member(
+        "high-load-02",
+        _profile(2, HURST, size.fewer_harmonics)
+        | {"loading": {"control": "separation", "targets": list(NEARLY_FLAT)}, "output": {"spectra": True}},
+    )
+
+
+def hurst(size: Size) -> dict[float, list[Member]]:
+    """Profiles of the Hurst exponents `HURSTS`, to `HURST_LOAD`."""
+    return {
+        exponent: [
+            Member(
+                f"hurst-{exponent:g}-{seed:02d}",
+                _profile(seed, exponent, size.fewer_harmonics)
+                | {
+                    "loading": {
+                        "control": "separation",
+                        "targets": [1e-6],
+                        "stop_at_mean_pressure": HURST_LOAD * MODULUS * slope,
+                    },
+                    "output": {"spectra": True},
+                },
+            )
+            for seed in range(size.hurst_seeds)
+        ]
+        for exponent in HURSTS
+        for slope in [Profile.self_affine(PERIOD, exponent, RMS_HEIGHT, size.fewer_harmonics, 0).rms_slope]
+    }
+
+
+def all_members(size: Size) -> list[Member]:
+    """Everything, the long runs first."""
+    others = [member for group in hurst(size).values() for member in group]
+    return [*loading(size), shapes(size), high_load(size), *others]
+
+
+def _profile(seed: int, exponent: float, harmonics: int) -> dict[str, Any]:
+    return {
+        "title": f"self-affine profile, H = {exponent:g}, seed {seed}",
+        "solid": {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO},
+        "profile": {
+            "kind": "self_affine",
+            "period": PERIOD,
+            "hurst": exponent,
+            "rms_height": RMS_HEIGHT,
+            "harmonics": harmonics,
+            "seed": seed,
+        },
+        "adhesion": {"work_of_adhesion": WORK_OF_ADHESION, "slope_term": True},
+    }
+
+
+def _surface(seed: int, harmonics: int) -> Profile:
+    return Profile.self_affine(PERIOD, HURST, RMS_HEIGHT, harmonics, seed)

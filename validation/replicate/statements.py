@@ -1,0 +1,95 @@
+"""A statement of the paper as a row: its number, ours with its uncertainty, and the verdict that follows.
+
+A statement agrees when the two numbers differ by no more than the tolerance given, or twice our standard error.  Where
+the paper gives a number its last digit is its uncertainty; where it only says "about" the tolerance says how much.
+Where we find otherwise the row is a known discrepancy: the band of the ratio ours / paper's, and the cause.
+
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from validation.schema import Band, Reference, Row, Tolerance
+
+PAPER = "Carbone, Scaraggi, Tartaglino 2009"
+REVIEW = "2027-11-21"
+
+
+def statement(
+    quantity: str,
+    ours: float | Sequence[float],
+    error: float,
+    paper: float | Sequence[float],
+    allowed: float,
+    *,
+    measured: float,
+    where: str,
+    unit: str = "",
+    last_digit: float = 0.0,
+    shortfall: str = "",
+) -> Row:
+    """A row that agrees or deviates.
+
+    Parameters
+    ----------
+    quantity : str
+    ours, error : float
+        What was found, and its standard error.
+    paper : float
+        What the paper says.
+    allowed, measured : float
+        Tolerance of the difference, and the difference found when it was set.
+    where : str
+        Where the paper says so.
+    unit : str
+    last_digit : float
+        Uncertainty of the paper's number.
+    shortfall : str
+        Why the ensemble is not the paper's: the row is then not run.
+    """
+    found, said = _values(ours), _values(paper)
+    return Row(
+        quantity=quantity,
+        unit=unit,
+        reference=Reference(kind="independent code", source=f"{PAPER}, {where}", uncertainty=last_digit),
+        norm="absolute",
+        expected=said,
+        computed=found,
+        uncertainty=error,
+        tolerance=Tolerance(value=allowed, measured=measured),
+        status="not run" if shortfall else "run",
+        message=shortfall,
+    )
+
+
+def disagreement(
+    quantity: str,
+    ours: float | Sequence[float],
+    error: float,
+    paper: float | Sequence[float],
+    band: tuple[float, float],
+    cause: str,
+    *,
+    where: str,
+    unit: str = "",
+    shortfall: str = "",
+) -> Row:
+    """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause."""
+    return Row(
+        quantity=quantity,
+        unit=unit,
+        reference=Reference(kind="independent code", source=f"{PAPER}, {where}"),
+        norm="ratio",
+        expected=_values(paper),
+        computed=_values(ours),
+        uncertainty=error,
+        band=Band(low=band[0], high=band[1], cause=cause, source=f"{PAPER}, {where}", review=REVIEW),
+        status="not run" if shortfall else "run",
+        message=shortfall,
+    )
+
+
+def _values(value: float | Sequence[float]) -> list[float | None]:
+    return [float(value)] if isinstance(value, float | int) else [float(one) for one in value]
