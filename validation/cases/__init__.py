@@ -7,7 +7,6 @@ MODULES: tuple[str, ...] = (
     "validation.cases.identities",
     "validation.cases.path_convergence",
     "validation.cases.paper_profile",
-    "validation.cases.fem_equilibria",
     "validation.cases.fault_gaps",
     "validation.cases.harness",
 )
