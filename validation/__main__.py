@@ -1,4 +1,4 @@
-"""Command line: run the cases, render a report again, check and update baselines, run studies.
+"""Command line: run the cases, render a report again, check and update baselines, run studies, replicate the paper.
 
 Exit codes: 0 done and nothing gating failed, 1 something failed (named), 2 bad input, 130 interrupted.
 Progress and what failed go to stderr, one summary line to stdout.
@@ -95,9 +95,30 @@ def _run(options: argparse.Namespace) -> int:
         cases=records,
         changes=baseline.changes(records, baseline.FOLDER),
     )
+    return _stored(made, folder, options.json)
+
+
+def _replicate(options: argparse.Namespace) -> int:
+    """Replicate the paper's results section; its realisations and figures lie beside the report."""
+    members = import_module("validation.replicate.members")
+    size = members.QUICK if options.quick else members.PAPER
+    form = " --quick" if options.quick else ""
+    made = import_module("validation.replicate").replicate(
+        options.out,
+        size,
+        options.jobs,
+        opener_of(options.executor),
+        _say,
+        f"python -m validation replicate{form} --out {options.out.name}",
+    )
+    return _stored(made, options.out, options.json)
+
+
+def _stored(made: Report, folder: Path, as_json: bool) -> int:
+    """Write a report with its checksum, and its page."""
     report = with_checksum(made)
     write_atomically(folder / REPORT_FILE, report.model_dump_json(by_alias=True, indent=1) + "\n")
-    return _render(report, folder, options.json)
+    return _render(report, folder, as_json)
 
 
 def _report(options: argparse.Namespace) -> int:
@@ -182,6 +203,14 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument("folder", type=Path)
     report.add_argument("--json", action="store_true", help="print the summary as JSON")
     report.set_defaults(command=_report)
+
+    paper = commands.add_parser("replicate", help="the paper's results from 11 realisations of ours, as a report")
+    paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there are kept")
+    paper.add_argument("--jobs", type=_positive, default=cores, help=f"worker processes (default: {cores})")
+    paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
+    paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: replicates nothing")
+    paper.add_argument("--json", action="store_true", help="print the summary as JSON")
+    paper.set_defaults(command=_replicate)
 
     base = commands.add_parser("baseline", help="compare a report with the baselines, or update one").add_subparsers(
         required=True, metavar="ACTION"
