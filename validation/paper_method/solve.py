@@ -60,6 +60,17 @@ class PaperState:
     unknowns: int
     evaluations: int
     sweeps: int
+    surface: Surface
+    penetration: float
+    found: Energy | None
+
+    def gap(self, x: ArrayLike) -> FloatArray:
+        """Gap in m at positions x in m (n,) off the contact; nan when nothing was found."""
+        at = np.asarray(x, dtype=np.float64) / self.surface.unit_length
+        if self.found is None:
+            return np.full(at.shape, np.nan)
+        rigid = self.surface.height(at) - self.surface.highest + self.penetration / self.surface.unit_height
+        return np.asarray((displacement(self.surface, self.found, at) - rigid) * self.surface.unit_height)
 
 
 def solve(
@@ -110,10 +121,12 @@ def solve(
         try:
             found = descend(surface, pairs, counts, depth, closure)
         except SweepsError as error:
-            return _failed(surface, pairs, str(error), evaluations, sweeps)
+            return _failed(surface, penetration, pairs, str(error), evaluations, sweeps)
         evaluations, sweeps = evaluations + found.evaluations, sweeps + found.sweeps
         if found.end == "not_converged":
-            return _failed(surface, found.state.cells.edges, f"|G/w - 1| is {found.residual:.1e}", evaluations, sweeps)
+            return _failed(
+                surface, penetration, found.state.cells.edges, f"|G/w - 1| is {found.residual:.1e}", evaluations, sweeps
+            )
         changed = _without_vanished(found)
         if changed is None and np.any(cells_for(surface, found.state.cells.edges, cells) != counts):
             pairs = found.state.cells.edges  # the cells are those of the edges found, whatever the start
@@ -121,12 +134,12 @@ def solve(
         if changed is None:
             gaps, where = gap_between(surface, found.state, depth)
             if gaps.min() >= -allowed:
-                return _state(surface, found, float(gaps.min()), evaluations, sweeps)
+                return _state(surface, penetration, found, float(gaps.min()), evaluations, sweeps)
             changed = _with_contact(surface, found.state.cells.edges, float(where[np.argmin(gaps)]))
         if changed.size == 0:
-            return PaperState("separated", "", np.zeros((0, 2)), 0.0, 0.0, 0.0, True, 0.0, 0.0, 0, evaluations, sweeps)
+            return _without_contact(surface, penetration, evaluations, sweeps)
         pairs = changed
-    return _failed(surface, pairs, f"more than {CHANGES} changes of the patches", evaluations, sweeps)
+    return _failed(surface, penetration, pairs, f"more than {CHANGES} changes of the patches", evaluations, sweeps)
 
 
 def follow(
@@ -207,7 +220,9 @@ def _with_contact(surface: Surface, edges: FloatArray, position: float) -> Float
     return np.insert(edges, after + 1, [position - half, position + half], axis=0)
 
 
-def _state(surface: Surface, found: Descent, smallest: float, evaluations: int, sweeps: int) -> PaperState:
+def _state(
+    surface: Surface, penetration: float, found: Descent, smallest: float, evaluations: int, sweeps: int
+) -> PaperState:
     state, cells = found.state, found.state.cells
     tension = not np.any(state.closing)
     return PaperState(
@@ -223,10 +238,37 @@ def _state(surface: Surface, found: Descent, smallest: float, evaluations: int, 
         unknowns=int(cells.counts.sum()),
         evaluations=evaluations,
         sweeps=sweeps,
+        surface=surface,
+        penetration=penetration,
+        found=state,
     )
 
 
-def _failed(surface: Surface, edges: FloatArray, message: str, evaluations: int, sweeps: int) -> PaperState:
-    nan = float("nan")
-    where = edges * surface.unit_length
-    return PaperState("not_converged", message, where, nan, nan, nan, False, nan, nan, 0, evaluations, sweeps)
+def _failed(
+    surface: Surface, penetration: float, edges: FloatArray, message: str, evaluations: int, sweeps: int
+) -> PaperState:
+    nan, where = float("nan"), edges * surface.unit_length
+    return PaperState(
+        "not_converged",
+        message,
+        where,
+        nan,
+        nan,
+        nan,
+        False,
+        nan,
+        nan,
+        0,
+        evaluations,
+        sweeps,
+        surface,
+        penetration,
+        None,
+    )
+
+
+def _without_contact(surface: Surface, penetration: float, evaluations: int, sweeps: int) -> PaperState:
+    none, apart = np.zeros((0, 2)), -penetration
+    return PaperState(
+        "separated", "", none, 0.0, 0.0, 0.0, True, apart, 0.0, 0, evaluations, sweeps, surface, penetration, None
+    )

@@ -100,7 +100,7 @@ class Method:
 def solve_bem(posed: Posed, tolerance: float) -> Found:
     """The production solver, from first touch to the penetration."""
     begun = time.perf_counter()
-    scene = parse_scene(_scene(posed) | {"accuracy": {"tolerance": tolerance}})
+    scene = parse_scene(scene_tables(posed) | {"accuracy": {"tolerance": tolerance}})
     ready = time.perf_counter()
     result = bem.solve(scene)
     solved = time.perf_counter()
@@ -279,7 +279,7 @@ def _answer(contact_fraction: float, mean_pressure: float, elastic_energy: float
     }
 
 
-def _scene(posed: Posed) -> dict[str, Any]:
+def scene_tables(posed: Posed) -> dict[str, Any]:
     """Tables of the scene file."""
     tables: dict[str, Any] = {
         "solid": {"youngs_modulus": posed.youngs_modulus, "poisson_ratio": posed.poisson_ratio},
