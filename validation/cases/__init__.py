@@ -7,6 +7,10 @@ MODULES: tuple[str, ...] = (
     "validation.cases.identities",
     "validation.cases.path_convergence",
     "validation.cases.paper_profile",
+    "validation.cases.fem_closed_forms",
+    "validation.cases.fem_equilibria",
     "validation.cases.fault_gaps",
     "validation.cases.harness",
+    "validation.cases.convergence",
+    "validation.cases.paper_method_audit",
 )

@@ -1,0 +1,83 @@
+"""Figure of a comparison of boundary elements and finite elements: pressure above, signed differences below."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference import Result
+from validation.cases.fem_comparison import Comparison, away_from_edges, flat
+from validation.schema import Figure, Panel, Series
+
+FloatArray = NDArray[np.float64]
+SHOWN = 1.5  # times the scale: the exact pressure is infinite at the edges
+MIDDLE = 0.8  # of a patch, where pressures are compared node by node
+
+
+def figure(identity: str, caption: str, comparison: Comparison) -> list[Figure]:
+    """Pressure along the layer by both codes above; below, their signed differences away from the edges."""
+    fem, state = comparison.fem, comparison.state
+    if fem is None or state is None:
+        return []
+    scale, period = float(np.max(np.abs(fem.middle_pressure))), fem.problem.period
+    x = fem.interface.x
+    inside, middle = _in_patches(fem, x, 1.0), _in_patches(fem, x, MIDDLE)
+    theirs, ours = state.pressure(x[inside]), fem.interface.pressure[inside]
+    shown = np.abs(theirs) < SHOWN * scale
+    line = np.linspace(x[0], x[0] + period, 400)
+    curve = state.pressure(line)
+    curve = np.where(np.abs(curve) < SHOWN * scale, curve, np.nan)
+    displacement = comparison.differences[-1]
+    points = x[0] + (away_from_edges(fem) - x[0]) % period
+    return [
+        Figure(
+            id=identity,
+            caption=f"{caption} Below, boundary elements less finite elements: pressure at the nodes of the middle "
+            "0.8 of each patch over the largest middle pressure, displacement away from the edges over the rms height.",
+            solution=Panel(
+                xlabel="x / mm",
+                ylabel="pressure / kPa",
+                series=[
+                    Series(label="boundary elements", x=flat(line * 1e3), y=[_shown(v / 1e3) for v in curve]),
+                    Series(
+                        label="finite elements",
+                        x=flat(x[inside][shown] * 1e3),
+                        y=flat(ours[shown] / 1e3),
+                        style="points",
+                    ),
+                ],
+            ),
+            error=Panel(
+                xlabel="x / mm",
+                ylabel="signed difference / scale",
+                series=[
+                    Series(
+                        label="pressure",
+                        x=flat(x[middle] * 1e3),
+                        y=flat((state.pressure(x[middle]) - fem.interface.pressure[middle]) / scale),
+                        style="points",
+                    ),
+                    Series(
+                        label="displacement",
+                        x=flat(points * 1e3),
+                        y=flat(np.subtract(displacement.bem, displacement.fem) / displacement.scale),
+                        style="points",
+                    ),
+                ],
+            ),
+        )
+    ]
+
+
+def _in_patches(fem: Result, x: FloatArray, share: float) -> NDArray[np.bool_]:
+    """Whether positions x, m, lie in the inner share of a patch."""
+    period = fem.problem.period
+    inside = np.zeros(x.shape, dtype=bool)
+    for a, b in fem.edges:
+        distance = x - 0.5 * (a + b)
+        inside |= np.abs(distance - period * np.round(distance / period)) < share * 0.5 * (b - a)
+    return inside
+
+
+def _shown(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
