@@ -1,0 +1,175 @@
+"""Rates of convergence against those that theory predicts, bounded on both sides: too fast is as wrong as too slow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from validation.case import Case, Outcome
+from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.studies.convergence_curves import (
+    Curve,
+    bem_curves,
+    ensemble_curve,
+    fem_curve,
+    paper_method_curve,
+    persson_curves,
+)
+
+EQUATIONS = (
+    "error = C rho^-n (K), C rho^-2n (load), rho = z + sqrt(z^2 - 1), z = 1 + gap / half width;  "
+    "FEM load: h^2m graded, h uniform;  Persson: 2 in stress, 3 in variance;  the paper's cells: 2"
+)
+
+
+def _rate_row(curve: Curve, measured: float) -> Row:
+    """Fitted against predicted rate."""
+    of = "order" if curve.law == "algebraic" else "factor per node"
+    return Row(
+        quantity=f"{of}: {curve.quantity} of {curve.id}",
+        unit="",
+        reference=Reference(kind="theory", source=f"{curve.why}; errors against {curve.reference} ({curve.kind})"),
+        norm="relative",
+        expected=[curve.predicted],
+        computed=[curve.rate.value],
+        scale=curve.predicted,
+        tolerance=Tolerance(value=2.5 * measured, measured=measured),
+    )
+
+
+def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
+    """Errors as points, the predicted rate as lines through the last point fitted."""
+    series = []
+    for curve in curves:
+        label = f"{curve.id}: predicted {curve.predicted:.3g}, fitted {curve.rate.value:.3g}"
+        series.append(Series(label=label, x=list(curve.sizes), y=list(curve.errors), style="points"))
+    for curve in curves:
+        used = curve.rate.used
+        at, last = [curve.sizes[i] for i in used], curve.errors[used[-1]]
+        if curve.law == "geometric":
+            y = [last * curve.predicted ** (at[-1] - n) for n in at]
+        else:
+            y = [last * (at[-1] / n) ** curve.predicted for n in at]
+        series.append(Series(label=f"predicted, {curve.id}", x=at, y=y, style="dashed"))
+    scale = "linear" if curves[0].law == "geometric" else "log"
+    return Figure(
+        id=name,
+        caption=caption,
+        solution=Panel(xlabel=curves[0].knob, ylabel="error", xscale=scale, yscale="log", series=series),
+    )
+
+
+def _table(curves: Sequence[Curve]) -> Table:
+    """Errors with their rates between neighbours."""
+    rows: list[list[str | float | int | None]] = []
+    for curve in curves:
+        rates = [None, *curve.rate.pairwise]
+        for place, (size, error, rate) in enumerate(zip(curve.sizes, curve.errors, rates, strict=True)):
+            rows.append([curve.id, curve.knob, size, error, rate, "yes" if place in curve.rate.used else "no"])
+    return Table(
+        caption="Errors, rates between neighbours (order, or factor per node), and which points were fitted.",
+        columns=["curve", "knob", "size", "error", "rate", "fitted"],
+        rows=rows,
+    )
+
+
+def _rates() -> Outcome:
+    bem = bem_curves(0.9, range(4, 49, 4))
+    fem = (fem_curve(2, (4, 8, 16), True), fem_curve(4, (8, 16, 32), False))
+    others = (*persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100)), paper_method_curve((8, 16, 32, 64)))
+    plateau = Row(
+        quantity="plateau of K over critical and of the load over p*",
+        unit="",
+        reference=Reference(kind="exact", source="Johnson 1995"),
+        norm="absolute",
+        expected=[0.0, 0.0],
+        computed=[curve.rate.plateau for curve in bem],
+        tolerance=Tolerance(value=1e-12, measured=2.3e-14, basis="required"),
+    )
+    every = (*bem, *fem, *others)
+    return Outcome(
+        rows=(*(_rate_row(curve, MEASURED[curve.id]) for curve in every), plateau),
+        figures=(
+            _figure("convergence-bem", "Errors of the dense route at Johnson's edges, contact fraction 0.9.", bem),
+            _figure("convergence-fem", "Load at prescribed edges: meshes graded to the edges, and uniform.", fem),
+            _figure("convergence-others", "Persson's diffusion and the paper's own method.", others),
+        ),
+        tables=(_table(every),),
+    )
+
+
+def _elements() -> Outcome:
+    curves = (
+        fem_curve(2, (4, 8, 16, 32), True),
+        fem_curve(4, (4, 6, 8, 12), True),
+        fem_curve(2, (16, 32, 64), False),
+        fem_curve(4, (8, 16, 32), False),
+    )
+    return Outcome(
+        rows=tuple(_rate_row(curve, MEASURED_FULL[curve.id]) for curve in curves),
+        figures=(_figure("convergence-elements", "Load at prescribed edges, graded and uniform meshes.", curves),),
+        tables=(_table(curves),),
+    )
+
+
+def _ensemble(harmonics: int, realisations: int) -> Outcome:
+    curve, areas = ensemble_curve(harmonics, realisations)
+    return Outcome(
+        rows=(_rate_row(curve, MEASURED[curve.id]),),
+        figures=(_figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,)),),
+        tables=(
+            _table((curve,)),
+            Table(
+                caption=f"Contact fraction at a separation of 0.8 h_rms, {harmonics} harmonics.",
+                columns=["realisations", "mean", "standard error"],
+                rows=[[realisations, float(areas.mean()), float(areas.std(ddof=1)) / realisations**0.5]],
+            ),
+        ),
+    )
+
+
+# relative distance of the fitted rate from the predicted one
+MEASURED = {
+    "bem-intensity-0.9": 0.022,
+    "bem-load-0.9": 0.095,  # the singularity at the next edge is integrable: a little faster than rho^-2n
+    "fem-p2-graded": 0.107,
+    "fem-p4-uniform": 0.022,
+    "persson-cells": 0.022,
+    "persson-steps": 0.053,
+    "paper-method": 0.033,
+    "ensemble-area": 0.18,  # of 64 realisations: two standard deviations of the fit are 0.4
+}
+MEASURED_FULL = {"fem-p2-graded": 0.05, "fem-p4-graded": 0.023, "fem-p2-uniform": 0.099, "fem-p4-uniform": 0.022}
+
+CASES = (
+    Case(
+        id="convergence-rates",
+        group="convergence",
+        level="quick",
+        question="Does every code converge at the rate that its theory predicts, and to which plateau?",
+        equations=EQUATIONS,
+        sources=("johnson1995", "persson2001", "carbone2009"),
+        compute=_rates,
+        effects=("half_space", "adhesion"),
+    ),
+    Case(
+        id="convergence-ensemble",
+        group="convergence",
+        level="standard",
+        question="Does the mean area of an ensemble settle like the square root of the number of realisations?",
+        equations="spread of the mean over groups of n ~ n^-1/2",
+        sources=("carbone2009",),
+        compute=partial(_ensemble, 20, 64),
+        effects=("half_space", "adhesion", "slope_term"),
+    ),
+    Case(
+        id="convergence-elements",
+        group="convergence",
+        level="full",
+        question="What do the edges cost finite elements on uniform meshes, and do graded ones win it back?",
+        equations="energy norm h^m graded, h^(1/2) uniform, whatever m; load: twice the order",
+        sources=("johnson1995",),
+        compute=_elements,
+        effects=("half_space", "adhesion"),
+    ),
+)
