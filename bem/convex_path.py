@@ -13,13 +13,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Elastic, Evaluation, evaluate, finer
+from bem.assessment import Assessment, assess_contact
+from bem.collocation import Elastic, Evaluation
 from bem.complete_contact import CompleteContact
 from bem.control import Control
 from bem.nonadhesive import bearing_patches, solve_contact
 from bem.patches import Patches
-from bem.path import Assessment, Effort, Increments, PathEvent, PathStatus
-from bem.sensitivities import stress_intensity_jacobian
+from bem.path import Effort, Increments, PathEvent, PathStatus
 
 FloatArray = NDArray[np.float64]
 
@@ -81,24 +81,11 @@ class ConvexPath:
         return point
 
     def assess(self, point: ContactPoint) -> Assessment:
-        """Stiffness and estimated errors, from one finer evaluation at the same edges."""
+        """Stiffness and estimated errors, from finer evaluations."""
         assert point.state is not None
-        state = point.state
-        at = self.control.guess(state.penetration, point.value)
-        fine = evaluate(self.elastic, state.patches, at, 1e-2 * self.increments.fine_tolerance, finer(state.resolution))
-        fine = self.control.reach(fine, point.value)
-        self.effort.evaluations += 1
-        step = -fine.stress_intensity / np.diagonal(stress_intensity_jacobian(fine))
-        return Assessment(
-            work=None,
-            adhesion_energy=0.0,
-            min_eigenvalue=None,
-            hessian_asymmetry=None,
-            stiffness=state.load_rate,
-            stable_at_fixed_load=True,
-            length_error=float(np.abs(np.sum(step))),
-            load_error=abs(fine.load - state.load),
-        )
+        self.effort.evaluations += 2
+        tolerance = 1e-2 * self.increments.fine_tolerance
+        return assess_contact(self.elastic, self.control, point.state, point.value, tolerance)
 
     def _solved(self, point: ContactPoint, value: float) -> ContactPoint:
         """The state at a control value."""

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from bem.collocation import Evaluation, finer
+from bem.assessment import Assessment, assess_equilibrium
+from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
 from bem.equilibrium import ENERGY_TRUNCATION, LARGEST_NEWTON_STEP, Balance, System, balance, correct
 from bem.events import Settled, first_contact, interpenetration, settle
@@ -114,35 +115,6 @@ class Point:
     def state(self) -> Evaluation | None:
         """The evaluation behind the balance."""
         return None if self.balance is None else self.balance.state
-
-
-@dataclass(frozen=True, eq=False)
-class Assessment:
-    """What is reported of an equilibrium besides its edges, dimensionless.
-
-    Attributes
-    ----------
-    work : (2 L,) array or None
-        w at the edges; None without adhesion.
-    adhesion_energy : float
-        Per period.
-    min_eigenvalue, hessian_asymmetry : float or None
-        None without adhesion.
-    stiffness : float
-        d(load)/dDelta along the branch.
-    stable_at_fixed_load : bool
-    length_error, load_error : float
-        Estimated errors of the contact length and of the load.
-    """
-
-    work: FloatArray | None
-    adhesion_energy: float
-    min_eigenvalue: float | None
-    hessian_asymmetry: float | None
-    stiffness: float
-    stable_at_fixed_load: bool
-    length_error: float
-    load_error: float
 
 
 @dataclass
@@ -254,30 +226,10 @@ class Path:
         return outward if point.curvature is None else outward + change**2 * point.curvature
 
     def assess(self, point: Point) -> Assessment:
-        """Stability, stiffness and estimated errors, from one finer evaluation at the same edges."""
+        """Stability, stiffness and estimated errors, from finer evaluations."""
         assert point.balance is not None
-        here = point.balance
-        state = here.state
-        fine = balance(
-            self.system,
-            state.patches,
-            state.penetration,
-            point.value,
-            1e-2 * self.increments.fine_tolerance,
-            finer(state.resolution),
-        )
-        self.effort.evaluations += 1
-        step = -np.linalg.solve(fine.hessian, fine.gradient)
-        return Assessment(
-            work=here.work,
-            adhesion_energy=here.energy - state.elastic_energy,
-            min_eigenvalue=here.smallest_eigenvalue,
-            hessian_asymmetry=here.hessian_asymmetry,
-            stiffness=here.stiffness,
-            stable_at_fixed_load=here.stable_at_fixed_load,
-            length_error=float(np.abs(np.sum(step))),
-            load_error=abs(fine.state.load - state.load) + abs(float(fine.load_gradient @ step)),
-        )
+        self.effort.evaluations += 2
+        return assess_equilibrium(self.system, point.balance, point.value, 1e-2 * self.increments.fine_tolerance)
 
     def _advance_without_edges(self, point: Point, goal: float) -> Point:
         """From separated surfaces to first touch (at value 0), from complete contact to its opening, or to the goal."""

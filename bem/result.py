@@ -50,10 +50,18 @@ class Effect:
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Estimated absolute errors: mean pressure in Pa, contact fraction dimensionless; None when not estimated."""
+    """Estimated absolute error of every number a state reports, in the unit of that number; None: not estimated."""
 
-    mean_pressure: float | None
-    contact_fraction: float | None
+    mean_pressure: float | None = None
+    contact_fraction: float | None = None
+    penetration: float | None = None
+    separation: float | None = None
+    total_displacement: float | None = None
+    elastic_energy: float | None = None
+    adhesion_energy: float | None = None
+    total_energy: float | None = None
+    stress_intensity_max: float | None = None
+    contact_stiffness: float | None = None
 
 
 @dataclass(frozen=True)

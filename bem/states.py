@@ -9,17 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem import certificate
+from bem.assessment import Assessment, Quantities
 from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
 from bem.flat import FlatState
-from bem.path import Assessment, PathEvent
+from bem.path import PathEvent
 from bem.problem import Problem
 from bem.result import Certificate, ErrorEstimate, Event, State
 
 FloatArray = NDArray[np.float64]
 
 SAFETY = 3.0  # error estimates are this multiple of what a finer evaluation still changes
-ROUNDING = 1e-13  # relative floor of error estimates
+ROUNDING = 1e-13  # floor of error estimates, dimensionless
 CLOSURE = 1e-8
 
 
@@ -71,7 +72,6 @@ def equilibrium_state(
     patches = state.patches.canonical()
     mean_pressure = problem.mean_pressure(state.load)
     penetration = state.penetration * scales.height
-    floor = abs(mean_pressure) + 1e-3 * scales.stress
     return State(
         branch=branch,
         penetration=penetration,
@@ -90,10 +90,7 @@ def equilibrium_state(
         stress_intensity_max=float(np.max(state.stress_intensity)) * scales.stress_intensity,
         contact_stiffness=assessment.stiffness / (2 * np.pi) * scales.stiffness,
         stable_at_fixed_load=assessment.stable_at_fixed_load,
-        error_estimate=ErrorEstimate(
-            mean_pressure=SAFETY * problem.mean_pressure(assessment.load_error) + ROUNDING * floor,
-            contact_fraction=SAFETY * assessment.length_error / (2 * np.pi) + ROUNDING,
-        ),
+        error_estimate=_error_estimate(problem, assessment.correction),
         certificate=Certificate(
             closure=judged.closure,
             min_gap=judged.min_gap * scales.height,
@@ -108,6 +105,34 @@ def equilibrium_state(
         status="converged",
         target=target,
     )
+
+
+def _error_estimate(problem: Problem, correction: Quantities) -> ErrorEstimate:
+    """The size of each correction in SI units, with a margin, never below rounding."""
+    scales = problem.scales
+    stress, height, energy = scales.stress / (2 * np.pi), scales.height, scales.energy_per_area
+    penetration = _margin(correction.penetration) * height
+    total = None
+    if problem.mean_compliance is not None:
+        share = problem.mean_compliance * stress / height  # of the mean compression in the displacement of the plate
+        moved = correction.penetration + share * correction.load
+        total = (_margin(moved) + share * ROUNDING) * height
+    return ErrorEstimate(
+        mean_pressure=_margin(correction.load) * stress,
+        contact_fraction=_margin(correction.contact_length) / (2 * np.pi),
+        penetration=penetration,
+        separation=penetration,
+        total_displacement=total,
+        elastic_energy=_margin(correction.elastic_energy) * energy,
+        adhesion_energy=_margin(correction.adhesion_energy) * energy,
+        total_energy=_margin(correction.total_energy) * energy,
+        stress_intensity_max=_margin(correction.stress_intensity) * scales.stress_intensity,
+        contact_stiffness=_margin(correction.stiffness) * stress / height,
+    )
+
+
+def _margin(correction: float) -> float:
+    return SAFETY * abs(correction) + ROUNDING
 
 
 def separated_state(problem: Problem, penetration: float, branch: str, target: bool, status: str, cost: Cost) -> State:

@@ -334,8 +334,8 @@ def test_error_estimate_covers_a_coarse_state():
     *_, coarse = path.advance(point, 0.8)
     fine, judged = path.polish(coarse), path.assess(coarse)
     true = abs(fine.state.patches.contact_fraction - coarse.state.patches.contact_fraction) * 2 * np.pi
-    assert true <= 3 * judged.length_error + 1e-12
-    assert abs(fine.state.load - coarse.state.load) <= 3 * judged.load_error + 1e-12
+    assert true <= 3 * abs(judged.correction.contact_length) + 1e-12
+    assert abs(fine.state.load - coarse.state.load) <= 3 * abs(judged.correction.load) + 1e-12
 
 
 def test_rejected_increments_are_counted(rough_points):
