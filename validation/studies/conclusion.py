@@ -1,4 +1,4 @@
-"""What the curves of error against time say, in words: the cheapest setting for given digits, and where curves cross.
+"""What the curves of error against CPU time say, in words: the cheapest setting for given digits, and where curves cross.
 
 A point counts for d digits when its error is at most 10^-d and not below what its reference can tell: digits finer
 than the uncertainty of the reference are not claimed, nor any against a reference of the same code.  Two curves cross
@@ -89,6 +89,8 @@ def crossing(first: MethodCurve, second: MethodCurve) -> list[float]:
 
 def sentences(scene: str, curves: Sequence[MethodCurve]) -> list[str]:
     """The conclusion for one scene."""
+    if not curves:
+        return [f"{scene}: no method has an answer."]
     told = list(_digits(scene, curves))
     for first, second in combinations(curves, 2):
         told += _crossing(scene, first, second)

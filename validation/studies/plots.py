@@ -89,8 +89,9 @@ def draw(plot: Plot) -> Figure:
         if plot.bands:
             known = [x for line in plot.lines for x in line.x]
             axes.set_xlim(min([*known, *(upper for _, upper in plot.bands)]) / 4, max(known, default=1.0) * 4)
-        for message in plot.failures:
-            axes.plot([], [], "x", color="#aa0000", linestyle="none", label=f"failed: {message}")
+        for place, message in enumerate(plot.failures):
+            axes.plot([0.985], [0.03 + 0.04 * place], "x", color="#aa0000", linestyle="none", label=f"failed: {message}",
+                      transform=axes.transAxes, clip_on=False)  # fmt: skip
         axes.set_xlabel(plot.xlabel)
         axes.set_ylabel(plot.ylabel)
         axes.set_title(plot.title, fontsize=9.5)

@@ -1,9 +1,10 @@
 """What accuracy costs: seconds against achieved error for every method, on contacts with a reference of another code.
 
 Protocol: one process for every scene and method, one thread, the coarsest setting first as a warm-up, then every
-setting up to 20 times or 2 s (quick: 3 times or 0.5 s), the least wall time and the spread of the others, CPU time,
-largest memory of the process so far, and set-up, solution and evaluation apart.  Errors of all quantities are kept; the
-curve shows the larger of those of contact fraction and mean pressure.  Points below the uncertainty of their
+setting up to 20 times or 2 s (quick: 3 times or 0.5 s), the least wall time and the spread of the others, the least CPU
+time, largest memory of the process so far, and set-up, solution and evaluation apart.  Curves and conclusion go by CPU
+time: on one thread it is the wall time of an idle machine, and others do not add to it.  Errors of all quantities are
+kept; the curve shows the larger of those of contact fraction and mean pressure.  Points below the uncertainty of their
 reference are grey, failed ones stay with their message.  Counts, not seconds, are what could be gated.
 """
 
@@ -194,7 +195,7 @@ def curves_of(points: Sequence[Point], scene: str) -> list[MethodCurve]:
         known = [point for point in points if _is(point, scene, name) and not math.isnan(point.error)]
         if known:
             marks = tuple(
-                Mark(point.timed.setting, max(point.error, point.floor), point.timed.wall_seconds) for point in known
+                Mark(point.timed.setting, max(point.error, point.floor), point.timed.cpu_seconds) for point in known
             )
             curves.append(MethodCurve(name, known[0].reference, marks, known[0].floor))
     return curves
@@ -219,7 +220,7 @@ def figures_of(points: Sequence[Point], chosen: dict[str, Posed]) -> Iterator[tu
                 Line(
                     label=f"{name}, against {known[0].reference}",
                     x=[max(point.error, 1e-17) for point in known],
-                    y=[point.timed.wall_seconds for point in known],
+                    y=[point.timed.cpu_seconds for point in known],
                     notes=[str(point.timed.found.unknowns) if point.timed.found else "" for point in known],
                     grey=[point.grey for point in known],
                 )
@@ -230,7 +231,7 @@ def figures_of(points: Sequence[Point], chosen: dict[str, Posed]) -> Iterator[tu
             Plot(
                 title=f"{posed.title} (points: unknowns)",
                 xlabel="error of contact fraction and mean pressure, the larger",
-                ylabel="wall time / s, one thread",
+                ylabel="CPU time / s, one thread",
                 lines=lines,
                 bands=list(bands.items()),
                 failures=failed,
