@@ -13,4 +13,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.harness",
     "validation.cases.convergence",
     "validation.cases.paper_method_audit",
+    "validation.cases.theory_accuracy",
+    "validation.cases.theory_contact",
+    "validation.cases.theory_spectra",
 )

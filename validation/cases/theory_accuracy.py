@@ -1,0 +1,322 @@
+"""Persson's theory with adhesion: how exactly this implementation solves it.
+
+Reference points of the paper's case, two routes that share no discretisation of the stress, refinement, and the
+balance of the load: once the barrier moves, int sigma P is not conserved but gains a (-dA/dV).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+import persson
+from persson.adhesive import ROUTES, Route
+from persson.spectrum import Spectrum
+from validation.case import Case, Outcome
+from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+
+YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03
+MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
+Q0 = 2 * np.pi / 0.01
+LOADS = (0.005, 0.02, 0.1)  # of E*
+CURVE = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
+RESOLUTIONS = (0.25, 0.5, 1.0, 2.0)
+REFERENCE_RESOLUTION = 4.0
+ORDERS = (1, 3, 10, 30, 100, 200, 250, 275, 300, 400, 450, 500, 600, 700, 800, 900, 1000)
+ROUTE_NAMES: dict[Route, str] = {"finite_volumes": "finite volumes", "volterra": "integral equation"}
+SCENE = "E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2; lines m q0, m = 1..1000, q0 = 2 pi / 10 mm, H = 0.7, h_rms = 50 um"
+
+
+def spectra() -> dict[str, Spectrum]:
+    """The paper's lines, fewer and rougher lines, and a power spectrum of the same h_rms and cut-offs as the first."""
+    return {
+        "paper's lines": persson.DiscreteSpectrum.self_affine(Q0, 0.7, 50e-6, 1000),
+        "H = 0.5, 300 lines": persson.DiscreteSpectrum.self_affine(Q0, 0.5, 50e-6, 300),
+        "power spectrum": persson.ContinuousSpectrum.self_affine(Q0, 1000 * Q0, 0.7, 50e-6),
+    }
+
+
+def adhesive(
+    spectrum: Spectrum,
+    load: float,
+    *,
+    route: Route = "finite_volumes",
+    resolution: float = 1.0,
+    with_separation: bool = False,
+    detached_width: float = 1.0,
+    area_factor: str = "gaussian_slope_1d",
+) -> persson.AdhesiveContact:
+    """The theory with adhesion at a load in units of E*, the paper's material."""
+    state = persson.solve(
+        spectrum,
+        load * MODULUS,
+        youngs_modulus=YOUNGS_MODULUS,
+        poisson_ratio=POISSON_RATIO,
+        work_of_adhesion=WORK_OF_ADHESION,
+        route=route,
+        resolution=resolution,
+        with_separation=with_separation,
+        detached_width=detached_width,
+        area_factor=area_factor,
+    )
+    if not isinstance(state, persson.AdhesiveContact):
+        raise TypeError(f"work_of_adhesion = {WORK_OF_ADHESION} must give a state with adhesion")
+    return state
+
+
+def dry(spectrum: Spectrum, load: float) -> persson.NonadhesiveContact:
+    """The theory without adhesion at a load in units of E*."""
+    return persson.solve_nonadhesive(
+        spectrum, load * MODULUS, youngs_modulus=YOUNGS_MODULUS, poisson_ratio=POISSON_RATIO
+    )
+
+
+def _points() -> Outcome:
+    spectrum = spectra()["paper's lines"]
+    loads = (0.005, 0.02)
+    without = [dry(spectrum, load) for load in loads]
+    with_adhesion = [adhesive(spectrum, load, with_separation=True) for load in loads]
+    source = Reference(kind="theory", source="points of the paper's case: narrow-band rule, factor of a 1D slope")
+    given: tuple[tuple[str, list[float], list[float | None], Tolerance], ...] = (
+        (
+            "A/A0 without adhesion, 0.005 and 0.02 E*",
+            [0.0292763, 0.1167122],
+            [state.contact_fraction for state in without],
+            Tolerance(value=5e-8, measured=MEASURED_POINTS[0], basis="required"),
+        ),
+        (
+            "A/A0 with adhesion, 0.005 and 0.02 E*",
+            [0.03397, 0.13527],
+            [state.contact_fraction for state in with_adhesion],
+            Tolerance(value=5e-6, measured=MEASURED_POINTS[1], basis="required"),
+        ),
+        (
+            "separation over h_rms without adhesion",
+            [0.85857, 0.15338],
+            [state.separation / spectrum.h_rms for state in without],
+            Tolerance(value=5e-6, measured=MEASURED_POINTS[2], basis="required"),
+        ),
+        (
+            "separation over h_rms with adhesion",
+            [0.8488, 0.1477],
+            [None if state.separation is None else state.separation / spectrum.h_rms for state in with_adhesion],
+            Tolerance(value=5e-5, measured=MEASURED_POINTS[3], basis="required"),
+        ),
+    )
+    rows = tuple(
+        Row(
+            quantity=quantity,
+            unit="",
+            reference=source,
+            norm="absolute",
+            expected=list(expected),
+            computed=computed,
+            tolerance=tolerance,
+        )
+        for quantity, expected, computed, tolerance in given
+    )
+    counts = {
+        "nodes": sum(state.areas.size for state in with_adhesion),
+        "iterations": sum(state.fields.iterations for state in with_adhesion),
+    }
+    return Outcome(rows=rows, counts=counts)
+
+
+def _routes() -> Outcome:
+    rows, solution, errors = [], [], []
+    for (name, spectrum), measured in zip(spectra().items(), MEASURED_ROUTES, strict=True):
+        volumes, integral = (
+            [adhesive(spectrum, load, route=route).contact_fraction for load in CURVE] for route in ROUTES
+        )
+        ratio = [one / other for one, other in zip(volumes, integral, strict=True)]
+        rows.append(
+            Row(
+                quantity=f"A/A0 by finite volumes over that by the integral equation, {name}",
+                unit="",
+                reference=Reference(kind="self", source="the other route, with its own fixed point"),
+                norm="relative",
+                expected=[1.0] * len(CURVE),
+                computed=list(ratio),
+                tolerance=Tolerance(value=1e-5, measured=measured, basis="required"),
+                pinned="unconverged",
+            )
+        )
+        solution += [
+            Series(label=name, x=list(CURVE), y=list(volumes)),
+            Series(label=f"{name}, integral equation", x=list(CURVE), y=list(integral), style="points"),
+        ]
+        errors.append(Series(label=name, x=list(CURVE), y=[value - 1 for value in ratio], style="points"))
+    figure = Figure(
+        id="theory-routes",
+        caption=(
+            "Contact fraction of the theory with adhesion by two routes: conservative finite volumes on the moving "
+            "domain (lines) and a Volterra integral equation for the flux at the barrier (points)."
+        ),
+        solution=Panel(
+            xlabel="load / E*", ylabel="A / A0", xscale="log", yscale="log", series=solution[::2] + solution[1::2]
+        ),
+        error=Panel(xlabel="load / E*", ylabel="ratio of routes - 1", xscale="log", series=errors),
+    )
+    return Outcome(rows=tuple(rows), figures=(figure,))
+
+
+def _convergence() -> Outcome:
+    rows = []
+    for index, (name, spectrum) in enumerate(spectra().items()):
+        for place, load in enumerate(LOADS):
+            default, finer = (adhesive(spectrum, load, resolution=factor).contact_fraction for factor in (1.0, 2.0))
+            rows.append(
+                Row(
+                    quantity=f"A/A0 at {load} E*, {name}",
+                    unit="",
+                    reference=Reference(kind="self", source="every discretisation at half the step"),
+                    norm="relative",
+                    expected=[finer],
+                    computed=[default],
+                    scale=finer,
+                    tolerance=Tolerance(value=1e-5, measured=MEASURED_CONVERGENCE[index][place], basis="required"),
+                )
+            )
+    spectrum = spectra()["paper's lines"]
+    series, table = [], []
+    for route in ROUTES:
+        reference = adhesive(spectrum, 0.02, route=route, resolution=REFERENCE_RESOLUTION).contact_fraction
+        states = [adhesive(spectrum, 0.02, route=route, resolution=factor) for factor in RESOLUTIONS]
+        error = [abs(state.contact_fraction / reference - 1) for state in states]
+        series.append(Series(label=ROUTE_NAMES[route], x=[s.areas.size for s in states], y=list(error), style="points"))
+        table += [
+            [ROUTE_NAMES[route], factor, state.areas.size, state.contact_fraction, value]
+            for factor, state, value in zip(RESOLUTIONS, states, error, strict=True)
+        ]
+    figure = Figure(
+        id="theory-self-convergence",
+        caption=(
+            f"Error of A/A0 at 0.02 E* of the paper's lines, against the same route at {REFERENCE_RESOLUTION:g} times "
+            "the default resolution."
+        ),
+        solution=Panel(
+            xlabel="nodes in magnification",
+            ylabel="relative error of A / A0",
+            xscale="log",
+            yscale="log",
+            series=series,
+        ),
+    )
+    columns = ["route", "resolution", "nodes", "A/A0", "error"]
+    return Outcome(
+        rows=tuple(rows),
+        figures=(figure,),
+        tables=(Table(caption="Refinement of both routes, paper's lines, 0.02 E*.", columns=columns, rows=table),),
+    )
+
+
+def _balance() -> Outcome:
+    rows, carried, absorbed, errors = [], [], [], []
+    for (name, spectrum), measured in zip(spectra().items(), MEASURED_BALANCE, strict=True):
+        state = adhesive(spectrum, 0.02)
+        gained = _absorbed(state) / 0.02
+        gained_at = PchipInterpolator(state.slope_variances, gained)
+        zeta, at, due = [], [], []
+        resolvable = [order for order in ORDERS if order * Q0 <= spectrum.wavenumbers[-1]]
+        for order in resolvable:
+            variance = spectrum.resolved_variance(order * Q0)
+            if variance == 0:  # the lowest wavenumber of a power spectrum
+                continue
+            zeta.append(float(order))
+            at.append(float(state.stress_distribution(order * Q0).load[0]) / 0.02)
+            due.append(1 + float(gained_at(variance)))
+        rows.append(
+            Row(
+                quantity=f"int sigma P / sigma_0 at magnifications up to all roughness, {name}",
+                unit="",
+                reference=Reference(kind="exact", source="1 + int a (-dA/dV) dV / sigma_0"),
+                norm="relative",
+                expected=list(due),
+                computed=list(at),
+                tolerance=Tolerance(value=1e-6, measured=measured, basis="required"),
+            )
+        )
+        carried.append(Series(label=f"{name}: int sigma P", x=list(zeta), y=list(at), style="points"))
+        absorbed.append(Series(label=f"{name}: 1 + int a (-dA)", x=list(zeta), y=list(due)))
+        errors.append(
+            Series(
+                label=name, x=list(zeta), y=[one - other for one, other in zip(at, due, strict=True)], style="points"
+            )
+        )
+    figure = Figure(
+        id="theory-load-balance",
+        caption=(
+            "Mean stress carried by the contact at each magnification, over sigma_0 = 0.02 E*: it grows once the "
+            "effective work of adhesion is positive, by the tension at which contact is lost."
+        ),
+        solution=Panel(
+            xlabel="magnification q / q0", ylabel="int sigma P / sigma_0", xscale="log", series=carried + absorbed
+        ),
+        error=Panel(xlabel="magnification q / q0", ylabel="difference", xscale="log", series=errors),
+    )
+    return Outcome(rows=tuple(rows), figures=(figure,))
+
+
+def _absorbed(state: persson.AdhesiveContact) -> NDArray[np.float64]:
+    """int a (-dA) up to each node in units of E*, (n + 1,)."""
+    barrier = state.fields.problem.mesh.smoothed(state.fields.barrier)[0]
+    return np.concatenate([[0.0], np.cumsum((barrier[1:] + barrier[:-1]) / 2 * -np.diff(state.areas))])
+
+
+MEASURED_POINTS = (2.8e-8, 3.9e-6, 2.9e-6, 4.4e-5)
+MEASURED_ROUTES = (4.5e-6, 2.8e-6, 5.6e-6)
+MEASURED_CONVERGENCE = ((2.0e-6, 2.1e-6, 1.5e-6), (1.2e-6, 1.2e-6, 1.1e-6), (2.7e-6, 2.7e-6, 2.3e-6))
+MEASURED_BALANCE = (6.7e-7, 1.1e-7, 2.3e-7)
+
+EQUATIONS = (
+    "dP/dV = 1/2 d2P/dsigma2, P = 0 at sigma = -a(V), a = sqrt(2 gamma_eff q / E*) / pi, "
+    "gamma_eff A = gamma A(1) M - U_el(V)"
+)
+
+CASES = (
+    Case(
+        id="theory-points",
+        group="theory",
+        level="quick",
+        question="Does the theory with adhesion reproduce area and separation of the paper's case?",
+        equations=EQUATIONS,
+        sources=("carbone2009", "persson2001", "persson2002"),
+        compute=_points,
+        effects=("adhesion",),
+        scene=SCENE,
+    ),
+    Case(
+        id="theory-routes",
+        group="theory",
+        level="quick",
+        question="Do finite volumes and an integral equation, each with its own fixed point, give the same area?",
+        equations=EQUATIONS + "; N(-D(V)/sqrt V) = int N(-(D(V) - D(U))/sqrt(V - U)) dF(U), D = sigma_0 + a, F = 1 - A",
+        sources=("carbone2009", "peskir2002"),
+        compute=_routes,
+        effects=("adhesion",),
+        scene=SCENE + "; H = 0.5, 300 lines; power spectrum of the same h_rms and cut-offs",
+    ),
+    Case(
+        id="theory-convergence",
+        group="theory",
+        level="quick",
+        question="Does the area of the theory with adhesion settle when every step is halved?",
+        equations=EQUATIONS,
+        sources=("carbone2009",),
+        compute=_convergence,
+        effects=("adhesion",),
+        scene=SCENE + "; H = 0.5, 300 lines; power spectrum of the same h_rms and cut-offs",
+    ),
+    Case(
+        id="theory-load-balance",
+        group="theory",
+        level="quick",
+        question="Does the load grow by just the stress that the moving barrier absorbs?",
+        equations="d(int sigma P dsigma)/dV = a (-dA/dV)",
+        sources=("carbone2009",),
+        compute=_balance,
+        effects=("adhesion",),
+        scene=SCENE + "; H = 0.5, 300 lines; power spectrum of the same h_rms and cut-offs",
+    ),
+)
