@@ -149,6 +149,14 @@ class Result:
         rigid = (self.problem.height(at / self.problem.period) - self.problem.highest) * self.problem.unit_height
         return np.asarray(self.displacement(at) - rigid - self.total_displacement)
 
+    def uncertainty_at(self, field: Literal["displacement", "gap", "pressure"], x: ArrayLike) -> FloatArray:
+        """Uncertainty of a field of the interface at positions x in m (any shape): that of the nodes on both sides."""
+        nodes = self.interface.x
+        local = nodes[0] + (np.asarray(x, dtype=float) - nodes[0]) % self.problem.period
+        after = np.clip(np.searchsorted(nodes, local), 1, len(nodes) - 1)
+        values = np.asarray(self.uncertainty[field])
+        return np.asarray(np.maximum(values[after - 1], values[after]))
+
 
 def _combined(evaluation: Evaluation) -> FloatArray:
     fields = evaluation.states.fields

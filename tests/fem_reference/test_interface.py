@@ -74,3 +74,16 @@ def test_gap_away_from_the_edges_within_its_uncertainty(contact):
     assert np.all(error <= contact.uncertainty["gap"][off])  # measured: at most 0.34 and 0.10 of it
     allowed = {2: 3e-3, 4: 3e-5}[contact.resolution.order]
     assert np.max(contact.uncertainty["gap"][off]) < allowed * AMPLITUDE  # measured 1.2e-3 and 9.4e-6
+
+
+@pytest.mark.parametrize("field", ["displacement", "gap", "pressure"])
+def test_uncertainty_at_a_position_is_that_of_the_nodes_beside_it(contact, field):
+    face, spread = contact.interface, contact.uncertainty[field]
+    between = 0.5 * (face.x[3] + face.x[4])
+    found = contact.uncertainty_at(field, [between, between + 1.0, face.x[0]])
+    np.testing.assert_array_equal(found, [max(spread[3:5]), max(spread[3:5]), max(spread[:2])])
+
+
+def test_gap_at_any_position_within_its_uncertainty(contact):
+    x = np.linspace(0.23, 0.77, 101)
+    assert np.all(np.abs(contact.gap(x) - exact_gap(x)) <= contact.uncertainty_at("gap", x))

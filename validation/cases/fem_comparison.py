@@ -227,7 +227,9 @@ def _displacement(posed: Scene, fem: Result, state: bem.ContactState) -> Differe
     """Mean-free displacement at points away from the edges."""
     height, x = fem.problem.unit_height, away_from_edges(fem)
     mean = fem.total_displacement - fem.penetration
-    uncertainty = float(np.max(_at(fem, "displacement", x))) + 2.0 * float(np.max(fem.uncertainty["penetration"]))
+    uncertainty = float(np.max(fem.uncertainty_at("displacement", x))) + 2.0 * float(
+        np.max(fem.uncertainty["penetration"])
+    )
     return Difference(
         "interface displacement away from the edges",
         "m",
@@ -246,15 +248,6 @@ def away_from_edges(fem: Result) -> FloatArray:
     place = np.searchsorted(knots, x) - 1
     share = (x - knots[place]) / np.diff(knots)[place]
     return np.asarray(x[(share > AWAY) & (share < 1.0 - AWAY)])
-
-
-def _at(fem: Result, field: str, x: FloatArray) -> FloatArray:
-    """Uncertainty of an interface field in the facets that hold the positions x, m."""
-    period, nodes = fem.problem.period, fem.interface.x
-    local = nodes[0] + (x - nodes[0]) % period
-    after = np.clip(np.searchsorted(nodes, local), 1, len(nodes) - 1)
-    values = np.asarray(fem.uncertainty[field])
-    return np.asarray(np.maximum(values[after - 1], values[after]))
 
 
 def _largest(fem: Result, name: str) -> float:
