@@ -64,7 +64,7 @@ def run_case(case: HardCase, full: bool = False) -> Outcome:
         The full form instead of the reduced one.
     """
     tables = case.full if full else case.reduced
-    expected = (case.status, *(case.targets_of_full if full else case.targets))
+    expected = case.expectation(full)
     start = time.process_time()
     with tempfile.TemporaryDirectory() as folder:
         if case.samples is not None:

@@ -84,11 +84,14 @@ class HardCase:
     reached: Reached | None = None
     reached_in_full: Reached | None = None
 
-    @property
-    def targets_of_full(self) -> tuple[str, ...]:
-        """Expected status of each target state of the full scene: the same, or all converged where it has others."""
+    def expectation(self, full: bool) -> tuple[str, ...]:
+        """Expected status of the result, then of each target: in the full scene the same, or all converged.
+
+        The second where the full scene has another number of targets.
+        """
         wanted, count = len(self.reduced["loading"]["targets"]), len(self.full["loading"]["targets"])
-        return self.targets if count == wanted else ("converged",) * count
+        targets = self.targets if not full or count == wanted else ("converged",) * count
+        return (self.status, *targets)
 
 
 def rough(harmonics: int, hurst: float = 0.7, rms_height: float = RMS_HEIGHT, seed: int = 0) -> Table:

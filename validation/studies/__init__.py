@@ -7,5 +7,6 @@ STUDIES: dict[str, str] = {
     "work-precision": "error against time of every method, the price of each effect, and what to choose, in words",
     "convergence": "rates of every code against those predicted: geometric, algebraic, with and without graded meshes",
     "cost": "seconds, memory and counts of the paper's profile against harmonics; path convergence",
+    "stability": "the hard cases of all codes: converged, correct and refused counted apart, over a fixed denominator",
     "faults": "would the suite notice: faults put into the running code, what catches them, how small they may be",
 }

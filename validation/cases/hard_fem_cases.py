@@ -1,0 +1,277 @@
+"""Hard cases of the finite element reference: thin and nearly incompressible layers, contacts that vanish or close.
+
+As for the boundary elements (hard_cases.py) the expectation stands here beforehand: the status of the result, or
+`refused: ARGUMENT` where an error that names the argument is the right answer.  Reduced: P2/P1 on a coarse mesh; full:
+the default resolution, P4/P3.  Correct means: within twice the uncertainty that the result states of a closed form
+(waves on a layer of two periods, where the half-space is met to exp(-8 pi) = 1e-11; complete contact) or of the
+boundary elements at the same edges and penetration.  SI units.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import fem_reference
+from bem.contact_state import ContactState
+from bem.layer import Layer
+from bem.profile import Profile
+from bem.scaling import Solid
+from fem_reference import Resolution
+from validation.cases.closed_forms import Sinusoid
+from validation.cases.hard_case_run import Outcome
+from validation.cases.hard_case_scenes import (
+    JOHNSON,
+    MODULUS,
+    PERIOD,
+    WAVE,
+    WAVE_WORK,
+    Table,
+    johnson_penetration,
+    westergaard_pressure,
+)
+
+COARSE = Resolution(2, 8, 8)
+HALF_SPACE = 1e-10  # relative, by which a layer of two periods differs from it
+ROUGH_ORDERS = 20
+
+
+@dataclass(frozen=True)
+class FemCase:
+    """A hard case of the reference.
+
+    Parameters
+    ----------
+    id, reason : str
+    arguments : dict
+        Of `fem_reference.solve`, beyond those of `WAVE_LAYER`.
+    check : {"wave", "complete", "boundary_elements", "status_only"}
+        What the result is held against.
+    expected : str
+        Status, or `refused: ARGUMENT`.
+    full : dict
+        What the full form changes besides the resolution.
+    """
+
+    id: str
+    reason: str
+    arguments: Table
+    check: str
+    expected: str = "converged"
+    full: Table | None = None
+
+    def expectation(self, full: bool) -> tuple[str, ...]:
+        """The status expected, of both forms."""
+        return (self.expected,)
+
+
+WAVE_LAYER: Table = {
+    "youngs_modulus": MODULUS,
+    "poisson_ratio": 0.5,
+    "thickness": 2 * PERIOD,
+    "period": PERIOD,
+    "harmonics": ([1], [WAVE], [0.0]),
+    "control": "penetration",
+    "work_of_adhesion": 0.0,
+}
+
+
+def _fem_cases() -> list[FemCase]:
+    edges = [[-0.05 * PERIOD, 0.08 * PERIOD]]
+    cases = [
+        FemCase(
+            f"poisson_ratio_{ratio:g}",
+            "volumetric locking towards incompressibility; an auxetic layer at the other end",
+            {"poisson_ratio": ratio, "thickness": 0.1 * PERIOD, "edges": edges, "value": 2e-6},
+            "boundary_elements",
+        )
+        for ratio in (-0.9, 0.0, 0.499999, 0.5)
+    ]
+    thin = {"thickness": 0.02 * PERIOD, "edges": edges, "value": 2e-7}
+    rough_orders = np.arange(1, ROUGH_ORDERS + 1)
+    heights = rough_orders**-1.2 * WAVE / np.sqrt(np.sum(rough_orders**-2.4) / 2)
+    rough = (rough_orders.tolist(), heights.tolist(), np.random.default_rng(0).uniform(-3, 3, ROUGH_ORDERS).tolist())
+    pressed = {"control": "mean_pressure"}
+    adhesive = {"work_of_adhesion": WAVE_WORK}
+    return [
+        *cases,
+        FemCase(
+            "thin_incompressible_layer",
+            "a layer of 0.02 periods and nu = 0.5 is stiff by its third power",
+            thin,
+            "boundary_elements",
+        ),
+        FemCase(
+            "thin_incompressible_layer_in_complete_contact",
+            "the same, pressed flat",
+            {"thickness": 0.02 * PERIOD, "edges": "complete", "value": 1e4, **pressed},
+            "complete",
+            expected="complete_contact",
+        ),
+        FemCase(
+            "rough_thin_layer",
+            "twenty harmonics on a layer thinner than most of their wavelengths",
+            {"thickness": 0.05 * PERIOD, "poisson_ratio": 0.45, "edges": edges, "value": 4e-6, "harmonics": rough},
+            "boundary_elements",
+        ),
+        FemCase(
+            "nearly_complete_contact",
+            "the last gap closes without adhesion",
+            {"value": westergaard_pressure(0.95), **pressed},
+            "wave",
+            full={"value": westergaard_pressure(0.999)},
+        ),
+        FemCase(
+            "nearly_complete_contact_with_adhesion",
+            "the load grows tensile without limit as the last gap closes",
+            {"value": johnson_penetration(0.9), **adhesive},
+            "wave",
+            full={"value": johnson_penetration(0.99)},
+        ),
+        FemCase(
+            "tiny_load",
+            "a contact of a thousandth of the period, and of a ten-thousandth",
+            {"value": westergaard_pressure(1e-3), **pressed},
+            "wave",
+            full={"value": westergaard_pressure(1e-4)},
+        ),
+        FemCase(
+            "tension_before_pull_off",
+            "a small adhesive contact in tension, near the fold",
+            {"value": johnson_penetration(0.1), **adhesive},
+            "wave",
+        ),
+        FemCase("weak_adhesion", "1e-8 J/m^2", {"value": 2e-5, "work_of_adhesion": 1e-8}, "boundary_elements"),
+        FemCase("strong_adhesion", "100 J/m^2", {"value": 2e-5, "work_of_adhesion": 100.0}, "boundary_elements"),
+        FemCase(
+            "units_times_1e6",
+            "lengths and stresses in units a million times smaller",
+            {
+                "youngs_modulus": MODULUS * 1e6,
+                "thickness": 2e6 * PERIOD,
+                "period": 1e6 * PERIOD,
+                "harmonics": ([1], [WAVE * 1e6], [0.0]),
+                "value": 1e6 * johnson_penetration(0.5),
+                "work_of_adhesion": 1e12 * WAVE_WORK,
+            },
+            "wave",
+        ),
+        FemCase(
+            "uncovered_crest",
+            "two equal crests and one patch: the other crest enters the layer",
+            {"harmonics": ([2], [WAVE], [0.0]), "value": 2e-5},
+            "status_only",
+            expected="interpenetration",
+        ),
+        FemCase(
+            "beyond_pull_off",
+            "a penetration at which no contact is left",
+            {"value": -5e-5, **adhesive},
+            "status_only",
+            expected="refused: value",
+        ),
+        FemCase("apart", "nothing in contact, no adhesion", {"value": -1e-6}, "status_only", expected="refused: value"),
+        FemCase(
+            "narrower_than_the_mesh",
+            "a patch of 1e-7 periods",
+            {"edges": [[0.0, 1e-7 * PERIOD]], "value": 1e-6},
+            "status_only",
+            expected="refused: edges",
+        ),
+        FemCase(
+            "incompressible_by_displacement",
+            "complete contact of an incompressible layer knows no displacement but one",
+            {"edges": "complete", "control": "total_displacement", "value": 1e-6},
+            "status_only",
+            expected="refused: control",
+        ),
+    ]
+
+
+FEM_CASES: tuple[FemCase, ...] = tuple(_fem_cases())
+
+
+def run_case(case: FemCase, full: bool = False) -> Outcome:
+    """Solve a hard case of the reference and judge it."""
+    arguments = WAVE_LAYER | case.arguments | ((case.full or {}) if full else {"resolution": COARSE})
+    expected, start = (case.expected,), time.process_time()
+    try:
+        result = fem_reference.solve(**arguments)
+    except (fem_reference.InvalidProblemError, fem_reference.SingularSystemError) as error:
+        seconds, named = time.process_time() - start, getattr(error, "argument", "")
+        observed = (f"refused: {named}",)
+        expectation = observed == expected
+        return Outcome(case.id, expected, observed, False, expectation, str(error), (), seconds)
+    seconds = time.process_time() - start
+    findings = tuple(CHECKS[case.check](arguments, result))
+    observed = (result.status,)
+    return Outcome(case.id, expected, observed, observed == expected, not findings, None, findings, seconds)
+
+
+def wave(arguments: Table, result: fem_reference.Result) -> list[str]:
+    """Mean pressure and contact fraction of one wave on a thick layer: Westergaard, Johnson."""
+    amplitude, period = arguments["harmonics"][1][0], arguments["period"]
+    alpha = JOHNSON if arguments["work_of_adhesion"] else 0.0
+    exact = Sinusoid(amplitude, period, arguments["youngs_modulus"], arguments["poisson_ratio"], alpha)
+    psi = np.pi / 2 * result.contact_fraction
+    # at the contact fraction found, which is uncertain itself: what that moves the pressure by is allowed for
+    spread = np.pi / 2 * float(result.uncertainty["contact_fraction"])
+    near = [float(exact.mean_pressure(at)) for at in (psi - spread, psi, min(psi + spread, np.pi / 2))]
+    pressure = 2 * float(result.uncertainty["mean_pressure"]) + 2 * float(np.ptp(near))
+    pressure += HALF_SPACE * max(exact.full_contact_pressure, abs(near[1]))
+    depths = [float(exact.penetration(at)) for at in (psi - spread, psi, min(psi + spread, np.pi / 2))]
+    depth = 2 * float(result.uncertainty["penetration"]) + 2 * float(np.ptp(depths)) + HALF_SPACE * amplitude
+    return [
+        *_beyond("mean pressure", result.mean_pressure, near[1], pressure),
+        *_beyond("penetration", result.penetration, depths[1], depth),
+    ]
+
+
+def complete(arguments: Table, result: fem_reference.Result) -> list[str]:
+    """Elastic energy of complete contact: sum h_m^2 / (4 c(q_m)) times the period."""
+    nu, depth, period = arguments["poisson_ratio"], arguments["thickness"], arguments["period"]
+    orders, amplitudes, _ = (np.asarray(series, dtype=float) for series in arguments["harmonics"])
+    q = 2 * np.pi * orders / period
+    y = 2 * q * depth
+    bracket = ((3 - 4 * nu) * np.sinh(y) - y) / ((3 - 4 * nu) * np.cosh(y) + y**2 / 2 + 5 - 12 * nu + 8 * nu**2)
+    compliance = 2 * (1 - nu**2) / (arguments["youngs_modulus"] * q) * bracket
+    energy = float(np.sum(amplitudes**2 / (4 * compliance)) * period)
+    # sinh y - y for a thin layer loses digits in the closed form: eps / y^3
+    allowed = 2 * float(result.uncertainty["elastic_energy"]) + 1e-12 * energy
+    return _beyond("elastic energy", result.elastic_energy, energy, allowed)
+
+
+def boundary_elements(arguments: Table, result: fem_reference.Result) -> list[str]:
+    """Mean pressure of the boundary elements at the same edges and penetration, both as found here."""
+    orders, amplitudes, phases = (np.asarray(series) for series in arguments["harmonics"])
+    profile = Profile(arguments["period"], orders, amplitudes.astype(float), phases.astype(float))
+    solid = Solid(arguments["youngs_modulus"], arguments["poisson_ratio"])
+    layer = Layer(arguments["thickness"])
+    edges = [(float(a), float(b)) for a, b in result.edges]
+    prescribed = "edges" in arguments
+
+    def at(shift: float) -> float:
+        moved = [(a - shift, b + shift) for a, b in edges]
+        return ContactState(profile, solid, moved, result.penetration, layer, tolerance=1e-12).mean_pressure
+
+    pressure = at(0.0)
+    spread = 0.0 if prescribed else float(np.max(np.asarray(result.uncertainty["edges"])))
+    moved = abs(at(spread) - pressure) if spread else 0.0
+    allowed = 2 * float(result.uncertainty["mean_pressure"]) + 2 * moved
+    return _beyond("mean pressure", result.mean_pressure, pressure, allowed)
+
+
+def status_only(arguments: Table, result: fem_reference.Result) -> list[str]:
+    """The status says it all."""
+    return []
+
+
+def _beyond(name: str, found: float, expected: float, allowed: float) -> list[str]:
+    error = abs(found - expected)
+    return [] if error <= allowed else [f"{name} off by {error:.1e}, allowed {allowed:.1e}"]
+
+
+CHECKS: dict[str, Any] = {check.__name__: check for check in (wave, complete, boundary_elements, status_only)}
