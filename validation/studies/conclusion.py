@@ -1,4 +1,4 @@
-"""What the curves of error against CPU time say, in words: the cheapest setting for given digits, and where curves cross.
+"""What the curves of error against CPU time say: the cheapest setting for given digits, and where curves cross.
 
 A point counts for d digits when its error is at most 10^-d and not below what its reference can tell: digits finer
 than the uncertainty of the reference are not claimed, nor any against a reference of the same code.  Two curves cross

@@ -90,8 +90,8 @@ def draw(plot: Plot) -> Figure:
             known = [x for line in plot.lines for x in line.x]
             axes.set_xlim(min([*known, *(upper for _, upper in plot.bands)]) / 4, max(known, default=1.0) * 4)
         for place, message in enumerate(plot.failures):
-            axes.plot([0.985], [0.03 + 0.04 * place], "x", color="#aa0000", linestyle="none", label=f"failed: {message}",
-                      transform=axes.transAxes, clip_on=False)  # fmt: skip
+            cross = axes.plot([0.985], [0.03 + 0.04 * place], "x", color="#aa0000", label=f"failed: {message}")[0]
+            cross.set(linestyle="none", transform=axes.transAxes, clip_on=False)
         axes.set_xlabel(plot.xlabel)
         axes.set_ylabel(plot.ylabel)
         axes.set_title(plot.title, fontsize=9.5)
