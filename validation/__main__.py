@@ -32,7 +32,18 @@ REPORT_FILE = "report.json"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; its exit code."""
+    """Run one command; its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Those of the command line without the name of the program; default `sys.argv`.
+
+    Returns
+    -------
+    int
+        0 done, 1 something failed, 2 bad input, 130 interrupted.
+    """
     options = _parser().parse_args(arguments)
     try:
         return int(options.command(options))
@@ -52,6 +63,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def read_report(folder: Path) -> Report:
     """The report of a folder.
+
+    Parameters
+    ----------
+    folder : Path
 
     Raises
     ------

@@ -76,6 +76,13 @@ class Baseline(BaseModel):
 def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
     """The baseline of a case, None when there is none.
 
+    Parameters
+    ----------
+    case : str
+        Its id.
+    folder : Path
+        Of the baselines.
+
     Raises
     ------
     BaselineError
@@ -94,13 +101,28 @@ def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
 
 
 def orphans(cases: Iterable[str], folder: Path = FOLDER) -> list[str]:
-    """Baselines that belong to none of the cases of the registry, one sentence each."""
+    """Baselines that belong to none of the cases of the registry, one sentence each.
+
+    Parameters
+    ----------
+    cases : iterable of str
+        Ids of the registry.
+    folder : Path
+        Of the baselines.
+    """
     known = set(cases)
     return [f"{path.name}: no case of this name" for path in sorted(folder.glob("*.json")) if path.stem not in known]
 
 
 def expected_seconds(cases: Iterable[str], folder: Path = FOLDER) -> dict[str, float]:
     """Seconds that cases took when their baselines were made.
+
+    Parameters
+    ----------
+    cases : iterable of str
+        Ids; those without a baseline are left out.
+    folder : Path
+        Of the baselines.
 
     Raises
     ------
@@ -112,7 +134,17 @@ def expected_seconds(cases: Iterable[str], folder: Path = FOLDER) -> dict[str, f
 
 
 def quantities_of(record: CaseRecord) -> list[Quantity]:
-    """What a record pins, under names that differ."""
+    """What a record pins, under names that differ.
+
+    Parameters
+    ----------
+    record : CaseRecord
+
+    Returns
+    -------
+    list of Quantity
+        Values of rows that are pinned, counts, and the seconds.
+    """
     pinned = [quantity for row in record.rows if row.pinned != "unconverged" for quantity in _of_row(row)]
     pinned += [
         Quantity(name=name, value=count, unit="", kind="count", rtol=COUNT_BAND, atol=0, basis="required")
@@ -132,6 +164,12 @@ def quantities_of(record: CaseRecord) -> list[Quantity]:
 
 def differences(record: CaseRecord, folder: Path = FOLDER) -> list[str]:
     """What left its baseline, one sentence each; empty when nothing did.
+
+    Parameters
+    ----------
+    record : CaseRecord
+    folder : Path
+        Of the baselines.
 
     Raises
     ------
@@ -161,6 +199,15 @@ def differences(record: CaseRecord, folder: Path = FOLDER) -> list[str]:
 
 def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
     """Write the baseline of one case; the lines to print, old -> new.
+
+    Parameters
+    ----------
+    record : CaseRecord
+        Of a run from committed sources.
+    reason : str
+        Why the numbers changed.
+    folder : Path
+        Of the baselines.
 
     Raises
     ------
@@ -202,6 +249,11 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
 def refuse_other_sources(facts: Mapping[str, Any]) -> None:
     """Refuse the provenance of a report that other sources than the present ones made.
 
+    Parameters
+    ----------
+    facts : mapping
+        `Report.provenance`.
+
     Raises
     ------
     BaselineError
@@ -212,7 +264,19 @@ def refuse_other_sources(facts: Mapping[str, Any]) -> None:
 
 
 def changes(records: Iterable[CaseRecord], folder: Path = FOLDER) -> list[str]:
-    """Differences of all records."""
+    """Differences of all records.
+
+    Parameters
+    ----------
+    records : iterable of CaseRecord
+    folder : Path
+        Of the baselines.
+
+    Raises
+    ------
+    BaselineError
+        A baseline is malformed.
+    """
     return [line for record in records for line in differences(record, folder)]
 
 

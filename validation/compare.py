@@ -16,6 +16,16 @@ from validation.schema import Row
 def error_of(row: Row) -> float:
     """Error of a row, or its largest ratio when it has a band (the one farthest from the middle of the band).
 
+    Parameters
+    ----------
+    row : Row
+        n values expected and computed, in the unit of the row.
+
+    Returns
+    -------
+    float
+        Dimensionless; nan where a value is missing or no number.
+
     Examples
     --------
     >>> from validation.schema import Reference, Row, Tolerance
@@ -36,19 +46,44 @@ def error_of(row: Row) -> float:
 
 
 def combined_tolerance(row: Row) -> float:
-    """What the error may be: the tolerance, but never finer than the uncertainties of both sides."""
+    """What the error may be: the tolerance, but never finer than the uncertainties of both sides.
+
+    Parameters
+    ----------
+    row : Row
+
+    Returns
+    -------
+    float
+        max(tolerance, 2 (u + u_ref) / scale), dimensionless; nan for rows with a band.
+    """
     if row.tolerance is None:
         return math.nan
     return max(row.tolerance.value, 2 * (row.uncertainty + row.reference.uncertainty) / row.scale)
 
 
 def error_over_tolerance(row: Row) -> float:
-    """Error divided by what it may be; nan for rows with a band."""
+    """Error divided by what it may be.
+
+    Parameters
+    ----------
+    row : Row
+
+    Returns
+    -------
+    float
+        1 is the limit; nan for rows with a band, or without a number.
+    """
     return error_of(row) / combined_tolerance(row)
 
 
 def fitted_order(size: Sequence[float], error: Sequence[float]) -> float:
     """Exponent p of error ~ size^p by least squares on logarithms.
+
+    Parameters
+    ----------
+    size, error : (n,) sequences
+        Positive, in any unit; n >= 2.
 
     Examples
     --------
@@ -59,7 +94,22 @@ def fitted_order(size: Sequence[float], error: Sequence[float]) -> float:
 
 
 def pairwise_orders(size: Sequence[float], error: Sequence[float]) -> list[float]:
-    """Exponents between neighbours, one fewer than the points."""
+    """Exponents between neighbours.
+
+    Parameters
+    ----------
+    size, error : (n,) sequences
+        Positive, in any unit, sizes distinct.
+
+    Returns
+    -------
+    list of n - 1 floats
+
+    Examples
+    --------
+    >>> [round(order, 12) for order in pairwise_orders([0.1, 0.2, 0.4], [1e-4, 4e-4, 32e-4])]
+    [2.0, 3.0]
+    """
     x, y = np.log(np.asarray(size)), np.log(np.asarray(error))
     return [float(value) for value in np.diff(y) / np.diff(x)]
 

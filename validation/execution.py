@@ -94,7 +94,13 @@ def run_in_processes(
 def run_alone(
     function: Callable[[Item], Answer], item: Item, pulse: float = PULSE
 ) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
-    """Events of one item in a process of its own, so that its memory and time are its own."""
+    """Events of one item in a process of its own, so that its memory and time are its own.
+
+    Parameters
+    ----------
+    function, item, pulse
+        As of `run_in_processes`, for one item.
+    """
     yield from _one_pool(function, deque([item]), 1, pulse, local_processes)
 
 

@@ -261,7 +261,18 @@ def _keep(record: CaseRecord, case: Case, store: Path, code: str) -> None:
 
 
 def write_atomically(path: Path, text: str) -> None:
-    """Write a text file under a temporary name, flush it to disk and rename it."""
+    """Write a text file under a temporary name, flush it to disk and rename it.
+
+    Parameters
+    ----------
+    path : Path
+    text : str
+
+    Raises
+    ------
+    OSError
+        The disk is full, or the folder is not there; the old file is left as it was.
+    """
     temporary = path.with_name(path.name + ".part")
     with temporary.open("w", encoding="utf-8") as stream:
         stream.write(text)

@@ -191,6 +191,10 @@ class Report(_Strict):
 def with_checksum(report: Report) -> Report:
     """The report with the checksum of its content.
 
+    Parameters
+    ----------
+    report : Report
+
     Examples
     --------
     >>> report = Report(level="quick", command="run", planned=0, provenance={}, cases=[])
@@ -201,7 +205,12 @@ def with_checksum(report: Report) -> Report:
 
 
 def is_intact(report: Report) -> bool:
-    """Whether the checksum of a report is that of its content."""
+    """Whether the checksum of a report is that of its content.
+
+    Parameters
+    ----------
+    report : Report
+    """
     return report.checksum == _checksum(report)
 
 

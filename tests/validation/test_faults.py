@@ -11,8 +11,9 @@ import pytest
 from validation.schema import Band
 from validation.studies import faults
 from validation.studies.fault_catalogue import CATALOGUE, QUICK
+from validation.studies.fault_findings import Finding, Search, compared, excess_of
 from validation.studies.fault_injection import Examined, Fault, Task
-from validation.studies.faults import Finding, Search, answers_of, compared, control_run, examine_faults, excess_of
+from validation.studies.faults import answers_of, control_run, examine_faults
 
 HERE = Path(__file__).parent
 

@@ -120,9 +120,13 @@ def _layer_by_fem() -> Outcome:
         edges=edges,
         resolution=fem_reference.Resolution(2, 8, 8),
     )
-    known = {
+    known: dict[str, tuple[str, list[float], list[float]]] = {
         "load": ("N/m", [state.load], [found.load]),
-        "stress_intensity": ("Pa m^1/2", state.stress_intensity.ravel(), found.stress_intensity.ravel()),
+        "stress_intensity": (
+            "Pa m^1/2",
+            state.stress_intensity.ravel().tolist(),
+            found.stress_intensity.ravel().tolist(),
+        ),
         "elastic_energy": ("J/m", [state.elastic_energy], [found.elastic_energy]),
         "total_displacement": (
             "m",

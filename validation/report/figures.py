@@ -44,12 +44,20 @@ def canvas_of(figure: Figure) -> Canvas:
         _draw(above, figure.solution)
         _draw(below, figure.error)
         below.axhline(0.0, color="#888888", linewidth=0.8)
-        below.ticklabel_format(axis="y", style="sci", scilimits=(-3, 3))
+        if figure.error.yscale == "linear":
+            below.ticklabel_format(axis="y", style="sci", scilimits=(-3, 3))
     return canvas
 
 
 def svg_of(figure: Figure, prefix: str) -> str:
-    """The figure as an SVG element; `prefix` makes its ids unique on the page."""
+    """The figure as an SVG element.
+
+    Parameters
+    ----------
+    figure : Figure
+    prefix : str
+        Makes its ids unique on the page.
+    """
     with mpl.rc_context(SETTINGS):
         stream = io.StringIO()
         canvas_of(figure).savefig(stream, format="svg", metadata={"Date": None, "Creator": None})

@@ -66,6 +66,11 @@ class Worst:
 def write_html(report: Report, folder: Path) -> None:
     """Render a report into folder/report.html, under a temporary name first.
 
+    Parameters
+    ----------
+    report : Report
+    folder : Path
+
     Raises
     ------
     ReportError
@@ -120,6 +125,11 @@ def render(report: Report) -> str:
 
 def number(value: Any) -> str:
     """A number with the digits a reader needs; other values as they are.
+
+    Parameters
+    ----------
+    value : any
+        None is a dash.
 
     Examples
     --------

@@ -10,7 +10,7 @@ import numpy as np
 from validation.studies.fault_injection import Fault, Function
 
 
-def mean_norm(original: Function, size: float) -> Function:
+def _mean_norm(original: Function, size: float) -> Function:
     """The mean of the errors in place of the largest."""
 
     def wrong(row: Any) -> float:
@@ -22,7 +22,7 @@ def mean_norm(original: Function, size: float) -> Function:
     return wrong
 
 
-def signed_norm(original: Function, size: float) -> Function:
+def _signed_norm(original: Function, size: float) -> Function:
     """computed - expected without its modulus: what is too small passes."""
 
     def wrong(row: Any) -> float:
@@ -33,7 +33,7 @@ def signed_norm(original: Function, size: float) -> Function:
     return wrong
 
 
-def nan_dropped(original: Function, size: float) -> Function:
+def _nan_dropped(original: Function, size: float) -> Function:
     """Values that are no numbers are left out, as nanmax does."""
 
     def wrong(row: Any) -> float:
@@ -46,7 +46,7 @@ def nan_dropped(original: Function, size: float) -> Function:
     return wrong
 
 
-def generous_tolerance(original: Function, size: float) -> Function:
+def _generous_tolerance(original: Function, size: float) -> Function:
     """Uncertainties are added to the tolerance instead of bounding it from below, ten times over."""
 
     def wrong(row: Any) -> float:
@@ -55,12 +55,12 @@ def generous_tolerance(original: Function, size: float) -> Function:
     return wrong
 
 
-def lower_order(original: Function, size: float) -> Function:
+def _lower_order(original: Function, size: float) -> Function:
     """A quarter of the fitted order is lost."""
     return lambda x, error: (1 - 0.25 * size) * original(x, error)
 
 
-def late_sizes(original: Function, size: float) -> Function:
+def _late_sizes(original: Function, size: float) -> Function:
     """Sizes are recorded after they were refined, one place late: errors are set against the wrong ones."""
 
     def wrong(x: Any, error: Any) -> Any:
@@ -70,12 +70,12 @@ def late_sizes(original: Function, size: float) -> Function:
     return wrong
 
 
-def accepts(original: Function, size: float) -> Function:
+def _accepts(original: Function, size: float) -> Function:
     """Everything that ran agrees."""
     return lambda row: "agrees" if row.status == "run" else original(row)
 
 
-def too_good_passes(original: Function, size: float) -> Function:
+def _too_good_passes(original: Function, size: float) -> Function:
     """Only the far side of a band counts: agreeing too well passes."""
 
     def wrong(row: Any) -> Any:
@@ -87,43 +87,43 @@ def too_good_passes(original: Function, size: float) -> Function:
     return wrong
 
 
-def count_band_wider(original: Function, size: float) -> Function:
+def _count_band_wider(original: Function, size: float) -> Function:
     """Differences from a baseline are told without those of counts."""
     return lambda *given, **named: [line for line in original(*given, **named) if "evaluations" not in line]
 
 
 HARNESS_FAULTS: tuple[Fault, ...] = (
     Fault(
-        "harness-mean-norm", "mean for maximum in the norm", "validation.compare:error_of", mean_norm, "mean instead"
+        "harness-mean-norm", "mean for maximum in the norm", "validation.compare:error_of", _mean_norm, "mean instead"
     ),
-    Fault("harness-signed-norm", "errors without modulus", "validation.compare:error_of", signed_norm),
-    Fault("harness-nan-dropped", "missing values left out of the norm", "validation.compare:error_of", nan_dropped),
+    Fault("harness-signed-norm", "errors without modulus", "validation.compare:error_of", _signed_norm),
+    Fault("harness-nan-dropped", "missing values left out of the norm", "validation.compare:error_of", _nan_dropped),
     Fault(
         "harness-generous-tolerance",
         "uncertainties counted ten times, on top of the tolerance",
         "validation.compare:combined_tolerance",
-        generous_tolerance,
+        _generous_tolerance,
         "ten times",
     ),
     Fault(
         "harness-rate-fit",
         "fitted orders too small by a quarter",
         "validation.compare:fitted_order",
-        lower_order,
+        _lower_order,
         "a quarter",
     ),
     Fault(
         "harness-late-steps",
         "errors set against sizes one refinement late",
         "validation.compare:pairwise_orders",
-        late_sizes,
+        _late_sizes,
     ),
-    Fault("harness-verdict-accepts", "everything that ran agrees", "validation.verdict:verdict_of", accepts),
-    Fault("harness-too-good-passes", "a band with one side", "validation.verdict:verdict_of", too_good_passes),
+    Fault("harness-verdict-accepts", "everything that ran agrees", "validation.verdict:verdict_of", _accepts),
+    Fault("harness-too-good-passes", "a band with one side", "validation.verdict:verdict_of", _too_good_passes),
     Fault(
         "harness-counts-not-told",
         "baselines pass over counts of evaluations",
         "validation.baseline:differences",
-        count_band_wider,
+        _count_band_wider,
     ),
 )

@@ -108,12 +108,48 @@ class Counter:
 
 
 def unchanged(original: Function, size: float) -> Function:
-    """The fault that is none."""
+    """The fault that is none.
+
+    Parameters
+    ----------
+    original : callable
+    size : float
+        Of no consequence.
+    """
     return original
+
+
+def scaled(excess: float) -> Callable[[Function, float], Function]:
+    """A fault by which the result is wrong by a factor.
+
+    Parameters
+    ----------
+    excess : float
+        The factor is 1 + size times this.
+
+    Examples
+    --------
+    >>> scaled(1.0)(abs, 0.5)(-2.0)
+    3.0
+    """
+
+    def wrong(original: Function, size: float) -> Function:
+        return lambda *given, **named: original(*given, **named) * (1 + size * excess)
+
+    return wrong
 
 
 def inject(target: str, wrong: Callable[[Function, float], Function], size: float) -> Counter:
     """Replace a target everywhere; the counter of its calls.
+
+    Parameters
+    ----------
+    target : str
+        As of `Fault`.
+    wrong : callable
+        From the right function and the size to the wrong function.
+    size : float
+        1: the fault itself.
 
     Raises
     ------
@@ -161,7 +197,17 @@ def inject(target: str, wrong: Callable[[Function, float], Function], size: floa
 
 
 def examine(task: Task) -> Examined:
-    """Run the cases of a task; in a process of its own."""
+    """Run the cases of a task; in a process of its own.
+
+    Parameters
+    ----------
+    task : Task
+
+    Raises
+    ------
+    FaultError
+        A target that does not exist.
+    """
     known = {case.id: case for case in (registry(task.modules) if task.modules else registry())}
     faults: Iterable[Fault] = import_module(task.catalogue).CATALOGUE
     if task.fault is None:

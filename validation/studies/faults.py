@@ -18,24 +18,20 @@ import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 from validation import baseline
-from validation.compare import error_of, error_over_tolerance
 from validation.execution import Ended, run_each_alone
 from validation.provenance import provenance
 from validation.registry import registry
 from validation.runner import Note
-from validation.schema import CaseRecord, Row
+from validation.studies.fault_findings import LAST_DECADE, Finding, Search, bad, compared
 from validation.studies.fault_injection import Examined, Fault, FaultError, Task, examine
-from validation.studies.fault_matrix import write_matrix
+from validation.studies.fault_report import content_of, failures_of, table_of, write_matrix
 from validation.studies.store import write_json
-from validation.verdict import GATING, case_verdicts, verdict_of
+from validation.verdict import case_verdicts
 
-SCHEMA = "linecontact-faults/1"
 FILE, FIGURE = "faults.json", "faults.svg"
 CATALOGUE = "validation.studies.fault_catalogue"
 QUICK_SECONDS, FULL_SECONDS = 1.0, 30.0  # longest case that takes part
@@ -43,95 +39,6 @@ SHOWN_SECONDS = 20.0  # of cases shown a fault, shortest first; the others only 
 PATIENCE = (5.0, 3.0)  # a case is cut off after so many times its seconds, and so many more
 RETRIED = (1e-1, 1e-2, 1e-3)  # sizes at which a fault is shown again that at size 1 is only refused
 KEEN = 3  # cases that are asked about smaller sizes: those that saw the fault best
-LAST_DECADE = 16
-MISSED = frozenset({"deviates", "changed"})  # verdicts by which a fault counts as caught
-
-
-@dataclass(frozen=True)
-class Sight:
-    """A row that saw a fault: error over what is allowed; infinite where the error is."""
-
-    case: str
-    quantity: str
-    error: float
-    excess: float
-    verdict: str
-
-
-@dataclass
-class Finding:
-    """What is known of a fault.
-
-    Parameters
-    ----------
-    fault : Fault
-    asked : list of str
-        Cases that were shown it at size 1.
-    sights : list of Sight
-        At size 1.
-    apart : dict of str to str
-        Case to message: crashes, refusals, no number, cut off.
-    calls : int
-        Of the wrong function.
-    size : float
-        At which `sights` are: 1, or less where the codes only refuse or crash at 1.
-    smallest : float or None
-        The smallest decade that was seen; None if none was, or if the fault has no size.
-    unseen : float or None
-        The largest decade that was not seen.
-    """
-
-    fault: Fault
-    asked: list[str] = field(default_factory=list)
-    sights: list[Sight] = field(default_factory=list)
-    apart: dict[str, str] = field(default_factory=dict)
-    calls: int = 0
-    size: float = 1.0
-    smallest: float | None = None
-    unseen: float | None = None
-
-    @property
-    def caught(self) -> bool:
-        """Whether a numerical verdict changed."""
-        return bool(self.sights)
-
-    @property
-    def excess(self) -> float:
-        """Largest error over what is allowed; nan if nothing saw it."""
-        return max((sight.excess for sight in self.sights), default=math.nan)
-
-
-@dataclass
-class Search:
-    """Decades between which a fault stops being seen: bracketed from `seen` (exponent) upwards."""
-
-    finding: Finding
-    cases: list[str]
-    predicted: int
-    seen: int = 0
-    lost: int | None = None
-
-    def next_decade(self) -> int | None:
-        """The exponent to try, None when the bracket is a decade wide.
-
-        Examples
-        --------
-        >>> search = Search(Finding(Fault("f", "w", "m:f", lambda f, s: f, "s")), [], predicted=5)
-        >>> search.next_decade()
-        6
-        >>> search.lost = 6
-        >>> search.next_decade()
-        5
-        >>> search.seen = 5
-        >>> search.next_decade() is None
-        True
-        """
-        if self.lost is None:
-            ahead = max(self.seen, self.predicted) + 1
-            return min(ahead, LAST_DECADE) if self.seen < LAST_DECADE else None
-        if self.lost - self.seen <= 1:
-            return None
-        return self.predicted if self.seen < self.predicted < self.lost else (self.seen + self.lost) // 2
 
 
 def run(
@@ -185,6 +92,19 @@ def control_run(
 
     Cases of the quick level that took at most `QUICK_SECONDS` or `FULL_SECONDS` when their baseline was made; one
     without a baseline takes part.
+
+    Parameters
+    ----------
+    catalogue : str
+        Module of the faults.
+    quick : bool
+        Cases below `QUICK_SECONDS` only.
+    jobs : int
+        Processes at a time.
+    report : callable
+        Gets a `Note` for every step.
+    modules : tuple of str
+        Of the registry of cases; empty: all.
     """
     cases = [case for case in (registry(modules) if modules else registry()) if case.level == "quick"]
     known = baseline.expected_seconds([case.id for case in cases], baseline.FOLDER)
@@ -210,6 +130,14 @@ def examine_faults(
     """What the cases that call a fault see of it at size 1: the short ones first, then the others if need be.
 
     A fault with a size that is only refused, or only crashes, is shown once more at the smaller `RETRIED` sizes.
+
+    Parameters
+    ----------
+    faults : sequence of Fault
+    catalogue, jobs, report, modules
+        As of `control_run`.
+    control : Examined
+        Of the control run.
     """
     findings = [Finding(fault) for fault in faults]
     seconds = {record.id: record.seconds for record in control.records}
@@ -246,7 +174,15 @@ def shrink(
     report: Callable[[Note], None],
     modules: tuple[str, ...] = (),
 ) -> None:
-    """Find the smallest decade of every fault with a size that its keenest cases still see."""
+    """Find the smallest decade of every fault with a size that its keenest cases still see.
+
+    Parameters
+    ----------
+    findings : iterable of Finding
+        Their `smallest` and `unseen` are set.
+    catalogue, control, jobs, report, modules
+        As of `examine_faults`.
+    """
     seconds = {record.id: record.seconds for record in control.records}
     searches = []
     for finding in findings:
@@ -271,45 +207,16 @@ def shrink(
         search.finding.unseen = None if search.lost is None else 10.0**-search.lost
 
 
-def compared(control: Examined, answer: Examined) -> tuple[list[Sight], dict[str, str]]:
-    """Rows whose verdict changed to a miss, and what went wrong in another way, by case."""
-    before = {record.id: record for record in control.records}
-    sights: list[Sight] = []
-    apart = dict(answer.ended)
-    for record in answer.records:
-        if record.status != "run":
-            apart[record.id] = record.message
-            continue
-        old = _rows_by_name(before[record.id])
-        for name, row in _rows_by_name(record).items():
-            verdict = verdict_of(row)
-            if name not in old or verdict in MISSED:
-                if name in old and not bad(verdict_of(old[name])):
-                    sights.append(Sight(record.id, row.quantity, error_of(row), excess_of(row), verdict))
-                elif name not in old:
-                    apart.setdefault(record.id, f"{row.quantity}: a row that is not there without the fault")
-            elif bad(verdict):
-                apart.setdefault(record.id, f"{row.quantity}: {row.message or 'not a number'}")
-        for name in old.keys() - _rows_by_name(record).keys():
-            apart.setdefault(record.id, f"{name[0]}: the row is gone")
-    return sights, apart
-
-
-def excess_of(row: Row) -> float:
-    """Error over what is allowed; of a band the distance from its middle over half its width."""
-    if row.band is None:
-        return error_over_tolerance(row)
-    middle, half = (row.band.low + row.band.high) / 2, (row.band.high - row.band.low) / 2
-    return abs(error_of(row) - middle) / half
-
-
-def bad(verdict: str) -> bool:
-    """Whether a verdict gates."""
-    return verdict in GATING
-
-
 def answers_of(tasks: Sequence[Task], jobs: int, report: Callable[[Note], None]) -> list[Examined]:
     """Answers in the order of the tasks; where a fault ended the process itself, what was asked is listed as ended.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+    jobs : int
+        Processes at a time.
+    report : callable
+        Gets a `Note` for every answer.
 
     Raises
     ------
@@ -335,76 +242,6 @@ def answers_of(tasks: Sequence[Task], jobs: int, report: Callable[[Note], None])
     return [found[place] for place in range(len(tasks))]
 
 
-def failures_of(findings: Iterable[Finding]) -> list[str]:
-    """What the study asks for and did not get, one line each."""
-    lines = []
-    for finding in findings:
-        name = finding.fault.id
-        if not finding.calls and not finding.apart:
-            lines.append(f"{name}: no case calls {finding.fault.target}")
-        elif not finding.caught:
-            lines.append(f"{name}: nothing catches it; asked: {', '.join(finding.asked)}")
-    return lines
-
-
-def table_of(findings: Iterable[Finding]) -> str:
-    """The table on stdout."""
-    lines = [f"{'fault':34} {'caught by':>9} {'error/allowed':>13} {'smallest':>9} {'keenest case'}"]
-    for finding in findings:
-        cases = {sight.case for sight in finding.sights}
-        best = max(finding.sights, key=lambda sight: sight.excess, default=None)
-        keenest = "NOTHING" if best is None else f"{best.case}: {best.quantity}"
-        smallest = "-" if finding.smallest is None else f"{finding.smallest:.0e}"
-        apart = f"  [apart: {', '.join(sorted(finding.apart))}]" if finding.apart else ""
-        lines.append(
-            f"{finding.fault.id:34} {len(cases):>3} of {len(finding.asked):<2} {finding.excess:>13.3g} "
-            f"{smallest:>9} {keenest}{apart}"
-        )
-    return "\n".join(lines)
-
-
-def content_of(
-    facts: dict[str, Any], control: Examined, findings: Iterable[Finding], planned: int, failures: list[str]
-) -> dict[str, Any]:
-    """Contents of faults.json."""
-    return {
-        "schema": SCHEMA,
-        "provenance": facts,
-        "planned": planned,
-        "failures": failures,
-        "control": [
-            {"case": record.id, "seconds": record.seconds, "verdicts": list(case_verdicts(record))}
-            for record in control.records
-        ],
-        "faults": [
-            {
-                "id": finding.fault.id,
-                "what": finding.fault.what,
-                "target": finding.fault.target,
-                "size": finding.fault.size,
-                "caught": finding.caught,
-                "calls": finding.calls,
-                "size_shown": finding.size,
-                "asked": finding.asked,
-                "caught_by": [
-                    {
-                        "case": sight.case,
-                        "quantity": sight.quantity,
-                        "verdict": sight.verdict,
-                        "error": sight.error,
-                        "error_over_allowed": sight.excess,
-                    }
-                    for sight in sorted(finding.sights, key=lambda sight: -sight.excess)
-                ],
-                "crashes_and_refusals": finding.apart,
-                "smallest_size_caught": finding.smallest,
-                "largest_size_missed": finding.unseen,
-            }
-            for finding in findings
-        ],
-    }
-
-
 def _task(
     catalogue: str, fault: Fault, size: float, cases: Iterable[str], seconds: dict[str, float], modules: tuple[str, ...]
 ) -> Task:
@@ -415,11 +252,3 @@ def _task(
 def _total(seconds: dict[str, float], names: Sequence[str]) -> bool:
     """Whether these cases together are short, or there is only one."""
     return len(names) == 1 or sum(seconds[name] for name in names) <= SHOWN_SECONDS
-
-
-def _rows_by_name(record: CaseRecord) -> dict[tuple[str, int], Row]:
-    """Rows by quantity, and how often that occurred before."""
-    found: dict[tuple[str, int], Row] = {}
-    for row in record.rows:
-        found[(row.quantity, sum(name == row.quantity for name, _ in found))] = row
-    return found

@@ -1,0 +1,166 @@
+"""What is known of a fault: the rows that saw it and by how much, what was refused, how small it may be.
+
+Caught is what a row sees whose verdict turns from passing to `deviates` or `changed`.  By how much: error over what is
+allowed, of a band the distance from its middle over half its width.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from validation.compare import error_of, error_over_tolerance
+from validation.schema import CaseRecord, Row
+from validation.studies.fault_injection import Examined, Fault
+from validation.verdict import GATING, verdict_of
+
+LAST_DECADE = 16
+MISSED = frozenset({"deviates", "changed"})  # verdicts by which a fault counts as caught
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A row that saw a fault: error over what is allowed; infinite where the error is."""
+
+    case: str
+    quantity: str
+    error: float
+    excess: float
+    verdict: str
+
+
+@dataclass
+class Finding:
+    """What is known of a fault.
+
+    Parameters
+    ----------
+    fault : Fault
+    asked : list of str
+        Cases that were shown it at size 1.
+    sights : list of Sight
+        At size 1.
+    apart : dict of str to str
+        Case to message: crashes, refusals, no number, cut off.
+    calls : int
+        Of the wrong function.
+    size : float
+        At which `sights` are: 1, or less where the codes only refuse or crash at 1.
+    smallest : float or None
+        The smallest decade that was seen; None if none was, or if the fault has no size.
+    unseen : float or None
+        The largest decade that was not seen.
+    """
+
+    fault: Fault
+    asked: list[str] = field(default_factory=list)
+    sights: list[Sight] = field(default_factory=list)
+    apart: dict[str, str] = field(default_factory=dict)
+    calls: int = 0
+    size: float = 1.0
+    smallest: float | None = None
+    unseen: float | None = None
+
+    @property
+    def caught(self) -> bool:
+        """Whether a numerical verdict changed."""
+        return bool(self.sights)
+
+    @property
+    def excess(self) -> float:
+        """Largest error over what is allowed; nan if nothing saw it."""
+        return max((sight.excess for sight in self.sights), default=math.nan)
+
+
+@dataclass
+class Search:
+    """Decades between which a fault stops being seen: bracketed from `seen` (exponent) upwards."""
+
+    finding: Finding
+    cases: list[str]
+    predicted: int
+    seen: int = 0
+    lost: int | None = None
+
+    def next_decade(self) -> int | None:
+        """The exponent to try, None when the bracket is a decade wide.
+
+        Examples
+        --------
+        >>> search = Search(Finding(Fault("f", "w", "m:f", lambda f, s: f, "s")), [], predicted=5)
+        >>> search.next_decade()
+        6
+        >>> search.lost = 6
+        >>> search.next_decade()
+        5
+        >>> search.seen = 5
+        >>> search.next_decade() is None
+        True
+        """
+        if self.lost is None:
+            ahead = max(self.seen, self.predicted) + 1
+            return min(ahead, LAST_DECADE) if self.seen < LAST_DECADE else None
+        if self.lost - self.seen <= 1:
+            return None
+        return self.predicted if self.seen < self.predicted < self.lost else (self.seen + self.lost) // 2
+
+
+def compared(control: Examined, answer: Examined) -> tuple[list[Sight], dict[str, str]]:
+    """Rows whose verdict changed to a miss, and what went wrong in another way, by case.
+
+    Parameters
+    ----------
+    control, answer : Examined
+        Without and with the fault.
+    """
+    before = {record.id: record for record in control.records}
+    sights: list[Sight] = []
+    apart = dict(answer.ended)
+    for record in answer.records:
+        if record.status != "run":
+            apart[record.id] = record.message
+            continue
+        old = _rows_by_name(before[record.id])
+        for name, row in _rows_by_name(record).items():
+            verdict = verdict_of(row)
+            if name not in old or verdict in MISSED:
+                if name in old and not bad(verdict_of(old[name])):
+                    sights.append(Sight(record.id, row.quantity, error_of(row), excess_of(row), verdict))
+                elif name not in old:
+                    apart.setdefault(record.id, f"{row.quantity}: a row that is not there without the fault")
+            elif bad(verdict):
+                apart.setdefault(record.id, f"{row.quantity}: {row.message or 'not a number'}")
+        for name in old.keys() - _rows_by_name(record).keys():
+            apart.setdefault(record.id, f"{name[0]}: the row is gone")
+    return sights, apart
+
+
+def excess_of(row: Row) -> float:
+    """Error over what is allowed; of a band the distance from its middle over half its width.
+
+    Parameters
+    ----------
+    row : Row
+    """
+    if row.band is None:
+        return error_over_tolerance(row)
+    middle, half = (row.band.low + row.band.high) / 2, (row.band.high - row.band.low) / 2
+    return abs(error_of(row) - middle) / half
+
+
+def bad(verdict: str) -> bool:
+    """Whether a verdict gates.
+
+    Parameters
+    ----------
+    verdict : str
+    """
+    return verdict in GATING
+
+
+def _rows_by_name(record: CaseRecord) -> dict[tuple[str, int], Row]:
+    """Rows by quantity, and how often that occurred before."""
+    found: dict[tuple[str, int], Row] = {}
+    for row in record.rows:
+        found[(row.quantity, sum(name == row.quantity for name, _ in found))] = row
+    return found
