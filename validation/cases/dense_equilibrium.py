@@ -1,0 +1,172 @@
+"""The equilibrium next to a state of the solver, by dense algebra alone: what its error estimates are measured against.
+
+Edges and penetration of the state are taken as a start only.  Newton on K_e = 2 sqrt(w_e) (K_e = 0 without adhesion)
+and on the condition of the control, with the plain dense evaluation (bem/dense.py: own nodes, moments, kernels and
+derivatives), goes on until its steps are rounding.  Work and energy of adhesion, stiffness and conversions are this
+file's own.  Dimensionless inside: lengths period / 2 pi, heights the rms height a, stresses E* q0 a / 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
+from bem.layer import Layer
+from bem.profile import Profile
+from bem.result import State
+from bem.scaling import Solid
+from bem.scene import Scene
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+STEPS = 8
+SMALLEST_STEP = 1e-13  # of an edge, in radians
+QUADRATURE = np.polynomial.legendre.leggauss(40)
+
+
+class NoReferenceError(RuntimeError):
+    """Newton did not settle: the state is no equilibrium, or not near one."""
+
+
+@dataclass(frozen=True)
+class Interface:
+    """w(x) = gamma sqrt(1 + h'^2), dimensionless; `slope` is the true slope per dimensionless one."""
+
+    gamma: float
+    profile: Profile
+    slope: float
+
+    def work(self, x: FloatArray) -> FloatArray:
+        """w at the positions x, same shape."""
+        return np.asarray(self.gamma * np.sqrt(1 + (self.slope * self.profile.slope(x)) ** 2))
+
+    def critical(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """K = 2 sqrt(w) and its derivative by x."""
+        rise = self.slope**2 * self.profile.slope(x) * self.profile.curvature(x)
+        work = self.work(x)
+        return 2 * np.sqrt(work), self.gamma**2 * rise / work**1.5
+
+    def energy(self, left: FloatArray, right: FloatArray) -> float:
+        """-int w dx by Gauss-Legendre on panels shorter than the shortest wave."""
+        node, weight = QUADRATURE
+        total = 0.0
+        for a, b in zip(left, right, strict=True):
+            ends = np.linspace(a, b, 2 + int(np.ceil((b - a) * self.profile.max_order)))
+            middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
+            total += float(np.sum(self.work(middle[:, None] + half[:, None] * node) @ weight * half))
+        return -total
+
+
+def reference(scene: Scene, state: State) -> dict[str, float]:
+    """Every scalar of a state with edges, in its unit, by dense algebra.
+
+    Raises
+    ------
+    NoReferenceError
+        Newton did not settle.
+    """
+    surface = scene.surface()
+    profile = surface.scaled()
+    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+    modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
+    q0, rms = 2 * np.pi / surface.period, surface.rms_height
+    stress, energy = modulus * q0 * rms / 2, modulus * rms**2 / (2 * surface.period)
+    interface = None
+    if scene.adhesion is not None:
+        gamma = scene.adhesion.work_of_adhesion / (modulus * rms**2 * q0 / 2)
+        interface = Interface(gamma, profile, q0 * rms if scene.adhesion.slope_term else 0.0)
+    kernel, compliance, terms = None, 0.0, np.zeros(len(state.edges), dtype=np.int64)
+    edges = np.array(state.edges) * q0
+    left, right = edges[:, 0], edges[:, 1]
+    if scene.layer is not None:
+        layer = Layer(scene.layer.thickness)
+        addition = layer.kernel(solid, surface.period, 1e-16)
+        kernel = SmoothKernel(addition.smooth, addition.slope)
+        terms = addition.coupled_modes(right - left, 1e-14).astype(np.int64)
+        compliance = layer.mean_compliance(solid)
+    nodes = np.maximum(dense_nodes(profile, left, right), terms)
+    target, weights = _condition(scene, state, compliance, rms, stress)
+    left, right, found = _settled(
+        profile, left, right, state.penetration / rms, nodes, kernel, interface, target, weights
+    )
+    critical = np.zeros(2 * left.size) if interface is None else interface.critical(np.concatenate([left, right]))[0]
+    jacobian, _ = _closure(found, left, right, interface)
+    stiffness = found.load_rate - found.load_jacobian @ np.linalg.solve(jacobian, found.stress_intensity_rate)
+    adhesion = 0.0 if interface is None else interface.energy(left, right)
+    pressure, penetration = found.load / (2 * np.pi) * stress, found.penetration * rms
+    return {
+        "mean_pressure": pressure,
+        "contact_fraction": float(np.sum(right - left)) / (2 * np.pi),
+        "penetration": penetration,
+        "separation": surface.max_height - penetration,
+        "total_displacement": penetration + compliance * pressure,
+        "elastic_energy": found.elastic_energy * energy,
+        "adhesion_energy": adhesion * energy,
+        "total_energy": (found.elastic_energy + adhesion) * energy,
+        "stress_intensity_max": float(np.max(critical)) * stress / np.sqrt(q0),
+        "contact_stiffness": float(stiffness) / (2 * np.pi) * stress / rms,
+    }
+
+
+def _condition(
+    scene: Scene, state: State, compliance: float, rms: float, stress: float
+) -> tuple[float, tuple[float, float]]:
+    """What the control fixes: target = alpha Delta + beta load, dimensionless."""
+    control = scene.loading.control
+    if control == "mean_pressure":
+        nearest = min(scene.loading.targets, key=lambda target: abs(target - state.mean_pressure))
+        return 2 * np.pi * nearest / stress, (0.0, 1.0)
+    if control == "total_displacement":
+        assert state.total_displacement is not None
+        total = state.total_displacement
+        nearest = min(scene.loading.targets, key=lambda target: abs(target - total))
+        return nearest / rms, (1.0, compliance * stress / (2 * np.pi * rms))
+    return state.penetration / rms, (1.0, 0.0)
+
+
+def _closure(
+    here: DenseState, left: FloatArray, right: FloatArray, interface: Interface | None
+) -> tuple[FloatArray, FloatArray]:
+    """d(K - K_c) / d(outward motion), (2 L, 2 L), and K - K_c, (2 L,)."""
+    if interface is None:
+        return here.stress_intensity_jacobian, here.stress_intensity
+    critical, slope = interface.critical(np.concatenate([left, right]))
+    outward = np.repeat([-1.0, 1.0], left.size)
+    return here.stress_intensity_jacobian - np.diag(outward * slope), here.stress_intensity - critical
+
+
+def _settled(
+    profile: Profile,
+    left: FloatArray,
+    right: FloatArray,
+    penetration: float,
+    nodes: IntArray,
+    kernel: SmoothKernel | None,
+    interface: Interface | None,
+    target: float,
+    weights: tuple[float, float],
+) -> tuple[FloatArray, FloatArray, DenseState]:
+    """Edges and state of the equilibrium next to given edges."""
+    alpha, beta = weights
+    count = left.size
+    smallest = np.inf
+    for _ in range(STEPS):
+        here = evaluate_dense(profile, left, right, penetration, nodes, kernel)
+        jacobian, miss = _closure(here, left, right, interface)
+        matrix = np.block(
+            [
+                [jacobian, here.stress_intensity_rate[:, None]],
+                [beta * here.load_jacobian[None, :], np.array([[alpha + beta * here.load_rate]])],
+            ]
+        )
+        step = np.linalg.solve(matrix, -np.append(miss, alpha * penetration + beta * here.load - target))
+        size = float(np.max(np.abs(step)))
+        if size < SMALLEST_STEP or (size < 1e-10 and size > 0.5 * smallest):  # no longer falls: rounding
+            return left, right, here
+        smallest = size
+        left, right, penetration = left - step[:count], right + step[count:-1], penetration + step[-1]
+    raise NoReferenceError(f"the last step of Newton is {smallest:.1e}")
