@@ -25,7 +25,8 @@ RESOLUTIONS = (0.25, 0.5, 1.0, 2.0)
 REFERENCE_RESOLUTION = 4.0
 ORDERS = (1, 3, 10, 30, 100, 200, 250, 275, 300, 400, 450, 500, 600, 700, 800, 900, 1000)
 ROUTE_NAMES: dict[Route, str] = {"finite_volumes": "finite volumes", "volterra": "integral equation"}
-SCENE = "E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2; lines m q0, m = 1..1000, q0 = 2 pi / 10 mm, H = 0.7, h_rms = 50 um"
+SCENE = "E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2\nlines m q0, m = 1..1000, q0 = 2 pi / 10 mm, H = 0.7, h_rms = 50 um"
+SCENES = SCENE + "\nH = 0.5, 300 lines, else the same\npower spectrum of the same h_rms and cut-offs"
 
 
 def spectra() -> dict[str, Spectrum]:
@@ -295,7 +296,7 @@ CASES = (
         sources=("carbone2009", "peskir2002"),
         compute=_routes,
         effects=("adhesion",),
-        scene=SCENE + "; H = 0.5, 300 lines; power spectrum of the same h_rms and cut-offs",
+        scene=SCENES,
     ),
     Case(
         id="theory-convergence",
@@ -306,7 +307,7 @@ CASES = (
         sources=("carbone2009",),
         compute=_convergence,
         effects=("adhesion",),
-        scene=SCENE + "; H = 0.5, 300 lines; power spectrum of the same h_rms and cut-offs",
+        scene=SCENES,
     ),
     Case(
         id="theory-load-balance",
@@ -317,6 +318,6 @@ CASES = (
         sources=("carbone2009",),
         compute=_balance,
         effects=("adhesion",),
-        scene=SCENE + "; H = 0.5, 300 lines; power spectrum of the same h_rms and cut-offs",
+        scene=SCENES,
     ),
 )

@@ -134,7 +134,7 @@ CASES = (
         sources=("carbone2009", "persson2001"),
         compute=_spectra,
         effects=("adhesion",),
-        scene="power spectra over five decades; E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2; h_rms = 50 um, H = 0.7; "
+        scene="power spectra over five decades; E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2\nh_rms = 50 um, H = 0.7\n"
         "h_rms = 5 um, H = 0.3, 0.4, 0.6, 0.7",
     ),
 )
