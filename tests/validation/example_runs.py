@@ -3,6 +3,7 @@
 import os
 
 from validation.studies.cost import Run, Task
+from validation.studies.cost_breakdown import Breakdown, Evaluated
 
 
 def converge(task: Task) -> Run:
@@ -35,3 +36,13 @@ def die(task: Task) -> Run:
     if task.seed == 1:
         os._exit(9)
     return converge(task)
+
+
+def apart(harmonics: int) -> Breakdown:
+    stages = {"factorisation": 1e-6 * harmonics**3, "gap search": 5e-3 * harmonics}
+    evaluated = tuple(Evaluated(n, 30 * n, 1e-6 * n**2, 1e-3 * n**2) for n in (4, 8, 16, 32))
+    return Breakdown(harmonics, "converged", stages, {"factorisation": 3}, evaluated)
+
+
+def never_apart(harmonics: int) -> Breakdown:
+    raise ZeroDivisionError("no stages")

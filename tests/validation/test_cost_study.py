@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from validation.studies import cost
+from validation.execution import Ended
+from validation.studies import cost, cost_breakdown
 from validation.studies.cost import Drift, Task, drifts_of, exponents_of, judged, measured, tasks_of
+from validation.studies.cost_breakdown import dissected
 
 
 @pytest.fixture
@@ -119,8 +121,21 @@ def test_exponent_leaves_out_other_runs(examples, change):
     assert exponents_of([*runs, outlier]) == exponents_of(runs)
 
 
-def study(folder, measure, tasks=PAIR):
-    return cost.run(folder, True, lambda note: None, tasks, measure)
+@pytest.fixture
+def here(monkeypatch):
+    """Everything in this process: starting another takes seconds."""
+
+    def in_this_process(function, item):
+        try:
+            yield Ended(item, function(item))
+        except Exception as error:
+            yield Ended(item, error)
+
+    monkeypatch.setattr(cost, "run_alone", in_this_process)
+
+
+def study(folder, measure, tasks=PAIR, dissect=None):
+    return cost.run(folder, True, lambda note: None, tasks, measure, dissect)
 
 
 def test_study_writes_and_prints_its_table(examples, tmp_path, capsys):
@@ -139,6 +154,41 @@ def test_run_that_fails_is_a_line_with_its_message(examples, tmp_path, capsys, k
     assert "NOT MET: every load reached: seed 1, 100: " + message in told
     stored = json.loads((tmp_path / "cost.json").read_text())
     assert [run["status"][:5] for run in stored["runs"]] == [message[:5], "conve", "conve"]
+
+
+def test_breakdown_is_told_and_stored(here, examples, tmp_path, capsys):
+    tasks = (Task(0, 100, 0.05), Task(0, 100, 0.0125), Task(0, 200, 0.05), Task(0, 200, 0.0125))
+    assert study(tmp_path, examples.converge, tasks, examples.apart) == 0
+    stored = json.loads((tmp_path / "cost.json").read_text())
+    assert stored["stage_exponents"]["factorisation"] == pytest.approx(3.0, rel=1e-9)
+    told = capsys.readouterr().out
+    assert "200 harmonics, 9.0 s: factorisation 89 %, gap search 11 %" in told
+    assert "seconds of one evaluation grow as patches^2.00 (200 harmonics)" in told
+    assert {path.name for path in tmp_path.glob("*.svg")} == {
+        "cost-harmonics.svg",
+        "cost-patches.svg",
+        "cost-stages.svg",
+    }
+
+
+def test_breakdown_that_fails_is_told(here, examples, tmp_path, capsys):
+    study(tmp_path, examples.converge, PAIR, examples.never_apart)
+    assert "100 harmonics, stage by stage: ZeroDivisionError: no stages" in capsys.readouterr().out
+
+
+def test_exponents_of_stages_and_patches(examples):
+    runs = [examples.apart(n) for n in (100, 200, 400)]
+    assert cost_breakdown.stage_exponents(runs) == pytest.approx({"factorisation": 3.0, "gap search": 1.0})
+    assert cost_breakdown.patch_exponents(runs[0]) == pytest.approx({"unknowns": 1.0, "seconds": 2.0, "megabytes": 2.0})
+
+
+def test_path_taken_apart_for_real():
+    found = dissected(20)
+    assert found.status == "converged"
+    assert found.calls["factorisation"] > 0
+    assert min(found.stages.values()) >= 0
+    assert [one.patches for one in found.evaluated] == sorted({one.patches for one in found.evaluated})
+    assert all(one.seconds > 0 and one.megabytes > 0 for one in found.evaluated)
 
 
 def test_measurement_reaches_the_loads_and_counts():

@@ -2,15 +2,14 @@
 
 The benchmark (quick) runs seeds 0, 1, 2 with 1000 harmonics to 0.02 E*, each alone in a process on one thread, and
 again at a quarter of the increment: contact fraction and separation at the loads asked for must not change beyond
-1e-6 of themselves.  The full study adds seed 0 with 125 to 4000 harmonics and fits exponents.  A run that fails is a
-line with its message.  Counts, memory and digits gate; seconds are reported, they are those of the machine at hand.
+1e-6 of themselves.  The full study adds seed 0 with 125 to 4000 harmonics and fits exponents.  Seed 0 is also taken
+apart, stage by stage and against patches (cost_breakdown.py), in a run of its own.  A run that fails is a line with
+its message.  Counts, memory and digits gate; seconds are reported, they are those of the machine at hand.
 """
 
 from __future__ import annotations
 
-import json
 import math
-import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
@@ -24,8 +23,12 @@ from validation import adapters
 from validation.compare import fitted_order
 from validation.execution import Ended, Running, run_alone
 from validation.provenance import provenance
-from validation.runner import Note, write_atomically
+from validation.runner import Note
 from validation.schema import Table
+from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
+from validation.studies.cost_breakdown import sentences as breakdown_sentences
+from validation.studies.plots import Line, Plot, write_svg
+from validation.studies.store import peak_megabytes, write_json
 
 SCHEMA = "linecontact-cost/1"
 FILE = "cost.json"
@@ -96,6 +99,7 @@ def run(
     report: Callable[[Note], None],
     tasks: Sequence[Task] | None = None,
     measure: Callable[[Task], Run] | None = None,
+    dissect: Callable[[int], Breakdown] | None = dissected,
 ) -> int:
     """Run the study, print its table, write cost.json; 1 when anything that gates is not reached.
 
@@ -110,6 +114,8 @@ def run(
         Others than those of the study.
     measure : callable, optional
         Another measurement than `measured`, importable by name.
+    dissect : callable, optional
+        What takes a number of harmonics apart, importable by name; None leaves that out.
     """
     folder.mkdir(parents=True, exist_ok=True)
     chosen = tasks_of(quick) if tasks is None else list(tasks)
@@ -118,13 +124,22 @@ def run(
     for done, task in enumerate(chosen, 1):
         runs.append(_alone(measure or measured, task, f"[{done}/{len(chosen)}]", report))
         report(Note(f"[{done}/{len(chosen)}] {_line(runs[-1])}"))
-        _write(folder, facts, runs, len(chosen))
+        _write(folder, facts, runs, len(chosen), [])
+    apart: list[Breakdown] = []
+    if dissect is not None:
+        for harmonics in sorted({task.harmonics for task in chosen if task.seed == 0 and task.increment == INCREMENT}):
+            apart.append(_taken_apart(dissect, harmonics, report))
+            _write(folder, facts, runs, len(chosen), apart)
     met = judged(runs, drifts_of(runs))
     print(HEADING)
     for found in runs:
         print(_line(found))
     for name, order in exponents_of(runs).items():
         print(f"{name} grows as harmonics^{order:.2f}")
+    for line in breakdown_sentences(apart):
+        print(line)
+    for name, plot in [*_figures(runs), *figures_of(apart)]:
+        write_svg(plot, folder / f"{name}.svg")
     for name, text, good, _ in met:
         print(f"{'met' if good else 'NOT MET'}: {name}: {text}")
     return 0 if all(good for _, _, good, gates in met if gates) else 1
@@ -156,7 +171,7 @@ def measured(task: Task) -> Run:
         status=result.status,
         wall_seconds=wall,
         cpu_seconds=cpu,
-        peak_megabytes=_peak_megabytes(),
+        peak_megabytes=peak_megabytes(),
         unknowns=max((state.unknowns for state in result.states), default=0),
         patches=max((state.n_patches for state in result.states), default=0),
         evaluations=last[-1].evaluations if last else 0,
@@ -227,7 +242,7 @@ def judged(runs: Sequence[Run], drifts: Sequence[Drift]) -> list[tuple[str, str,
     ]
 
 
-def _write(folder: Path, facts: dict[str, Any], runs: Sequence[Run], planned: int) -> None:
+def _write(folder: Path, facts: dict[str, Any], runs: Sequence[Run], planned: int, apart: Sequence[Breakdown]) -> None:
     """cost.json with the runs so far."""
     drifts = drifts_of(runs)
     table = Table(
@@ -243,9 +258,25 @@ def _write(folder: Path, facts: dict[str, Any], runs: Sequence[Run], planned: in
         "table": table.model_dump(mode="json"),
         "drifts": [asdict(drift) for drift in drifts],
         "exponents": exponents_of(runs),
+        "breakdown": [asdict(found) | {"patch_exponents": patch_exponents(found)} for found in apart],
+        "stage_exponents": stage_exponents(apart),
         "met": {name: bool(good) for name, _, good, _ in judged(runs, drifts)},
     }
-    write_atomically(folder / FILE, json.dumps(_plain(content), indent=1, allow_nan=False) + "\n")
+    write_json(folder / FILE, content)
+
+
+def _figures(runs: Sequence[Run]) -> list[tuple[str, Plot]]:
+    """Seconds, memory and unknowns against harmonics, when more than one number of them ran."""
+    curve = sorted(
+        (run for run in runs if run.seed == 0 and run.increment == INCREMENT and run.status == "converged"),
+        key=lambda run: run.harmonics,
+    )
+    if len({run.harmonics for run in curve}) < 2:
+        return []
+    sizes = [float(run.harmonics) for run in curve]
+    shown = {"CPU seconds": "cpu_seconds", "peak MB": "peak_megabytes", "unknowns": "unknowns", "patches": "patches"}
+    lines = [Line(label, sizes, [float(getattr(run, name)) for run in curve]) for label, name in shown.items()]
+    return [("cost-harmonics", Plot("The paper's profile to 0.02 E*, seed 0", "harmonics", "", lines))]
 
 
 def _complete(run: Run) -> bool:
@@ -268,6 +299,22 @@ def _alone(measure: Callable[[Task], Run], task: Task, place: str, report: Calla
     return Run(task.seed, task.harmonics, task.increment, f"{type(answer).__name__}: {answer}")
 
 
+def _taken_apart(dissect: Callable[[int], Breakdown], harmonics: int, report: Callable[[Note], None]) -> Breakdown:
+    """A path taken apart in a process of its own, or the message why it is not."""
+    name = f"{harmonics} harmonics, stage by stage"
+    report(Note(f"{name}: started"))
+    answer: Breakdown | Exception | None = None
+    with closing(run_alone(dissect, harmonics)) as events:
+        for event in events:
+            if isinstance(event, Running):
+                report(Note(f"{name}: {event.seconds[0]:.0f} s"))
+            elif isinstance(event, Ended):
+                answer = event.answer
+    if isinstance(answer, Breakdown):
+        return answer
+    return Breakdown(harmonics, f"{type(answer).__name__}: {answer}", {}, {}, ())
+
+
 def _change(coarse: Sequence[float], fine: Sequence[float], asked: int) -> float:
     """Largest relative change; infinite unless every load asked for is on both sides."""
     if not len(coarse) == len(fine) == asked or not asked:
@@ -281,27 +328,8 @@ def _worst(values: Iterable[float]) -> float:
     return math.nan if not known or any(math.isnan(value) for value in known) else max(known)
 
 
-def _peak_megabytes() -> float:
-    """Largest resident memory of this process; nan where the system does not tell (Windows)."""
-    if sys.platform == "win32":
-        return math.nan
-    import resource  # absent on Windows
-
-    unit = 2**20 if sys.platform == "darwin" else 2**10
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
-
-
 def _cell(value: Any) -> str | float | int | None:
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _plain(value: Any) -> Any:
-    """JSON knows neither nan nor infinity: null."""
-    if isinstance(value, dict):
-        return {name: _plain(content) for name, content in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(content) for content in value]
-    return _cell(value)
 
 
 HEADING = (

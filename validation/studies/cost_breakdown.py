@@ -1,0 +1,171 @@
+"""Where the cost of a path goes: CPU seconds of every stage against harmonics, and of one evaluation against patches.
+
+Stages: stages.py, in a run of its own that is not timed otherwise.  One evaluation: pressure, stress intensities and
+their exact sensitivities at the edges of states on the way, by number of patches, the least of a few; its memory is
+the peak of all arrays it makes (tracemalloc).  Exponents are fitted from FEWEST_PATCHES patches on: below, overhead
+rules.
+"""
+
+from __future__ import annotations
+
+import time
+import tracemalloc
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import bem
+from bem.result import State
+from bem.scene import Scene
+from validation import adapters
+from validation.compare import fitted_order
+from validation.studies.plots import Line, Plot
+from validation.studies.stages import timed_stages
+
+FEWEST_PATCHES = 8
+EVALUATED, REPEATS = 10, 5  # states at which one evaluation is timed, and how often
+TOLERANCE = 1e-5
+LEAST_SHARE = 0.02  # of the whole: stages below it get no exponent
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """One evaluation at the edges of a state."""
+
+    patches: int
+    unknowns: int
+    seconds: float
+    megabytes: float
+
+
+@dataclass(frozen=True)
+class Breakdown:
+    """A path of the paper's profile, taken apart.
+
+    Parameters
+    ----------
+    stages : dict of str to float
+        CPU seconds of every stage; they add up to the path.
+    calls : dict of str to int
+    evaluated : tuple of Evaluated
+    """
+
+    harmonics: int
+    status: str
+    stages: dict[str, float]
+    calls: dict[str, int]
+    evaluated: tuple[Evaluated, ...]
+
+    @property
+    def seconds(self) -> float:
+        """Of the whole path."""
+        return sum(self.stages.values())
+
+
+def dissected(harmonics: int) -> Breakdown:
+    """Seed 0 of the paper's profile with this many harmonics, in a process of its own."""
+    posed = adapters.scene("paper_profile", {"profile": {"harmonics": harmonics}})
+    with timed_stages() as times:
+        result = bem.solve(posed)
+    evaluated = tuple(_evaluated(posed, state) for state in _chosen(result.states))
+    return Breakdown(harmonics, result.status, times.shares(), dict(times.calls), evaluated)
+
+
+def stage_exponents(found: Sequence[Breakdown]) -> dict[str, float]:
+    """Exponents p of seconds ~ harmonics^p of every stage that matters at the most harmonics."""
+    known = sorted((run for run in found if run.status == "converged"), key=lambda run: run.harmonics)
+    if len(known) < 2:
+        return {}
+    sizes = [run.harmonics for run in known]
+    exponents = {}
+    for stage, seconds in known[-1].stages.items():
+        values = [run.stages.get(stage, 0.0) for run in known]
+        if seconds > LEAST_SHARE * known[-1].seconds and min(values) > 0:
+            exponents[stage] = fitted_order(sizes, values)
+    return exponents
+
+
+def patch_exponents(run: Breakdown) -> dict[str, float]:
+    """Exponents of unknowns, seconds and megabytes of one evaluation against patches."""
+    known = [one for one in run.evaluated if one.patches >= FEWEST_PATCHES]
+    if len({one.patches for one in known}) < 2:
+        return {}
+    sizes = [one.patches for one in known]
+    return {
+        name: fitted_order(sizes, [float(getattr(one, name)) for one in known])
+        for name in ("unknowns", "seconds", "megabytes")
+    }
+
+
+def sentences(found: Sequence[Breakdown]) -> list[str]:
+    """Shares of the stages and exponents, in words."""
+    told = []
+    for run in found:
+        if run.status != "converged":
+            told.append(f"{run.harmonics} harmonics, stage by stage: {run.status}")
+            continue
+        ranked = sorted(run.stages.items(), key=lambda item: -item[1])
+        shares = ", ".join(f"{stage} {100 * seconds / run.seconds:.0f} %" for stage, seconds in ranked)
+        told.append(f"{run.harmonics} harmonics, {run.seconds:.1f} s: {shares}")
+    for stage, order in stage_exponents(found).items():
+        told.append(f"seconds of {stage} grow as harmonics^{order:.2f}")
+    known = [run for run in found if run.status == "converged"]
+    if known:
+        largest = max(known, key=lambda run: run.harmonics)
+        for name, order in patch_exponents(largest).items():
+            told.append(f"{name} of one evaluation grow as patches^{order:.2f} ({largest.harmonics} harmonics)")
+    return told
+
+
+def figures_of(found: Sequence[Breakdown]) -> Iterator[tuple[str, Plot]]:
+    """Stages against harmonics, and one evaluation against patches."""
+    known = sorted((run for run in found if run.status == "converged"), key=lambda run: run.harmonics)
+    if len(known) > 1:
+        largest = sorted(known[-1].stages, key=lambda stage: -known[-1].stages[stage])[:6]
+        sizes = [float(run.harmonics) for run in known]
+        lines = [Line(stage, sizes, [run.stages.get(stage, 0.0) for run in known]) for stage in largest]
+        yield "cost-stages", Plot("Stages of a path of the paper's profile", "harmonics", "CPU time / s", lines)
+    if known and known[-1].evaluated:
+        lines = [
+            Line(
+                f"{run.harmonics} harmonics",
+                [float(one.patches) for one in run.evaluated],
+                [one.seconds for one in run.evaluated],
+                notes=[str(one.unknowns) for one in run.evaluated],
+            )
+            for run in known
+        ]
+        yield "cost-patches", Plot("One evaluation (points: unknowns)", "patches", "CPU time / s", lines)
+
+
+def _chosen(states: Sequence[State]) -> list[State]:
+    """Some states of different numbers of patches, evenly in their logarithm."""
+    by_count: dict[int, State] = {state.n_patches: state for state in states if state.n_patches}
+    counts = sorted(by_count)
+    if len(counts) <= EVALUATED:
+        return [by_count[count] for count in counts]
+    wanted = [counts[0] * (counts[-1] / counts[0]) ** (k / (EVALUATED - 1)) for k in range(EVALUATED)]
+    nearest = sorted({min(counts, key=lambda count: abs(count - value)) for value in wanted})
+    return [by_count[count] for count in nearest]
+
+
+def _evaluated(posed: Scene, state: State) -> Evaluated:
+    profile = posed.surface()
+    solid = bem.Solid(posed.solid.youngs_modulus, posed.solid.poisson_ratio)
+
+    def once() -> Any:
+        contact = bem.ContactState(profile, solid, state.edges, state.penetration, tolerance=TOLERANCE)
+        return contact, contact.hessian
+
+    least = float("inf")
+    for _ in range(REPEATS):
+        begun = time.process_time()
+        contact, _ = once()
+        least = min(least, time.process_time() - begun)
+    tracemalloc.start()
+    try:
+        once()
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    return Evaluated(state.n_patches, contact.evaluation.unknowns, least, peak / 2**20)
