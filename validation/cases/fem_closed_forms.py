@@ -3,7 +3,7 @@
 - Complete contact of a sinusoid with a layer, any nu: energy h_1^2 / (4 c(q)) per area, c(q) of G. Carbone,
   L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684; order of convergence on meshes halved twice. The boundary
   elements' energy of the same contact stands beside it.
-- One patch on a layer of two periods, which is a half-space to exp(-8 pi) = 1e-11: Johnson's state (closed_forms.py)
+- One patch on a layer of two periods, which is a half-space to 1e-8: Johnson's state (closed_forms.py)
   with its edges prescribed (load and stress intensity asked), and by JKR closure (edges and load asked).
 
 The true error over the uncertainty that the reference states of it is a quantity of its own: at most 1. SI units.

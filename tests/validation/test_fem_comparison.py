@@ -1,0 +1,106 @@
+"""The comparison with finite elements: raw input only, a wrong constant is told, a failed code is a named row."""
+
+import numpy as np
+import pytest
+
+from validation import adapters, fem_adapter
+from validation.cases import fem_comparison
+from validation.cases.fem_closed_forms import layer_compliance
+from validation.cases.fem_equilibria import EDGES, PENETRATION, SCENES
+from validation.verdict import verdict_of
+
+WAVE = {"adhesion": None, "loading": {"targets": [20e-6]}}
+
+
+@pytest.fixture(scope="module")
+def posed():
+    return adapters.scene("layer_two_crests")
+
+
+def test_raw_constants_are_handed_over(posed):
+    arguments = fem_adapter.fem_arguments(posed)
+    assert (arguments["youngs_modulus"], arguments["poisson_ratio"]) == (1e6, 0.3)
+    assert (arguments["thickness"], arguments["period"]) == (0.005, 0.01)
+    assert (arguments["work_of_adhesion"], arguments["slope_term"]) == (0.03, True)
+    assert (arguments["control"], arguments["value"]) == ("penetration", 50e-6)
+    np.testing.assert_array_equal(arguments["harmonics"][0], [1, 2, 3])
+
+
+def test_without_adhesion_nothing_is_paid():
+    arguments = fem_adapter.fem_arguments(adapters.scene("layer_two_crests", {"adhesion": None}))
+    assert (arguments["work_of_adhesion"], arguments["slope_term"]) == (0.0, False)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"layer": None}, "layer"),
+        ({"loading": {"control": "separation", "targets": [50e-6]}}, "penetration, load or total displacement"),
+    ],
+    ids=["half-space", "separation"],
+)
+def test_scenes_the_reference_cannot_take_are_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        fem_adapter.fem_arguments(adapters.scene("layer_two_crests", changes))
+
+
+def test_middle_pressure_is_the_weighted_mean_of_westergaards():
+    half, period, full = 2e-3, 0.01, np.pi * 1e6 / (1 - 0.3**2) * 50e-6 / 0.01
+    sine = np.sin(np.pi * half / period) ** 2
+    penetration = 50e-6 * sine * (1 - np.log(sine))
+    crest = -0.7 / (2 * np.pi) * period
+    state = fem_adapter.contact_state(
+        adapters.scene("layer_sinusoid", WAVE), [[crest - half, crest + half]], penetration
+    )
+    t = (np.arange(20000) + 0.5) / 10000 - 1
+    weight, at = (1 - t**2) ** 4, np.pi * 0.8 * half * t / period
+    exact = 2 * full * np.cos(at) * np.sqrt(sine - np.sin(at) ** 2)
+    expected = np.sum(weight * exact) / np.sum(weight)
+    np.testing.assert_allclose(fem_adapter.middle_pressure(state), expected, rtol=1e-8)  # measured 3.8e-9: the layer
+
+
+@pytest.fixture(scope="module")
+def given_edges(posed):
+    return fem_comparison.compare_prescribed("", posed, "P2/P1", EDGES, PENETRATION)
+
+
+def test_both_codes_agree_at_given_edges(given_edges):
+    assert {verdict_of(row) for row in fem_comparison.rows(given_edges)} == {"agrees"}
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [("poisson_ratio", 0.31), ("youngs_modulus", 1.01e6), ("thickness", 4.9e-3), ("value", 50.5e-6)],
+)
+def test_one_per_cent_wrong_in_one_code_is_told(posed, monkeypatch, name, wrong):
+    right = fem_adapter.fem_arguments
+    monkeypatch.setattr(fem_adapter, "fem_arguments", lambda scene: right(scene) | {name: wrong})
+    found = fem_comparison.compare_prescribed("", posed, "P2/P1", EDGES, PENETRATION)
+    assert "deviates" in {verdict_of(row) for row in fem_comparison.rows(found)}
+
+
+def test_a_state_that_is_no_equilibrium_is_a_named_row(posed):
+    (row,) = fem_comparison.rows(fem_comparison.compare_equilibria("", posed, "P2/P1", 1))
+    assert verdict_of(row) == "not converged"
+    assert "finite elements: interpenetration" in row.message
+
+
+def test_displacements_are_compared_away_from_the_edges(given_edges):
+    x = fem_comparison.away_from_edges(given_edges.fem)
+    period, knots = 0.01, np.append(EDGES.ravel(), EDGES[0, 0] + 0.01)
+    beside = np.minimum(np.diff(knots), np.roll(np.diff(knots), 1))  # of the four edges
+    apart = (x[:, None] - knots[:-1] + period / 2) % period - period / 2
+    assert x.size > 0.7 * fem_comparison.POINTS
+    assert np.all(np.abs(apart) > 0.09 * beside)
+
+
+def test_every_scene_of_the_cases_is_one_the_reference_takes():
+    for scene, _, changes in SCENES.values():
+        assert fem_adapter.fem_arguments(adapters.scene(scene, changes))["period"] == 0.01
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_compliance_of_a_thin_layer_is_the_uniform_one(nu):
+    thickness = 1e-3
+    uniform = thickness * (1 - 2 * nu) * (1 + nu) / (1 - nu)
+    assert layer_compliance(1.0, thickness, 1.0, nu) == pytest.approx(uniform, rel=1e-4, abs=1e-9)
