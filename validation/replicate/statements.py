@@ -9,6 +9,7 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from validation.schema import Band, Reference, Row, Tolerance
@@ -92,4 +93,6 @@ def disagreement(
 
 
 def _values(value: float | Sequence[float]) -> list[float | None]:
-    return [float(value)] if isinstance(value, float | int) else [float(one) for one in value]
+    """A list of numbers; nan, which no report holds, is None."""
+    listed = [value] if isinstance(value, float | int) else value
+    return [None if math.isnan(one) else float(one) for one in listed]
