@@ -25,8 +25,7 @@ def figure(identity: str, caption: str, comparison: Comparison) -> list[Figure]:
     theirs, ours = state.pressure(x[inside]), fem.interface.pressure[inside]
     shown = np.abs(theirs) < SHOWN * scale
     line = np.linspace(x[0], x[0] + period, 400)
-    curve = state.pressure(line)
-    curve = np.where(np.abs(curve) < SHOWN * scale, curve, np.nan)
+    curve = np.nan_to_num(state.pressure(line), nan=0.0, posinf=np.inf, neginf=-np.inf)  # nothing off the contact
     displacement = comparison.differences[-1]
     points = x[0] + (away_from_edges(fem) - x[0]) % period
     return [
@@ -38,7 +37,11 @@ def figure(identity: str, caption: str, comparison: Comparison) -> list[Figure]:
                 xlabel="x / mm",
                 ylabel="pressure / kPa",
                 series=[
-                    Series(label="boundary elements", x=flat(line * 1e3), y=[_shown(v / 1e3) for v in curve]),
+                    Series(
+                        label="boundary elements",
+                        x=flat(line * 1e3),
+                        y=[_shown(v / 1e3, SHOWN * scale / 1e3) for v in curve],
+                    ),
                     Series(
                         label="finite elements",
                         x=flat(x[inside][shown] * 1e3),
@@ -79,5 +82,5 @@ def _in_patches(fem: Result, x: FloatArray, share: float) -> NDArray[np.bool_]:
     return inside
 
 
-def _shown(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def _shown(value: float, most: float) -> float | None:
+    return float(value) if abs(value) < most else None
