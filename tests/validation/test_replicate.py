@@ -156,6 +156,7 @@ def replicated(tmp_path_factory):
     return folder, json.loads((folder / "report.json").read_text()), code
 
 
+@pytest.mark.slow
 def test_short_form_runs_from_end_to_end(replicated):
     folder, report, code = replicated
     assert code == 0
@@ -164,6 +165,7 @@ def test_short_form_runs_from_end_to_end(replicated):
     assert (folder / "report.html").stat().st_size > 1e5
 
 
+@pytest.mark.slow
 def test_short_form_states_that_it_replicates_nothing(replicated):
     _, report, _ = replicated
     rows = [row for case in report["cases"] for row in case["rows"] if "Carbone" in row["reference"]["source"]]
@@ -172,6 +174,7 @@ def test_short_form_states_that_it_replicates_nothing(replicated):
     assert all("2 realisations with 16 harmonics" in row["message"] for row in rows)
 
 
+@pytest.mark.slow
 def test_report_states_harmonics_and_final_load_of_every_realisation(replicated):
     _, report, _ = replicated
     table = report["cases"][0]["tables"][0]
@@ -180,6 +183,7 @@ def test_report_states_harmonics_and_final_load_of_every_realisation(replicated)
     assert [line["highest load / E*"] for line in stated] == pytest.approx([0.025, 0.025])
 
 
+@pytest.mark.slow
 def test_every_figure_is_there_as_vectors_and_data(replicated):
     folder, report, _ = replicated
     drawn = [figure["id"] for case in report["cases"] for figure in case["figures"]]
@@ -189,6 +193,7 @@ def test_every_figure_is_there_as_vectors_and_data(replicated):
     )
 
 
+@pytest.mark.slow
 def test_shares_of_the_pressure_are_kept_by_other_bins(replicated):
     folder, _, _ = replicated
     one = gather(TINY, folder / "members", {}).loading[0]
@@ -198,6 +203,7 @@ def test_shares_of_the_pressure_are_kept_by_other_bins(replicated):
     assert share == pytest.approx(one.result.targets[k].contact_fraction, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_load_that_is_jumped_over_lies_on_the_line_between(replicated):
     folder, _, _ = replicated
     one = gather(TINY, folder / "members", {}).loading[0]
@@ -209,6 +215,7 @@ def test_load_that_is_jumped_over_lies_on_the_line_between(replicated):
     assert area == pytest.approx((states[-2].contact_fraction + states[-1].contact_fraction) / 2, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_realisation_that_is_missing_makes_the_row_not_run(replicated):
     folder, _, _ = replicated
     evidence = gather(PAPER, folder / "members", {"loading-00": "ZeroDivisionError: the matrix is singular"})
