@@ -17,7 +17,7 @@ from bem.assessment import Assessment, assess_contact
 from bem.collocation import Elastic, Evaluation
 from bem.complete_contact import CompleteContact
 from bem.control import Control
-from bem.nonadhesive import bearing_patches, solve_contact
+from bem.nonadhesive import Contact, bearing_patches, solve_contact
 from bem.patches import Patches
 from bem.path import Effort, Increments, PathEvent, PathStatus
 
@@ -94,15 +94,13 @@ class ConvexPath:
         if value >= self.control.value(self.elastic.profile.max_height, self.complete.least_load):
             return ContactPoint("complete_contact", value)
         if point.state is not None:
-            start, penetration = point.state.patches, point.state.penetration
+            solved = self._solved_from(point.state.patches, point.state.penetration, value)
         else:
-            start = self._start(value)
-            penetration = 1.0
-        inc = self.increments
-        solved = solve_contact(
-            self.elastic, self.control, start, penetration, value, inc.fine_tolerance, inc.fine_closure, inc.allowed
-        )
-        self.effort.evaluations += solved.evaluations
+            solved = self._solved_from(self._start(value), 1.0, value)
+        if solved.status == "separated" and point.state is not None:  # far above the plane all of it is in tension
+            solved = self._solved_from(self._start(value), 1.0, value)
+        if solved.status == "separated":
+            return ContactPoint("not_converged", value)  # there is contact at any value above zero
         if solved.state is None or solved.status != "converged":
             return ContactPoint(solved.status, value)
         self.effort.unknowns = max(self.effort.unknowns, solved.state.unknowns)
@@ -110,6 +108,15 @@ class ConvexPath:
         if point.status == "separated":
             events = tuple(PathEvent("first_touch", 0.0, 0.0, 0.0, float(crest), 0.0) for crest in self.crests)
         return ContactPoint("converged", value, solved.state, events)
+
+    def _solved_from(self, start: Patches, penetration: float, value: float) -> Contact:
+        """The contact problem at a control value, from these patches; the solution is unique."""
+        inc = self.increments
+        solved = solve_contact(
+            self.elastic, self.control, start, penetration, value, inc.fine_tolerance, inc.fine_closure, inc.allowed
+        )
+        self.effort.evaluations += solved.evaluations
+        return solved
 
     def _start(self, value: float) -> Patches:
         """Patches to start from when there are none: the bearing area at about the right contact fraction."""

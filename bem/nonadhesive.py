@@ -32,7 +32,8 @@ ITERATIONS = 400
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
 COARSE = 1e-4  # accuracy of the evaluation until the edges are close
 SEARCH_CLOSURE = 1e-3  # how close: then gaps are searched, too
-CLOSED_GAP = 1e-4  # of the shortest wavelength, or of the narrower neighbour: 1,200 modes a patch at 1e-10
+CLOSED_GAP = 1e-4  # of the shortest wavelength, or of NARROW times the narrower neighbour
+NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs thousands of modes
 COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too early is opened then
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 DAMPED_AFTER = 15  # iterations after which a change of sign of K halves the step of its edge
@@ -102,7 +103,7 @@ def solve_contact(
     damping = np.ones(2 * patches.count)
     last_sign = np.zeros(2 * patches.count)
     measure = np.inf
-    accuracy = max(tolerance, COARSE)
+    accuracy, closed_gap = max(tolerance, COARSE), COARSELY_CLOSED
     for count in range(1, ITERATIONS + 1):
         try:
             state = control.reach(evaluate(elastic, patches, control.guess(penetration, target), accuracy), target)
@@ -112,19 +113,21 @@ def solve_contact(
         measure = edge_closure(state)
         changed = _without_tension(state)
         if changed is None and measure < SEARCH_CLOSURE and accuracy > tolerance:
-            accuracy = tolerance
+            accuracy, closed_gap = tolerance, CLOSED_GAP
             continue
         if changed is None and _closed(state, control, SEARCH_CLOSURE):
             changed = _with_opened_gaps(elastic, state) or _with_new_contacts(elastic, state, allowed)
-            if changed is None and _closed(state, control, closure):
+            if changed is not None:
+                accuracy = max(tolerance, COARSE)
+            elif _closed(state, control, closure):
                 return Contact("converged", state, measure, count)
         if changed is None:
             sign = np.sign(state.stress_intensity)
             if count > DAMPED_AFTER:
                 damping = np.where(sign * last_sign < 0, damping / 2, np.minimum(1.0, damping * 1.5))
             last_sign = sign
-            closed = COARSELY_CLOSED if accuracy > tolerance else CLOSED_GAP
-            changed = _joined(elastic, patches.moved(damping * _edge_steps(state, elastic.profile.max_order)), closed)
+            moved = patches.moved(damping * _edge_steps(state, elastic.profile.max_order))
+            changed = _joined(elastic, moved, closed_gap)
         if changed is None:
             return Contact("complete_contact", None, 0.0, count)
         if changed.count == 0:
@@ -181,7 +184,7 @@ def _joined(elastic: Elastic, patches: Patches, closed_gap: float) -> Patches | 
 
 def _least_gap(elastic: Elastic, width: FloatArray, closed_gap: float) -> FloatArray:
     """Gaps that count as closed beside patches of these widths."""
-    return closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, width)
+    return closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * width)
 
 
 def _with_opened_gaps(elastic: Elastic, state: Evaluation) -> Patches | None:

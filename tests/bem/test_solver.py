@@ -151,3 +151,11 @@ def test_without_adhesion_load_grows_with_penetration():
     separations = [80e-6, 60e-6, 45e-6, 30e-6, 15e-6]
     loads = [state.mean_pressure for state in solve(rough_scene(separations, adhesion=None)).targets]
     assert np.all(np.diff(loads) > 0)
+
+
+def test_a_far_way_up_without_adhesion_is_no_separation():
+    """Contact of 0.8 raised at once to where it is 0.19: all of it is in tension, and yet there is contact."""
+    direct = solve(rough_scene([30e-6], adhesion=None, seed=0)).targets[0]
+    far = solve(rough_scene([1e-6, 30e-6], adhesion=None, seed=0)).targets
+    assert far[0].contact_fraction > 0.75
+    assert abs(far[1].contact_fraction - direct.contact_fraction) <= 1e-10

@@ -1,0 +1,136 @@
+"""Events: new contacts, coalescence and detachment settle into the next equilibrium and release energy."""
+
+import numpy as np
+import pytest
+from rough_surfaces import rough_profile
+
+from bem.adhesion import UniformLaw
+from bem.collocation import Elastic
+from bem.control import LinearControl, PenetrationControl
+from bem.equilibrium import System, balance, correct, pull_off_half_width
+from bem.events import first_contact, interpenetration, settle
+from bem.patches import Patches
+from bem.profile import Profile
+
+ACCURACY = {"tolerance": 1e-8, "closure": 1e-9, "allowed": 1e-10}
+TWO_CRESTS = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])
+SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), PenetrationControl())
+
+
+def settled(system, patches, target, penetration=None, **changes):
+    start = target if penetration is None else penetration
+    return settle(system, patches, start, target, **ACCURACY, **changes)
+
+
+def kinds(end):
+    return [kind for kind, _ in end.changes]
+
+
+def one_patch(half_width):
+    return Patches(np.array([-half_width]), np.array([half_width]))
+
+
+def test_nothing_happens_to_an_equilibrium():
+    end = settled(SYSTEM, one_patch(0.5), 0.1)
+    again = settled(SYSTEM, end.balance.state.patches, 0.1)
+    assert (again.status, again.changes) == ("converged", ())
+    np.testing.assert_allclose(again.balance.state.patches.right, end.balance.state.patches.right, atol=1e-9)
+
+
+def test_second_crest_makes_contact_where_the_first_state_overlaps():
+    # the crest at pi is 0.4 lower, and the surface is sucked down beside the first contact
+    end = settled(SYSTEM, one_patch(0.5), 0.6)
+    assert kinds(end) == ["new_contact"]
+    assert end.changes[0][1] == pytest.approx(np.pi, abs=0.02)
+    assert end.balance.state.patches.count == 2
+
+
+def test_settled_state_is_a_stable_equilibrium_without_overlap():
+    end = settled(SYSTEM, one_patch(0.5), 0.6)
+    assert end.balance.closed(ACCURACY["closure"])
+    assert end.balance.smallest_eigenvalue > 0
+    assert interpenetration(SYSTEM, end.balance.state, 1e-10).position.size == 0
+
+
+def test_new_contact_releases_energy():
+    # the lower crest is touched at a penetration of 0.33
+    start = correct(SYSTEM, one_patch(0.5), 0.335, 0.335, 1e-8, 1e-9)
+    assert start.status == "converged"
+    assert interpenetration(SYSTEM, start.balance.state, 1e-10).position.size == 1
+    end = settled(SYSTEM, start.balance.state.patches, 0.335)
+    assert end.balance.state.patches.count == 2
+    assert end.balance.potential < start.balance.potential - 0.01
+
+
+def test_overlap_allowed_is_no_new_contact():
+    start = correct(SYSTEM, one_patch(0.62), 0.6, 0.6, 1e-8, 1e-9).balance.state
+    depth = -interpenetration(SYSTEM, start, 1e-10).depth[0]
+    assert interpenetration(SYSTEM, start, 0.9 * depth).position.size == 1
+    assert interpenetration(SYSTEM, start, 1.1 * depth).position.size == 0
+
+
+@pytest.mark.parametrize("start", [0.1, 0.5], ids=["from narrow", "from wide"])
+def test_settling_does_not_depend_on_where_it_starts(start):
+    end = settled(SYSTEM, one_patch(start), 0.6)
+    again = settled(SYSTEM, one_patch(0.3), 0.6)
+    np.testing.assert_allclose(end.balance.state.patches.right, again.balance.state.patches.right, atol=1e-8)
+
+
+def test_equal_crests_make_contact_at_the_same_instant():
+    three = Profile.from_harmonics(2 * np.pi, [3], [1.0])
+    system = System(Elastic(three), UniformLaw(0.1), PenetrationControl())
+    crests = np.arange(3) * 2 * np.pi / 3
+    end = settled(system, first_contact(system, crests), 0.5)
+    assert end.balance.state.patches.count == 3
+    np.testing.assert_allclose(np.ptp(end.balance.state.patches.width), 0.0, atol=1e-9)
+
+
+def test_patches_detach_beyond_pull_off():
+    loaded = settled(SYSTEM, one_patch(0.5), 0.6).balance.state.patches
+    end = settled(SYSTEM, loaded, -0.05, 0.6)
+    assert "detachment" in kinds(end)
+    assert end.balance.state.patches.count == 1
+    assert np.abs((end.balance.state.patches.center[0] + np.pi) % (2 * np.pi) - np.pi) < 1e-6  # the higher one stays
+
+
+def test_last_patch_separates():
+    end = settled(SYSTEM, one_patch(0.1), -3.0)
+    assert end.status == "separated"
+    assert end.balance is None
+    assert kinds(end) == ["detachment"]
+
+
+def test_load_that_no_branch_carries_ends_in_complete_contact():
+    system = System(SYSTEM.elastic, SYSTEM.law, LinearControl(0.0, 1.0))
+    end = settle(system, one_patch(0.6), 1.0, 30.0, tolerance=1e-4, closure=1e-5, allowed=1e-7)
+    assert end.status == "complete_contact"
+    assert kinds(end)[-1] == "complete_contact"
+
+
+def test_first_contact_is_tensile_at_its_edges():
+    position = np.array([0.0])
+    patches = first_contact(SYSTEM, position)
+    assert patches.half_width[0] == pytest.approx(1.5 * pull_off_half_width(SYSTEM, position)[0])
+    assert balance(SYSTEM, patches, 0.0, 0.0, 1e-8).opening
+
+
+def test_first_contacts_of_close_crests_stay_apart():
+    strong = System(SYSTEM.elastic, UniformLaw(100.0), PenetrationControl())
+    patches = first_contact(strong, np.array([0.0, 0.2, 3.0]))
+    assert patches.is_ordered
+    assert patches.count == 3
+
+
+def test_local_settling_ends_in_the_same_state():
+    """With many patches the unstable ones move first in the field of the others; the end must not know."""
+    profile = rough_profile(harmonics=100, seed=3, hurst=0.4).scaled()
+    system = System(Elastic(profile), UniformLaw(2e-4), PenetrationControl())
+    x, h = profile.crests
+    high = x[h > profile.max_height - 1.0]
+    start = settled(system, first_contact(system, np.sort(high)), 1.0).balance.state.patches
+    assert start.count > 10
+    plain = settled(system, start, 0.97, 1.0)
+    local = settled(system, start, 0.97, 1.0, unstable=np.array([1]))
+    assert local.local_evaluations > 0
+    assert plain.local_evaluations == 0
+    np.testing.assert_allclose(local.balance.state.patches.right, plain.balance.state.patches.right, atol=1e-7)
