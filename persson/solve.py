@@ -3,10 +3,11 @@
 Without adhesion the answer is a closed form.  With adhesion: a fixed point on a coarse mesh for a ladder of loads
 (its energies give the separation), then one on a fine mesh that crowds where the barrier leaves zero.  With much
 adhesion the area does not vanish with the load: contact and separation coexist at zero load, and the state is marked
-`branches`.  At sigma_0 > 0 the fixed point was unique in every case tried (from no adhesion and from full contact).
+`branches`; with less of it, or at higher loads, the work balance may give a negative separation (`below_zero`).
+At sigma_0 > 0 the fixed point was unique in every case tried (from no adhesion and from full contact).
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  SI units.  Errors
-of the default resolution, paper's case: area 1e-6, separation 1e-4 h_rms.
+of the default resolution, paper's case: area 2e-6 of its value, separation 4e-6 h_rms.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ LADDER = 21
 TOLERANCE, COARSE_TOLERANCE = 1e-9, 1e-7
 BRANCHES_FROM = 0.5  # of the energy of full contact: far below the 1.5 at which branches appear
 NEAR_ZERO_LOADS = (1e-4, 1e-3)  # in standard deviations of the full-contact stress
+BELOW_ZERO = 1e-3  # of h_rms: ten times the error of the separation
 PROPORTIONAL = 0.5  # of d ln A / d ln sigma_0 between them: 1 without branches, 0 where contact persists at zero load
 
 
@@ -152,6 +154,8 @@ def solve(
         status = "not_converged"
     elif persisting is not None and status == "converged":
         status = "branches"
+    elif separation is not None and separation < -BELOW_ZERO * spectrum.h_rms and status == "converged":
+        status = "below_zero"
     return AdhesiveContact(
         spectrum=spectrum,
         mean_pressure=mean_pressure,

@@ -5,6 +5,7 @@
 | converged        | one state, fixed point met                                                  |
 | complete_contact | A/A0 = 1 to rounding; the barrier at the largest wavenumber is not felt      |
 | branches         | contact persists at zero load, where separation, A = 0, is a state too      |
+| below_zero       | the work balance gives a negative separation: area and energy only          |
 | single_line      | one line only: the theory needs roughness on many scales                    |
 | not_converged    | the fixed point was not met; the figures must not be used                   |
 
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-Status = Literal["converged", "complete_contact", "branches", "single_line", "not_converged"]
+Status = Literal["converged", "complete_contact", "branches", "below_zero", "single_line", "not_converged"]
 
 ADVICE: dict[Status, str] = {
     "converged": "",
@@ -23,7 +24,11 @@ ADVICE: dict[Status, str] = {
     "branches": (
         "adhesion holds contact at zero load (zero_load_contact_fraction), where A = 0 is a state too: the figures are "
         "of the state in contact; the theory does not say at which tension it ends, nor that the surfaces have jumped "
-        "into it"
+        "into it; a separation below zero is of no use"
+    ),
+    "below_zero": (
+        "the separation is the mean gap and cannot be negative: with so much adhesion the energies of the theory are "
+        "not those of one branch of states; do not use the separation, and take the contact fraction as an estimate"
     ),
     "single_line": (
         "a single line is no self-affine roughness and the diffusion of stress does not describe it: "

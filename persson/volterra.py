@@ -23,6 +23,7 @@ from scipy.special import ndtr
 
 FloatArray = NDArray[np.float64]
 
+OUTRUN = 1e-15  # of the kernel, 1/2 for a barrier at rest: below, the barrier outruns all paths, none is absorbed
 NEAR = 12  # cells next to the diagonal whose square root is averaged
 
 
@@ -60,6 +61,8 @@ def survival(load: float, variance: FloatArray, barrier: FloatArray, barrier_ins
         near = np.maximum(near, 0.0)
         mean_root = 2 / 3 * (far**1.5 - near**1.5) / (far - near)
         argument[row, column] *= mean_root / np.sqrt((far + near) / 2)
-    kernel = np.tril(ndtr(argument))
-    absorbed = solve_triangular(kernel, ndtr(-distance / np.sqrt(end)), lower=True, check_finite=False)
+    kernel, beyond = np.tril(ndtr(argument)), ndtr(-distance / np.sqrt(end))
+    fled = np.diagonal(kernel) < OUTRUN
+    kernel[fled] = np.eye(end.size)[fled]
+    absorbed = solve_triangular(kernel, np.where(fled, 0.0, beyond), lower=True, check_finite=False)
     return np.concatenate([[1.0], 1 - np.cumsum(absorbed)])

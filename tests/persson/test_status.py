@@ -116,3 +116,20 @@ def test_no_answer_of_the_closed_forms_is_silent(solid):
     state = solve_nonadhesive(spectrum, 1e7, **solid)
     assert state.status == "complete_contact"
     assert np.isfinite(state.separation)
+
+
+def test_a_negative_separation_is_named(lines, solid, modulus, work):
+    """With a gain of 1.2 times the elastic energy of complete contact the work balance fails at intermediate loads."""
+    state = solve(lines, 0.02 * modulus, work_of_adhesion=work(1.2), resolution=0.5, **solid)
+    assert state.separation < -1e-3 * lines.h_rms
+    assert state.status == "below_zero"
+    assert "separation" in state.advice
+
+
+@pytest.mark.parametrize("route", ["finite_volumes", "volterra"])
+def test_a_barrier_that_outruns_all_paths_absorbs_none(solid, modulus, route):
+    """Roughness of nanometres: the detachment stress rises by hundreds of standard deviations within a cell."""
+    fine = DiscreteSpectrum.self_affine(628.0, 0.7, 1e-9, 125)
+    state = solve(fine, 4e-7 * modulus, work_of_adhesion=0.03, with_separation=False, route=route, **solid)
+    assert state.status == "complete_contact"
+    assert state.contact_fraction == 1.0
