@@ -127,7 +127,7 @@ def run(
     order = [_plain(task) for task in planned]
     rows.sort(key=lambda row: order.index(_task(row)))
     if [_task(row) for row in rows] != order:
-        raise RuntimeError(f"planned {len(planned)} cases, {len(rows)} reported")
+        raise RuntimeError(f"planned {len(planned)} cases, {len({_task(row) for row in rows})} of them reported")
     _write(folder, key, facts, rows, len(planned))
     print(text_table(COLUMNS, [_cells(row) for row in rows]))
     for line in summary(rows, len(planned)):

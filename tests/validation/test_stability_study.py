@@ -1,0 +1,193 @@
+"""The study of stability: endings and correctness counted apart, nothing lost, an interrupted study goes on."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from validation.execution import Ended, Running
+from validation.studies import stability
+from validation.studies.stability import ENDINGS, Task, counts, row_of, summary, tasks_of
+
+FLAT = Task("bem", "flat", "reduced", 120.0)
+TASKS = (FLAT, Task("fem", "apart", "reduced", 120.0), Task("persson", "one_line", "reduced", 120.0))
+
+
+@pytest.fixture
+def examples(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    import example_outcomes
+
+    return example_outcomes
+
+
+@pytest.mark.parametrize("quick", [True, False], ids=["reduced", "full"])
+def test_every_case_of_every_code_is_planned_once(quick):
+    tasks = tasks_of(quick)
+    assert len({(task.code, task.id) for task in tasks}) == len(tasks)
+    assert {task.code for task in tasks} == {"bem", "fem", "persson"}
+    assert {task.form for task in tasks} == {"reduced" if quick else "full"}
+
+
+def test_both_forms_have_the_same_denominator():
+    assert [(t.code, t.id) for t in tasks_of(True)] == [(t.code, t.id) for t in tasks_of(False)]
+
+
+# Each ending by its name: (outcome or exception, ending, stands)
+
+
+@pytest.mark.parametrize(
+    ("changes", "ending", "stands"),
+    [
+        ({}, "converged", True),
+        ({"correct": False, "findings": ("dense route differs",)}, "converged", False),
+        ({"observed": ("converged", "unreachable")}, "not converged", False),
+        ({"observed": (), "correct": False, "refused": "SceneError: no"}, "refused", False),
+        ({"observed": ("converged", "converged"), "refused": "value: detaches"}, "refused as expected", True),
+    ],
+    ids=["converged", "converged and wrong", "not converged", "refused", "refused as expected"],
+)
+def test_endings_of_an_answer(examples, changes, ending, stands):
+    row = row_of(FLAT, examples.outcome(**changes))
+    assert (row.ending, row.stands) == (ending, stands)
+
+
+def test_refusal_with_another_reason_than_expected_is_a_failure(examples):
+    row = row_of(FLAT, examples.outcome(observed=("refused: control",), correct=False, refused="control: no"))
+    assert (row.ending, row.stands, row.message) == ("refused", False, "control: no")
+
+
+def test_crash_is_a_row_with_its_message():
+    row = row_of(FLAT, ZeroDivisionError("the matrix is singular"), 2.0)
+    assert (row.ending, row.correct, row.message) == ("crashed", False, "ZeroDivisionError: the matrix is singular")
+    assert row.expected == ("converged", "complete_contact")
+
+
+def test_no_answer_is_a_timeout():
+    row = row_of(FLAT, None, 121.0)
+    assert (row.ending, row.stands, row.message) == ("timed out", False, "no answer in 120 s")
+
+
+def test_converged_and_correct_are_counted_apart(examples):
+    answers = [
+        examples.outcome(),
+        examples.outcome(correct=False),
+        examples.outcome(observed=("converged", "separated")),
+        ValueError("no"),
+        None,
+    ]
+    found = counts(row_of(FLAT, answer) for answer in answers)
+    assert sum(found[ending] for ending in ENDINGS) == len(answers)
+    assert (found["converged"], found["correct"], found["converged, not correct"]) == (2, 2, 1)
+    assert (found["not converged"], found["crashed"], found["timed out"]) == (1, 1, 1)
+
+
+def test_summary_names_the_denominator_and_every_failure(examples):
+    rows = [row_of(FLAT, examples.outcome()), row_of(TASKS[1], ValueError("no"))]
+    lines = summary(rows, 2)
+    assert lines[0] == "planned 2, reported 2"
+    assert [line for line in lines if line.startswith("FAILED")] == [
+        "FAILED fem apart: fem apart: crashed, NOT correct; ValueError: no"
+    ]
+
+
+def test_slow_reduced_cases_are_named(examples):
+    slow = replace(row_of(FLAT, examples.outcome()), seconds=11.0)
+    assert "above 10 s of CPU time: flat (11.0 s)" in summary([slow], 1)
+    assert not any("above" in line for line in summary([replace(slow, form="full")], 1))
+
+
+# The whole study
+
+
+@pytest.fixture
+def here(monkeypatch):
+    """Everything in this process: starting another takes seconds."""
+    begun = []
+
+    def in_this_process(function, item):
+        begun.append(item.id)
+        try:
+            yield Ended(item, function(item))
+        except Exception as error:
+            yield Ended(item, error)
+
+    monkeypatch.setattr(stability, "run_alone", in_this_process)
+    return begun
+
+
+def study(folder, measure=None, tasks=TASKS):
+    return stability.run(folder, True, lambda note: None, tasks, measure)
+
+
+def stored(folder):
+    return json.loads((folder / "stability.json").read_text())
+
+
+def test_study_writes_and_prints_its_table(examples, here, tmp_path, capsys):
+    assert study(tmp_path, examples.converge) == 0
+    assert (stored(tmp_path)["planned"], stored(tmp_path)["reported"]) == (3, 3)
+    assert [row[1] for row in stored(tmp_path)["table"]["rows"]] == ["flat", "apart", "one_line"]
+    assert "planned 3, reported 3" in capsys.readouterr().out
+
+
+def test_a_failure_is_told_by_the_exit_code(examples, here, tmp_path):
+    assert study(tmp_path, examples.crash) == 1
+    assert stored(tmp_path)["counts"]["crashed"] == 3
+
+
+def test_finished_cases_are_not_run_again(examples, here, tmp_path):
+    study(tmp_path, examples.converge, TASKS[:2])
+    here.clear()
+    assert study(tmp_path, examples.converge) == 0
+    assert here == ["one_line"]
+    assert [row["id"] for row in stored(tmp_path)["rows"]] == ["flat", "apart", "one_line"]
+
+
+def test_cases_that_crashed_are_run_again(examples, here, tmp_path):
+    study(tmp_path, examples.crash)
+    here.clear()
+    assert study(tmp_path, examples.converge) == 0
+    assert here == ["flat", "apart", "one_line"]
+
+
+def test_rows_of_other_sources_are_not_kept(examples, here, tmp_path, monkeypatch):
+    study(tmp_path, examples.converge)
+    here.clear()
+    monkeypatch.setattr(stability, "sources_digest", lambda: "other")
+    study(tmp_path, examples.converge)
+    assert here == ["flat", "apart", "one_line"]
+
+
+def test_rows_of_the_other_form_do_not_count(examples, here, tmp_path):
+    study(tmp_path, examples.converge)
+    full = [replace(task, form="full") for task in TASKS]
+    assert study(tmp_path, examples.converge, full) == 0
+    assert {row["form"] for row in stored(tmp_path)["rows"]} == {"full"}
+
+
+def test_a_lost_case_is_an_error_of_the_study(examples, here, tmp_path, monkeypatch):
+    monkeypatch.setattr(stability, "_alone", lambda *_: row_of(FLAT, examples.outcome()))
+    with pytest.raises(RuntimeError, match="planned 3 cases"):
+        study(tmp_path, examples.converge)
+
+
+def test_time_limit_ends_a_case(examples, tmp_path, monkeypatch):
+    def endless(function, item):
+        while True:
+            yield Running((item,), (1.0,))
+
+    monkeypatch.setattr(stability, "run_alone", endless)
+    assert study(tmp_path, examples.converge, [replace(FLAT, limit=0.01)]) == 1
+    assert stored(tmp_path)["rows"][0]["ending"] == "timed out"
+
+
+def test_dead_process_is_a_crashed_row(examples, tmp_path):
+    assert study(tmp_path, examples.die, [FLAT]) == 1
+    assert stored(tmp_path)["rows"][0]["message"].startswith("WorkerDiedError")
+
+
+@pytest.mark.parametrize("task", TASKS, ids=[task.code for task in TASKS])
+def test_cases_of_every_code_run_for_real(task, here, tmp_path):
+    assert study(tmp_path, None, [task]) == 0
