@@ -1,0 +1,56 @@
+"""The FFT solver as a peer: its limits, its absence, and, where it is installed, Westergaard's contact."""
+
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+from bem.scene import parse_scene
+from validation.cases import fft_solver, peers
+from validation.cases.fft_solver import GridContact, extrapolated, grid_contact
+
+AMPLITUDE, WAVELENGTH, MODULUS = 1e-4, 0.01, 4e6 / 3
+
+
+def sinusoid():
+    profile = {"kind": "harmonics", "period": WAVELENGTH, "orders": [1], "amplitudes": [AMPLITUDE], "phases": [0.5]}
+    return parse_scene(
+        {
+            "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+            "profile": profile,
+            "loading": {"control": "mean_pressure", "targets": [1.0]},
+        }
+    )
+
+
+def test_extrapolation_removes_the_error_of_the_grid():
+    grids = [GridContact(n, 2.0, 0.3 + 1.5 / n, 1) for n in (64, 128, 256)]
+    assert extrapolated(grids).contact_fraction == pytest.approx(0.3, abs=1e-15)
+
+
+def test_extrapolation_knows_what_it_does_not_remove():
+    grids = [GridContact(n, 2.0, 0.3 + 1.5 / n + 40 / n**2, 1) for n in (64, 128, 256)]
+    limit = extrapolated(grids)
+    assert abs(limit.contact_fraction - 0.3) <= limit.contact_fraction_error
+
+
+def test_a_case_without_its_package_is_not_run_and_says_why(monkeypatch):
+    monkeypatch.setattr(fft_solver, "find_spec", lambda name: None)
+    outcome = next(case for case in peers.CASES if case.id == "fft-peer").compute()
+    assert outcome.rows == ()
+    assert "pip install" in outcome.skipped
+    assert "ContactMechanics" in outcome.skipped
+
+
+def test_a_grid_that_does_not_resolve_the_profile_is_refused():
+    with pytest.raises(ValueError, match="do not resolve"):
+        fft_solver._samples(np.array([1, 8]), np.ones(2), np.zeros(2), 16)
+
+
+@pytest.mark.skipif(find_spec("ContactMechanics") is None, reason="needs the extra peers")
+def test_the_peer_finds_westergaards_contact():
+    pressure = 0.3 * np.pi * MODULUS * AMPLITUDE / WAVELENGTH
+    found = grid_contact(sinusoid(), pressure, 1024)
+    assert abs(found.contact_fraction - 2 / np.pi * np.arcsin(np.sqrt(0.3))) <= 2 / 1024
+    exact = AMPLITUDE * (1 - 0.3 * (1 - np.log(0.3)))
+    assert abs(found.separation - exact) <= 1e-4 * exact

@@ -1,0 +1,219 @@
+"""Contact without adhesion against an FFT solver on equal footing: separations, and areas extrapolated from grids.
+
+Two comparisons: with figures recorded from such a solver for the paper's profile (seed 2009, 1000 harmonics), which
+needs nothing, and with the solver itself, which needs the extra `peers` and is not run without it.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+import bem
+from bem.result import State
+from bem.scene import Scene
+from validation import adapters
+from validation.case import Case, Outcome
+from validation.cases.fft_solver import extrapolated, grid_contact, missing
+from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+
+SEED = 2009
+SHARES = (0.005, 0.01, 0.02)  # of E*
+RECORDED_SEPARATION = (38.27e-6, 24.79e-6, 12.94e-6)  # m, to the last digit
+RECORDED_AREA = (0.0415, 0.0797, 0.1533)  # on the finest grid, still falling
+POINTS = {100: (4096, 8192, 16384), 1000: (16384, 32768, 65536)}
+MEASURED_RECORDED = (3.7e-9, 0.0066)
+MEASURED = {100: (2.4e-7, 2.6e-3), 1000: (1.3e-7, 1.9e-3)}
+
+
+def _posed(harmonics: int) -> Scene:
+    """The scene: the paper's profile, no adhesion, the pressures as targets."""
+    base = adapters.scene("paper_profile")
+    modulus = base.solid.youngs_modulus / (1 - base.solid.poisson_ratio**2)
+    pressures = [share * modulus for share in SHARES]
+    changes: dict[str, Any] = {
+        "adhesion": None,
+        "profile": {"seed": SEED, "harmonics": harmonics},
+        "loading": {
+            "control": "mean_pressure",
+            "targets": pressures,
+            "at_mean_pressures": None,
+            "stop_at_mean_pressure": None,
+        },
+    }
+    return adapters.scene("paper_profile", changes)
+
+
+def _recorded() -> Outcome:
+    posed = _posed(1000)
+    states = bem.solve(posed).targets
+    recorded = Reference(kind="independent code", source="FFT solver, figures recorded for seed 2009", uncertainty=0.0)
+    rows = (
+        Row(
+            quantity="separation at 0.005, 0.01 and 0.02 E*, over the rms height",
+            unit="m",
+            reference=recorded,
+            norm="maximum over states",
+            expected=list(RECORDED_SEPARATION),
+            computed=[state.separation for state in states],
+            scale=posed.surface().rms_height,
+            tolerance=Tolerance(value=2e-4, measured=MEASURED_RECORDED[0] / 50e-6, basis="required"),
+        ),
+        Row(
+            quantity="contact fraction over that of the grid, which counts too much: ratio",
+            unit="",
+            reference=recorded,
+            norm="maximum over states",
+            expected=[1.0] * len(states),
+            computed=[state.contact_fraction / area for state, area in zip(states, RECORDED_AREA, strict=True)],
+            tolerance=Tolerance(value=0.015, measured=MEASURED_RECORDED[1]),
+        ),
+    )
+    table = Table(
+        caption="Paper's profile without adhesion, seed 2009, and figures recorded from an FFT solver.",
+        columns=["pressure / E*", "separation / um", "recorded", "contact fraction", "recorded, still falling"],
+        rows=[
+            [share, round(state.separation * 1e6, 5), at * 1e6, round(state.contact_fraction, 7), area]
+            for share, state, at, area in zip(SHARES, states, RECORDED_SEPARATION, RECORDED_AREA, strict=True)
+        ],
+    )
+    return Outcome(rows=rows, tables=(table,), counts={"unknowns": max(state.unknowns for state in states)})
+
+
+def _peer(harmonics: int) -> Outcome:
+    reason = missing()
+    if reason:
+        return Outcome(skipped=reason)
+    posed = _posed(harmonics)
+    states = bem.solve(posed).targets
+    grids = [
+        [grid_contact(posed, pressure, points) for points in POINTS[harmonics]] for pressure in posed.loading.targets
+    ]
+    limits = [extrapolated(sequence) for sequence in grids]
+    rms = posed.surface().rms_height
+    measured_separation, measured_area = MEASURED[harmonics]
+    rows = (
+        Row(
+            quantity="separation at 0.005, 0.01 and 0.02 E*, over the rms height",
+            unit="m",
+            reference=Reference(
+                kind="independent code",
+                source=f"ContactMechanics, {POINTS[harmonics][-1]} points",
+                uncertainty=max(limit.separation_error for limit in limits),
+            ),
+            norm="maximum over states",
+            expected=[limit.separation for limit in limits],
+            computed=[state.separation for state in states],
+            scale=rms,
+            tolerance=Tolerance(value=2.5 * measured_separation, measured=measured_separation),
+        ),
+        Row(
+            quantity="contact fraction over that of the grids extrapolated: ratio",
+            unit="",
+            reference=Reference(
+                kind="independent code",
+                source=f"ContactMechanics, from {POINTS[harmonics][-2]} and {POINTS[harmonics][-1]} points",
+                uncertainty=max(limit.contact_fraction_error / limit.contact_fraction for limit in limits),
+            ),
+            norm="maximum over states",
+            expected=[1.0] * len(states),
+            computed=[s.contact_fraction / limit.contact_fraction for s, limit in zip(states, limits, strict=True)],
+            tolerance=Tolerance(value=2.5 * measured_area, measured=measured_area),
+        ),
+    )
+    table = Table(
+        caption="Contact fraction on grids, their extrapolation, and ours.",
+        columns=["pressure / E*", *(f"{n} points" for n in POINTS[harmonics]), "extrapolated", "bem"],
+        rows=[
+            [
+                share,
+                *(round(grid.contact_fraction, 6) for grid in sequence),
+                round(limit.contact_fraction, 6),
+                round(state.contact_fraction, 6),
+            ]
+            for share, sequence, limit, state in zip(SHARES, grids, limits, states, strict=True)
+        ],
+    )
+    figure = _figure(harmonics, states, [limit.separation for limit in limits], posed)
+    return Outcome(rows=rows, figures=(figure,), tables=(table,), counts={"patches": states[-1].n_patches})
+
+
+def _figure(harmonics: int, states: tuple[State, ...], separations: list[float], posed: Scene) -> Figure:
+    """Pressure against separation, ours on a finer curve, theirs as points, and the difference in separation."""
+    modulus = posed.solid.youngs_modulus / (1 - posed.solid.poisson_ratio**2)
+    curve_pressures = (np.geomspace(SHARES[0] / 2, SHARES[-1] * 1.2, 12) * modulus).tolist()
+    loading: dict[str, Any] = {"control": "mean_pressure", "targets": curve_pressures}
+    changes: dict[str, Any] = {
+        "adhesion": None,
+        "profile": {"seed": SEED, "harmonics": harmonics},
+        "loading": {**loading, "at_mean_pressures": None, "stop_at_mean_pressure": None},
+    }
+    curve = bem.solve(adapters.scene("paper_profile", changes)).targets
+    at = [separation * 1e6 for separation in separations]
+    return Figure(
+        id=f"fft-peer-{harmonics}",
+        caption=f"Pressure against separation without adhesion, {harmonics} harmonics, against an FFT solver.",
+        solution=Panel(
+            xlabel="separation / um",
+            ylabel="mean pressure / E*",
+            yscale="log",
+            series=[
+                Series(
+                    label="bem",
+                    x=[state.separation * 1e6 for state in curve],
+                    y=[state.mean_pressure / modulus for state in curve],
+                ),
+                Series(label="ContactMechanics", x=at, y=list(SHARES), style="points"),
+            ],
+        ),
+        error=Panel(
+            xlabel="separation / um",
+            ylabel="difference / um",
+            series=[
+                Series(
+                    label="bem less FFT",
+                    x=at,
+                    y=[state.separation * 1e6 - value for state, value in zip(states, at, strict=True)],
+                    style="points",
+                )
+            ],
+        ),
+    )
+
+
+EQUATIONS = "p >= 0, gap >= 0, p gap = 0;  s = mean gap;  A_grid(n) = A + O(1/n)"
+
+CASES = (
+    Case(
+        id="fft-recorded",
+        group="peers",
+        level="standard",
+        question="Does the paper's profile without adhesion give separations and areas recorded from an FFT solver?",
+        equations=EQUATIONS,
+        sources=("carbone2009",),
+        compute=_recorded,
+        effects=("half_space", "load_control"),
+    ),
+    Case(
+        id="fft-peer",
+        group="peers",
+        level="standard",
+        question="Does an FFT solver find the same separations, and the same areas once extrapolated from its grids?",
+        equations=EQUATIONS,
+        sources=("carbone2009",),
+        compute=partial(_peer, 100),
+        effects=("half_space", "load_control"),
+    ),
+    Case(
+        id="fft-peer-paper",
+        group="peers",
+        level="full",
+        question="The same with all 1000 harmonics of the paper's profile.",
+        equations=EQUATIONS,
+        sources=("carbone2009",),
+        compute=partial(_peer, 1000),
+        effects=("half_space", "load_control"),
+    ),
+)
