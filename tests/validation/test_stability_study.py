@@ -6,9 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from validation.cases import stability as registered
 from validation.execution import Ended, Running
 from validation.studies import stability
 from validation.studies.stability import ENDINGS, Task, counts, row_of, summary, tasks_of
+from validation.verdict import verdict_of
 
 FLAT = Task("bem", "flat", "reduced", 120.0)
 TASKS = (FLAT, Task("fem", "apart", "reduced", 120.0), Task("persson", "one_line", "reduced", 120.0))
@@ -191,3 +193,25 @@ def test_dead_process_is_a_crashed_row(examples, tmp_path):
 @pytest.mark.parametrize("task", TASKS, ids=[task.code for task in TASKS])
 def test_cases_of_every_code_run_for_real(task, here, tmp_path):
     assert study(tmp_path, None, [task]) == 0
+
+
+# The same as cases of the registry
+
+
+def verdicts(case):
+    return [verdict_of(row) for row in case.compute().rows]
+
+
+@pytest.mark.parametrize("case", registered.CASES, ids=[case.id for case in registered.CASES])
+def test_registered_case_has_a_row_for_every_hard_case(examples, case, monkeypatch):
+    monkeypatch.setattr(stability, "measured", examples.converge)
+    found = verdicts(case)
+    assert set(found) == {"agrees"}
+    assert len(found) == 1 + sum(case.compute.args == (task.code,) for task in tasks_of(True))
+
+
+@pytest.mark.parametrize("wrong", ["crash", "wrong"])
+def test_registered_case_fails_with_what_it_finds(examples, wrong, monkeypatch):
+    answers = {"crash": examples.crash, "wrong": lambda task: examples.outcome(correct=False, findings=("no",))}
+    monkeypatch.setattr(stability, "measured", answers[wrong])
+    assert set(verdicts(registered.CASES[2])) == {"deviates"}

@@ -10,6 +10,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.fem_closed_forms",
     "validation.cases.fem_equilibria",
     "validation.cases.fault_gaps",
+    "validation.cases.stability",
     "validation.cases.harness",
     "validation.cases.convergence",
     "validation.cases.paper_method_audit",
