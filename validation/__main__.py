@@ -24,7 +24,7 @@ from validation.registry import CaseError, registry, select
 from validation.report.render import PAGE, ReportError, failures, write_html
 from validation.runner import Note, run_cases, write_atomically
 from validation.schema import SCHEMA, Report, is_intact, with_checksum
-from validation.studies import STUDIES
+from validation.studies import ON_EXECUTORS, STUDIES
 from validation.verdict import counts, fails
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -188,6 +188,10 @@ def _baseline_update(options: argparse.Namespace) -> int:
 def _study(options: argparse.Namespace) -> int:
     """Run a study."""
     study = import_module(f"validation.studies.{options.name.replace('-', '_')}")
+    if options.name in ON_EXECUTORS:
+        return int(study.run(options.out, options.quick, _say, options.jobs, opener_of(options.executor)))
+    if options.executor != "local":
+        raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs here alone")
     return int(study.run(options.out, options.quick, _say))
 
 
@@ -243,6 +247,8 @@ def _parser() -> argparse.ArgumentParser:
     study.add_argument("name", choices=STUDIES, help="; ".join(f"{name}: {what}" for name, what in STUDIES.items()))
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
+    study.add_argument("--jobs", type=_positive, default=cores, help=f"processes of: {', '.join(ON_EXECUTORS)}")
+    study.add_argument("--executor", default="local", help=f"for {', '.join(ON_EXECUTORS)}: local or dask://host:port")
     study.set_defaults(command=_study)
     return parser
 

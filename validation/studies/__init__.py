@@ -1,6 +1,7 @@
 """Studies: longer runs that answer one question about the suite itself.
 
-Each is a module of this package (its name with underscores) with `run(folder, quick, report) -> exit code`.
+Each is a module of this package (its name with underscores) with `run(folder, quick, report) -> exit code`; those of
+`ON_EXECUTORS` take the number of processes and the opener of an executor as well.
 """
 
 STUDIES: dict[str, str] = {
@@ -8,5 +9,8 @@ STUDIES: dict[str, str] = {
     "convergence": "rates of every code against those predicted: geometric, algebraic, with and without graded meshes",
     "cost": "seconds, memory and counts of the paper's profile against harmonics; path convergence",
     "stability": "the hard cases of all codes: converged, correct and refused counted apart, over a fixed denominator",
+    "maps": "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness",
     "faults": "would the suite notice: faults put into the running code, what catches them, how small they may be",
 }
+
+ON_EXECUTORS = ("maps",)

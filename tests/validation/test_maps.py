@@ -1,0 +1,94 @@
+"""Maps: their axes reach what they promise, loops close against the energies released, cells have a number or a why."""
+
+import csv
+import io
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from example_members import here
+
+from validation import __main__ as command_line
+from validation.studies import maps
+from validation.studies.map_figures import Map, table_of, write_map
+
+
+def test_full_study_covers_the_axes():
+    points = [point for plane in maps.planes(quick=False) for point in plane.points]
+    assert {point.hurst for point in points} >= {0.3, 0.9}
+    assert {point.harmonics for point in points} >= {10, 4000}
+    assert {point.theta for point in points} >= {0.0, 1.0}
+    assert {point.thickness for point in points} >= {None, 0.01}
+
+
+def test_realisations_of_a_point_differ_in_their_seed_alone():
+    one, two = (maps.member_of(maps.Point(0.7, 20, 0.1, None), k) for k in range(2))
+    assert one.scene["profile"].pop("seed") != two.scene["profile"].pop("seed")
+    assert one.scene["profile"] == two.scene["profile"]
+
+
+def test_names_of_members_differ():
+    points = {point for plane in maps.planes(quick=False) for point in plane.points}
+    assert len({maps.member_of(point, 0).name for point in points}) == len(points)
+
+
+def state(penetration, pressure, area, branch="loading"):
+    return SimpleNamespace(penetration=penetration, mean_pressure=pressure, contact_fraction=area, branch=branch)
+
+
+def test_slope_is_that_of_the_loading_branch_within_the_window():
+    unit = maps.MODULUS * 0.2
+    line = [state(0.0, p * unit, 0.01 + 2.5 * p) for p in (0.01, 0.02, 0.04, 0.05)]
+    others = [state(0.0, unit, 0.1, "unloading"), state(0.0, unit, 0.5)]
+    assert maps.area_slope([*line, *others], 0.2) == pytest.approx(2.5, rel=1e-12)
+
+
+def test_slope_of_two_states_is_none():
+    assert maps.area_slope([state(0.0, 1.0, 0.03), state(0.0, 2.0, 0.05)], 0.2) is None
+
+
+def test_integral_of_a_rectangular_loop_is_its_area():
+    loop = [
+        state(0.0, 0.0, 0.1),
+        state(0.0, 3.0, 0.1),
+        state(2.0, 3.0, 0.1),
+        state(2.0, 1.0, 0.1),
+        state(0.0, 1.0, 0.1),
+    ]
+    assert maps.loop_integral(loop) == pytest.approx(4.0)
+
+
+MAP = Map(
+    "one", "slope", "H", "harmonics", ["0.3"], ["10", "20"], [[2.0, None]], [[0.1, None]], [["", "1 complete contact"]]
+)
+
+
+def test_csv_says_why_a_value_is_missing():
+    lines = list(csv.reader(io.StringIO(table_of(MAP))))
+    assert lines[1:] == [["0.3", "10", "2.0", "0.1", ""], ["0.3", "20", "", "", "1 complete contact"]]
+
+
+def test_map_files_are_vectors(tmp_path):
+    write_map(MAP, tmp_path)
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".pdf", ".svg"]
+
+
+def test_executor_of_a_study_that_has_none_is_refused(tmp_path):
+    words = ["study", "cost", "--executor", "dask://127.0.0.1:1", "--out", str(tmp_path)]
+    assert command_line.main(words) == 2
+
+
+@pytest.mark.slow
+def test_quick_study_balances_and_goes_on_where_it_ended(tmp_path):
+    notes = []
+    assert maps.run(tmp_path, True, notes.append, 1, here) == 0
+    assert {path.name for path in tmp_path.glob("*.csv")} == {
+        f"{plane}-{quantity}.csv" for plane in ("roughness", "adhesion", "layer") for quantity in ("slope", "loop")
+    }
+    again = []
+    assert maps.run(tmp_path, True, again.append, 1, here) == 0
+    assert again[0].text == f"{len(notes)} of {len(notes)} members are there already"
+    values = list(csv.reader(io.StringIO((tmp_path / "adhesion-loop.csv").read_text())))[1:]
+    assert [float(line[2]) for line in values if float(line[1]) == 0.0] == [0.0, 0.0]
+    assert all(float(line[2]) > 0 for line in values if float(line[1]) > 0)
+    assert np.isfinite([float(line[2]) for line in values]).all()
