@@ -5,19 +5,23 @@ averaged.  Stresses in units of E*.
 
 Compressive end: ln P = a - b sigma^k over 1 to 3 standard deviations of full-contact stress, h'_rms/2, k by least
 squares; a Gaussian has k = 2.  Tensile end: P |sigma|^3 tends to (2 / pi lambda) sum_e w_e / E*, exactly (JKR edges).
-Fit: the paper's double Gaussian with sigma_0 held, sigma_a and G free, over sigma >= 0 (persson/double_gaussian.py);
-its sensitivity to the lower end of the window is in the table.
+Fit: the paper's double Gaussian with sigma_0 held and sigma_a and G free (persson/double_gaussian.py), times a free
+amplitude, over -0.3 to 0.7 E*: the theory has half the area, and with the amplitude held at 1 the shape is missed by 15
+to 20 % of the peak.  The formula vanishes at -sigma_a / 2, which is what is compared with the theory's sigma_a, where
+its distribution ends.  Other windows, and the amplitude held, are in the table.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
+from scipy.optimize import least_squares, minimize_scalar
 
-from persson import DoubleGaussian, fit_double_gaussian
+from persson import double_gaussian, fit_double_gaussian
 from validation.case import Outcome
 from validation.replicate.evidence import Evidence, Realisation, jackknife, mean_and_error, theory_with_adhesion
 from validation.replicate.members import MODULUS, SPECTRA_AT
@@ -30,14 +34,60 @@ BOUNDS = np.linspace(-0.3, 0.7, 51)  # of E*
 TAIL_BOUNDS = -np.geomspace(30.0, 0.05, 41)  # of E*
 TENSILE_END = (-6.0, -2.0)  # of E*
 COMPRESSIVE_END = (1.0, 3.0)  # of h'_rms / 2
-FIT_FROM = 0.0  # of E*
-OTHER_FITS_FROM = (-0.3, -0.05, 0.05)  # of E*
+FITTED = (-0.3, -0.1, 0.0)  # lower ends of the window of the fit, of E*; the first is that of the rows
 FACTOR = 1.4  # of the paper, on the theory's sigma_a
+STARTS = (0.5, 1.5, 3.0)  # of sigma_a, in units of h'_rms / 2
 CAUSE = (
-    "the double Gaussian with sigma_0 held does not describe this distribution (residual 15 to 20 % of its peak): "
-    "edges resolved to their singularity carry tension far below any barrier, and the number of the fit moves by an "
-    "order of magnitude with the lower end of its window"
+    "both find tension beyond the theory's sigma_a; how much depends on the fit: the paper's formula ends at "
+    "-sigma_a / 2 and is fitted here with its amplitude free, which describes the distribution to 3 % of its peak"
 )
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A double Gaussian times an amplitude; stresses in units of E*, residual rms over the largest P."""
+
+    load: float
+    detachment_stress: float
+    variance: float
+    amplitude: float
+    residual: float
+
+    @property
+    def end(self) -> float:
+        """Tension at which the formula vanishes."""
+        return self.detachment_stress / 2
+
+    def __call__(self, sigma: FloatArray) -> FloatArray:
+        """P E* at sigma/E*."""
+        diffusivity = self.variance / (2 * self.load**2)
+        return self.amplitude * double_gaussian(sigma, self.load, self.detachment_stress, diffusivity)
+
+
+def fitted(sigma: FloatArray, values: FloatArray, load: float, spread: float) -> Fit:
+    """Least squares over the points given, the best of several starts.
+
+    Examples
+    --------
+    >>> sigma = np.linspace(-0.3, 0.7, 51)
+    >>> found = fitted(sigma, Fit(0.02, 0.2, 0.018, 0.4, 0.0)(sigma), 0.02, 0.136)
+    >>> [round(value, 6) for value in (found.end, found.variance, found.amplitude)]
+    [0.1, 0.018, 0.4]
+    """
+    peak = float(values.max())
+
+    def made(parameters: FloatArray, residual: float = 0.0) -> Fit:
+        stress, variance, amplitude = np.exp(parameters) * (spread, spread**2, 1.0)
+        return Fit(load, float(stress), float(variance), float(amplitude), residual)
+
+    def misfit(parameters: FloatArray) -> FloatArray:
+        return (made(parameters)(sigma) - values) / peak
+
+    found = [least_squares(misfit, np.log([start, 1.0, 0.3]), xtol=1e-12, ftol=1e-12, gtol=1e-12) for start in STARTS]
+    best = min(found, key=lambda one: float(one.cost))
+    if not best.success:
+        raise ArithmeticError(f"double Gaussian: {best.message}")
+    return made(best.x, float(np.sqrt(np.mean(best.fun**2))))
 
 
 def density(one: Realisation, load: float, bounds: FloatArray) -> FloatArray:
@@ -81,27 +131,33 @@ def compute(evidence: Evidence) -> Outcome:
         raised = theory_with_adhesion(evidence.loading[0], load, 1 / FACTOR**2)
         said, said_raised = (found.pressure_distribution(centres * MODULUS) * MODULUS for found in (theory, raised))
         closer += int(np.sum(np.abs(mean - said_raised)) < np.sum(np.abs(mean - said)))
-        fit = _fitted(centres, mean, load, FIT_FROM)
+        fit = fitted(centres, mean, load, spread)
         rows.append(_gaussian_row(load, centres, values, spread, evidence.shortfall))
         rows.append(_tensile_row(evidence, load))
         rows.append(
             disagreement(
-                f"sigma_a of the double Gaussian over the theory's, {load:g} E*",
-                fit.detachment_stress / (theory.detachment_stress / MODULUS),
-                jackknife(lambda m, p=load: _fitted(centres, m, p, FIT_FROM).detachment_stress, values)[1]  # type: ignore[misc]
+                f"tension where the fitted double Gaussian ends over the theory's sigma_a, {load:g} E*",
+                fit.end / (theory.detachment_stress / MODULUS),
+                jackknife(lambda m, p=load: fitted(centres, m, p, spread).end, values)[1]  # type: ignore[misc]
                 / (theory.detachment_stress / MODULUS),
                 FACTOR,
-                (0.0, 0.5),
+                (1.1, 1.7),
                 CAUSE,
                 where="section 5: they differ, a factor of about 1.4 on the theory's brings it closer",
                 shortfall=evidence.shortfall,
             )
         )
-        for start in (FIT_FROM, *OTHER_FITS_FROM):
-            other = _fitted(centres, mean, load, start)
-            variance = 2 * other.diffusivity * load**2
-            lines.append([load, start, other.detachment_stress, variance / spread**2, other.residual,
-                          theory.detachment_stress / MODULUS])  # fmt: skip
+        sigma_a = theory.detachment_stress / MODULUS
+        for start in FITTED:
+            inside = centres > start
+            one = fitted(centres[inside], mean[inside], load, spread)
+            lines.append(
+                [load, start, one.amplitude, one.end, one.end / sigma_a, one.variance / spread**2, one.residual]
+            )
+        held = fit_double_gaussian(centres, mean, load)
+        variance = 2 * held.diffusivity * load**2 / spread**2
+        end = held.detachment_stress / 2
+        lines.append([load, FITTED[0], "held at 1", end, end / sigma_a, variance, held.residual])
         figures += _figures(load, centres, values, fit, said, said_raised)
     rows.append(
         statement(
@@ -113,23 +169,19 @@ def compute(evidence: Evidence) -> Outcome:
     figures.append(_tail_figure(evidence))
     table = Table(
         caption="Double Gaussian fitted to the mean P(sigma) from different lower ends to 0.7 E*; variance over that "
-        "of full contact, residual over the largest P.",
-        columns=["p/E*", "from sigma/E*", "sigma_a/E*", "variance", "residual", "theory's sigma_a/E*"],
+        "of full contact, rms residual over the largest P.",
+        columns=["p/E*", "from sigma/E*", "amplitude", "ends at -sigma/E*", "over the theory's sigma_a",
+                 "variance", "residual"],
         rows=lines,
-    )
+    )  # fmt: skip
     return Outcome(rows=tuple(rows), figures=tuple(figures), tables=(table,))
-
-
-def _fitted(centres: FloatArray, mean: FloatArray, load: float, start: float) -> DoubleGaussian:
-    inside = centres > start
-    return fit_double_gaussian(centres[inside], mean[inside], load)
 
 
 def _gaussian_row(load: float, centres: FloatArray, values: FloatArray, spread: float, short: str) -> Row:
     end = (centres >= COMPRESSIVE_END[0] * spread) & (centres <= COMPRESSIVE_END[1] * spread)
     power, error = jackknife(lambda mean: decay_power(centres[end], mean[end]), values)
     return statement(
-        f"power k of ln P = a - b sigma^k at high pressure, {load:g} E*", power, error, 2.0, 0.5, measured=0.25,
+        f"power k of ln P = a - b sigma^k at high pressure, {load:g} E*", power, error, 2.0, 0.6, measured=0.34,
         where="section 5: Gaussian tail at high pressure", shortfall=short,
     )  # fmt: skip
 
@@ -157,7 +209,7 @@ def _tensile_row(evidence: Evidence, load: float) -> Row:
 
 
 def _figures(
-    load: float, centres: FloatArray, values: FloatArray, fit: DoubleGaussian, said: FloatArray, raised: FloatArray
+    load: float, centres: FloatArray, values: FloatArray, fit: Fit, said: FloatArray, raised: FloatArray
 ) -> list[Figure]:
     """The distribution, linear and logarithmic."""
     mean, error = mean_and_error(values)
@@ -177,7 +229,7 @@ def _figures(
             Figure(
                 id=f"pressure-distribution-{load:g}-{name}",
                 caption=f"Distribution of the pressure at {load:g} E*, {name}: mean over the realisations with its "
-                "standard error, the double Gaussian fitted over sigma >= 0, and the theory.",
+                "standard error, the double Gaussian fitted to it, and the theory.",
                 solution=Panel(
                     xlabel="σ / E*",
                     ylabel="P E*",

@@ -59,7 +59,7 @@ def statement(
         expected=said,
         computed=found,
         uncertainty=error,
-        tolerance=Tolerance(value=allowed, measured=measured),
+        tolerance=Tolerance(value=allowed, measured=measured, basis="required"),
         status="not run" if shortfall else "run",
         message=shortfall,
     )
