@@ -34,7 +34,7 @@ SCHEMA = "linecontact-work-precision/1"
 FILE = "work-precision.json"
 SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
 QUICK_SCENES = ("sinusoid", "theory")
-QUICK_PRICES, PRICES = (60, 2), (400, 5)  # harmonics of the rough scene, runs of each effect
+QUICK_PRICES, PRICES = (60, 1), (250, 2)  # harmonics of the rough scene, runs of each effect
 PRICE_COLUMNS = ("effect", "on top of", "cpu/s", "extra/s", "ratio", "evaluations", "digits", "reference")
 REPEATS, SECONDS = (20, 2.0), (3, 0.5)  # most repeats and seconds for them: in full, quick
 
