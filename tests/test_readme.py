@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from validation.studies import STUDIES
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text("utf-8")
 
@@ -49,3 +51,8 @@ def test_python_lines_run(folder):
 def test_pictures_exist():
     for name in re.findall(r"!\[.*?\]\((.*?)\)", README):
         assert (ROOT / name).exists(), name
+
+
+def test_every_study_is_listed():
+    named = [line.split()[4] for line in blocks("sh")[3].splitlines() if line.split()[3] == "study"]
+    assert sorted(named) == sorted(STUDIES)
