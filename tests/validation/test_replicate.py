@@ -40,7 +40,7 @@ def test_shapes_are_of_the_first_profile_above_90_micrometres():
 
 def test_names_of_members_differ():
     names = [one.name for one in members.all_members(PAPER)]
-    assert len(set(names)) == len(names) == 11 + 1 + 1 + 6
+    assert len(set(names)) == len(names) == 11 + 1 + 1 + 12
 
 
 def test_sensitivity_is_the_change_of_a_curved_spectrum():

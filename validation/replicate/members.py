@@ -52,7 +52,7 @@ class Size:
     hurst_seeds: int
 
 
-PAPER = Size(seeds=11, harmonics=1000, fewer_harmonics=250, hurst_seeds=3)
+PAPER = Size(seeds=11, harmonics=1000, fewer_harmonics=250, hurst_seeds=6)
 QUICK = Size(seeds=2, harmonics=64, fewer_harmonics=32, hurst_seeds=2)
 
 
