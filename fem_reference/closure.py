@@ -311,7 +311,7 @@ def close_on_ladder(
 
 def scouting(resolution: Resolution) -> Resolution:
     """The coarse P2/P1 mesh on which edges are found and the Jacobian is made."""
-    return Resolution(2, max(8, resolution.cells if resolution.order == 2 else 8), 7)
+    return Resolution(2, 8, 7) if resolution.order == 4 else Resolution(2, 6, 6)
 
 
 def hessian(problem: Problem, closure: Closure) -> FloatArray:
