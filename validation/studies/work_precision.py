@@ -26,9 +26,9 @@ from validation.studies.plots import Line, Plot, write_svg
 from validation.studies.price_list import Price, digits_of, loaded_for_nothing, priced
 from validation.studies.price_list import sentences as price_sentences
 from validation.studies.store import peak_megabytes, text_table, write_json
-from validation.studies.work_precision_methods import METHODS, Found, Method
+from validation.studies.work_precision_methods import METHODS, Method
 from validation.studies.work_precision_references import SOURCES, Reference, Source, source_for
-from validation.studies.work_precision_scenes import Posed, scenes
+from validation.studies.work_precision_scenes import Found, Posed, scenes
 
 SCHEMA = "linecontact-work-precision/1"
 FILE = "work-precision.json"

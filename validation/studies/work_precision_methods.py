@@ -25,38 +25,11 @@ from persson import AdhesiveContact, DiscreteSpectrum
 from persson import solve as persson_solve
 from validation.paper_method import PaperState, follow
 from validation.paper_method import solve as paper_solve
-from validation.studies.work_precision_scenes import Answer, Posed
+from validation.studies.dense_newton import solve_dense
+from validation.studies.work_precision_scenes import Answer, Found, MethodError, Posed, overlap
 
 HALF_SPACE_DEPTH = 3.0  # periods: a layer so thick is the half-space within 1e-12
 PERSSON_LOAD = 1.0e4  # Pa
-
-
-class MethodError(ArithmeticError):
-    """A method came back without an answer."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """What a method found at a setting, and what it cost.
-
-    Parameters
-    ----------
-    answer : dict
-        By the names of QUANTITIES.
-    unknowns : int
-        Of its largest linear system.
-    counts : dict of str to int
-        Evaluations, iterations: what gates could be put on.
-    setup, solve, post : float
-        Wall seconds of posing, solving and evaluating the answer.
-    """
-
-    answer: Answer
-    unknowns: int
-    counts: dict[str, int]
-    setup: float
-    solve: float
-    post: float
 
 
 @dataclass(frozen=True)
@@ -152,13 +125,13 @@ def solve_paper(posed: Posed, cells: int) -> Found:
     """The paper's own method: from the geometric overlap, or along a path where the state depends on it."""
     begun = time.perf_counter()
     surface = posed.surface()
-    overlap = _overlap(posed)
+    start = overlap(posed)
     ready = time.perf_counter()
     if posed.id == "rough":
         way = np.linspace(0.0, posed.penetration, PATH_STEPS + 1)[1:]
         states = follow(surface, way, cells, PATH_CLOSURE, PAPER_GAP)
     else:
-        states = [paper_solve(surface, posed.penetration, overlap, cells, PAPER_CLOSURE, PAPER_GAP)]
+        states = [paper_solve(surface, posed.penetration, start, cells, PAPER_CLOSURE, PAPER_GAP)]
     solved = time.perf_counter()
     last = states[-1]
     if last.status != "converged":
@@ -222,6 +195,16 @@ METHODS: tuple[Method, ...] = (
         scenes=("sinusoid", "layer", "rough"),
         solve=solve_bem,
         cannot={},
+    ),
+    Method(
+        name="bem, dense",
+        code="bem",
+        knob="nodes per patch",
+        fixed="Newton on K from the geometric overlap: patches given, no path, no search for contacts",
+        settings=(4, 6, 8, 10, 12, 16, 20, 24),
+        scenes=("sinusoid", "layer"),
+        solve=solve_dense,
+        cannot={"rough": "without a path and a search for contacts it does not know the patches"},
     ),
     Method(
         name="fem",
@@ -306,18 +289,6 @@ def _fem_gap(posed: Posed, evaluation: Evaluation) -> float:
     plate = float(states.displacement_of_plate[0] + evaluation.load * states.displacement_of_plate[1])
     rigid = float(problem.height(np.array([posed.trough / posed.period]))[0]) - problem.highest + plate
     return (face - rigid) * problem.unit_height
-
-
-def _overlap(posed: Posed) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Where the undeformed profile is above the undeformed face: edges (L, 2) to start from, m."""
-    surface = posed.surface()
-    count = 64 * max(posed.orders)
-    x = np.arange(count) * (2 * np.pi / count)
-    inside = surface.height(x) - surface.highest + posed.penetration / surface.unit_height > 0
-    starts, ends = np.flatnonzero(inside & ~np.roll(inside, 1)), np.flatnonzero(inside & ~np.roll(inside, -1))
-    ends = np.where(ends < starts, np.roll(ends, -1), ends) if ends[0] < starts[0] else ends
-    ends = np.where(ends < starts, ends + count, ends)
-    return np.asarray(np.stack([starts, ends + 1], axis=1) * (posed.period / count), dtype=np.float64)
 
 
 def _paper_counts(states: list[PaperState]) -> dict[str, int]:

@@ -23,12 +23,11 @@ from validation.studies.work_precision_methods import (
     PATH_CLOSURE,
     PATH_STEPS,
     Method,
-    MethodError,
     persson_finite_volumes,
     persson_volterra,
     solve_bem,
 )
-from validation.studies.work_precision_scenes import QUANTITIES, Answer, Posed, exact_sinusoid
+from validation.studies.work_precision_scenes import QUANTITIES, Answer, MethodError, Posed, exact_sinusoid
 
 ROUNDING = 2e-15  # of the scale of a quantity
 

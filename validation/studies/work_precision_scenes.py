@@ -91,6 +91,34 @@ class Posed:
         return {name: abs(found[name] - reference[name]) / self.scales[name] for name in known}
 
 
+class MethodError(ArithmeticError):
+    """A method came back without an answer."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a method found at a setting, and what it cost.
+
+    Parameters
+    ----------
+    answer : dict
+        By the names of QUANTITIES.
+    unknowns : int
+        Of its largest linear system.
+    counts : dict of str to int
+        Evaluations, iterations: what gates could be put on.
+    setup, solve, post : float
+        Wall seconds of posing, solving and evaluating the answer.
+    """
+
+    answer: Answer
+    unknowns: int
+    counts: dict[str, int]
+    setup: float
+    solve: float
+    post: float
+
+
 def scenes() -> dict[str, Posed]:
     """All, by their ids."""
     m = np.arange(1, 61)
@@ -132,6 +160,18 @@ def exact_sinusoid(posed: Posed) -> Answer:
     gap = 2 * length / (np.pi * wave.modulus) * (full * (np.sqrt(1 - share) - share * angle) + tension * angle)
     values = (psi * 2 / np.pi, float(wave.mean_pressure(psi)), float(energy), float(gap))
     return dict(zip(QUANTITIES, values, strict=True))
+
+
+def overlap(posed: Posed) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """Where the undeformed profile is above the undeformed face: edges (L, 2) to start from, m."""
+    surface = posed.surface()
+    count = 64 * max(posed.orders)
+    x = np.arange(count) * (2 * np.pi / count)
+    inside = surface.height(x) - surface.highest + posed.penetration / surface.unit_height > 0
+    starts, ends = np.flatnonzero(inside & ~np.roll(inside, 1)), np.flatnonzero(inside & ~np.roll(inside, -1))
+    ends = np.where(ends < starts, np.roll(ends, -1), ends) if ends[0] < starts[0] else ends
+    ends = np.where(ends < starts, ends + count, ends)
+    return np.asarray(np.stack([starts, ends + 1], axis=1) * (posed.period / count), dtype=np.float64)
 
 
 def _lowest(harmonics: tuple[tuple[int, ...], tuple[float, ...], tuple[float, ...]]) -> float:
