@@ -10,6 +10,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.fem_closed_forms",
     "validation.cases.fem_equilibria",
     "validation.cases.fault_gaps",
+    "validation.cases.theory_routes",
     "validation.cases.stability",
     "validation.cases.harness",
     "validation.cases.convergence",

@@ -100,15 +100,21 @@ def _open_kernel(original: Function, size: float) -> Function:
 
 
 def _every_second_point(original: Function, size: float) -> Function:
-    """The gap is looked at on a grid of half the points, and what is found is not refined."""
+    """The gap is looked at in every second point of the grid, and nowhere between."""
 
-    def wrong(*given: Any, **named: Any) -> Any:
-        points, refinements = gap.POINTS_PER_WAVELENGTH, gap.REFINEMENTS
-        gap.POINTS_PER_WAVELENGTH, gap.REFINEMENTS = points // 2, 0
-        try:
-            return original(*given, **named)
-        finally:
-            gap.POINTS_PER_WAVELENGTH, gap.REFINEMENTS = points, refinements
+    def wrong(field: Any, threshold: float = gap.SUSPICIOUS_GAP) -> Any:
+        patches = field.state.patches
+        waves = patches.gap_after * (field.elastic.profile.max_order / (2 * np.pi))
+        counts = np.ceil(20 + gap.POINTS_PER_WAVELENGTH * np.pi / 2 * waves).astype(np.int64) // 2
+        where = [
+            edge + width * (1 - np.cos((np.arange(n) + 0.5) * np.pi / n)) / 2
+            for edge, width, n in zip(patches.right, patches.gap_after, counts, strict=True)
+        ]
+        position, owner = np.concatenate(where), np.repeat(np.arange(patches.count), counts)
+        depth = field(position, owner)
+        lowest = np.flatnonzero((depth[1:-1] < threshold) & (depth[1:-1] <= depth[:-2]) & (depth[1:-1] < depth[2:])) + 1
+        inside = lowest[(owner[lowest - 1] == owner[lowest]) & (owner[lowest + 1] == owner[lowest])]
+        return gap.GapMinima(position[inside], depth[inside], owner[inside])
 
     return wrong
 
@@ -124,12 +130,13 @@ def _every_second_minimum(original: Function, size: float) -> Function:
 
 
 def _merge_forgets_wrap(original: Function, size: float) -> Function:
-    """A merge across the end of the period keeps the part before it only."""
+    """At the end of the period there is no following patch: the last one is merged with the one before it instead."""
 
     def wrong(patches: Any, index: int) -> Any:
-        if patches.count == 1 or index + 1 < patches.count:
+        following = min(index + 1, patches.count - 1)
+        if patches.count == 1 or following == index + 1:
             return original(patches, index)
-        return patches.without_patch(0)
+        return original(patches, index - 1)
 
     return wrong
 
@@ -287,7 +294,7 @@ BEM_FAULTS: tuple[Fault, ...] = (
     ),
     Fault(
         "bem-gap-every-second-point",
-        "the gap is looked at in every second point, unrefined",
+        "the gap is looked at in every second point, and nowhere between",
         "bem.gap:low_minima",
         _every_second_point,
     ),
@@ -299,7 +306,7 @@ BEM_FAULTS: tuple[Fault, ...] = (
     ),
     Fault(
         "bem-merge-forgets-wrap",
-        "a merge across the end of the period loses what lies beyond",
+        "a merge across the end of the period closes the gap on the other side",
         "bem.patches:Patches.merged_after",
         _merge_forgets_wrap,
     ),
