@@ -47,8 +47,12 @@ def with_edges(result: Result) -> list[State]:
 
 def pressure_unit(scene: Scene) -> float:
     """h'_rms E* / 2, the pressure against which errors are measured."""
-    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
-    return 0.5 * scene.surface().rms_slope * solid.plane_strain_modulus
+    return 0.5 * scene.surface().rms_slope * plane_strain_modulus(scene)
+
+
+def plane_strain_modulus(scene: Scene) -> float:
+    """E / (1 - nu^2), of its own."""
+    return scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
 
 
 def westergaard(tables: Table, scene: Scene, result: Result) -> list[str]:
@@ -62,11 +66,10 @@ def johnson(tables: Table, scene: Scene, result: Result) -> list[str]:
 
 
 def _wave(scene: Scene, result: Result, work: float) -> list[str]:
-    surface = scene.surface()
-    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+    surface, modulus = scene.surface(), plane_strain_modulus(scene)
     amplitude, period = float(surface.amplitudes[0]), surface.period
-    peak = np.pi * solid.plane_strain_modulus * amplitude / period
-    alpha = np.sqrt(2 * solid.plane_strain_modulus * work / period) / peak
+    peak = np.pi * modulus * amplitude / period
+    alpha = np.sqrt(2 * modulus * work / period) / peak
     findings = []
     for state in with_edges(result):
         gap = np.pi / 2 * (1 - state.contact_fraction)  # the complement keeps the digits near complete contact
@@ -86,8 +89,7 @@ def dense(tables: Table, scene: Scene, result: Result) -> list[str]:
     Next to complete contact that is much: the pressure has a pole where the last gap closes.
     """
     surface = scene.surface()
-    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
-    scales = Scales(surface.period, surface.rms_height, solid.plane_strain_modulus)
+    scales = Scales(surface.period, surface.rms_height, plane_strain_modulus(scene))
     findings = []
     for state in with_edges(result):
         edges = np.array(state.edges) / scales.length
@@ -137,7 +139,7 @@ def compressive(tables: Table, scene: Scene, result: Result) -> list[str]:
     Noise of the heights h leaves a pressure of h E* over the width of the patch.
     """
     solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
-    noise = HEIGHT_NOISE * scene.surface().rms_height * solid.plane_strain_modulus
+    noise = HEIGHT_NOISE * scene.surface().rms_height * plane_strain_modulus(scene)
     findings = []
     for state in with_edges(result):
         contact = ContactState(scene.surface(), solid, state.edges, state.penetration, tolerance=1e-12)
@@ -231,8 +233,7 @@ def _in_units(tables: Table, scene: Scene, result: Result, factor: float) -> lis
 
 def plane_strain_only(tables: Table, scene: Scene, result: Result) -> list[str]:
     """The same E* with nu = 0 gives the same states on a half-space."""
-    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
-    other = {"youngs_modulus": solid.plane_strain_modulus, "poisson_ratio": 0.0}
+    other = {"youngs_modulus": plane_strain_modulus(scene), "poisson_ratio": 0.0}
     return _compare("nu = 0 with the same E*", result, solve(parse_scene(tables | {"solid": other})), scene)
 
 
