@@ -1,3 +1,5 @@
+"""Meshes: bad edges are named, edges are vertices, the seam matches, moving keeps the topology."""
+
 import numpy as np
 import pytest
 

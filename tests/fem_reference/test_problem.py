@@ -1,3 +1,5 @@
+"""Checks of the raw input, and the profile with its derivatives and crests."""
+
 import dataclasses
 
 import numpy as np
