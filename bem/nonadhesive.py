@@ -68,11 +68,18 @@ def _closed(state: Evaluation, control: Control, limit: float) -> bool:
 
     The steps count because a gap that closes has hardly any K left.
     """
-    intensity, rounding = np.abs(state.stress_intensity), state.rounding(control.penetration_rate(state))
+    rounding = state.rounding(control.penetration_rate(state))
+    small = np.all(np.abs(state.stress_intensity) <= np.maximum(limit * _mean_intensity(state), rounding))
+    return bool(small) and _remaining(state, rounding) <= TWO_PI * limit
+
+
+def _remaining(state: Evaluation, rounding: FloatArray | float = 0.0) -> float:
+    """Sum of the Newton steps still to be made, where K exceeds its rounding.
+
+    The bound of rounding is generous on thin layers: what it excuses is still done as long as the steps shrink.
+    """
     slope = np.maximum(np.abs(np.diagonal(stress_intensity_jacobian(state))), 1e-300)
-    remaining = float(np.sum(np.maximum(intensity - rounding, 0.0) / slope))
-    small = np.all(intensity <= np.maximum(limit * _mean_intensity(state), rounding))
-    return bool(small) and remaining <= TWO_PI * limit
+    return float(np.sum(np.maximum(np.abs(state.stress_intensity) - rounding, 0.0) / slope))
 
 
 def solve_contact(
@@ -102,7 +109,7 @@ def solve_contact(
     """
     damping = np.ones(2 * patches.count)
     last_sign = np.zeros(2 * patches.count)
-    measure = np.inf
+    measure = remaining = np.inf
     accuracy, closed_gap = max(tolerance, COARSE), COARSELY_CLOSED
     for count in range(1, ITERATIONS + 1):
         try:
@@ -120,7 +127,9 @@ def solve_contact(
             if changed is not None:
                 accuracy = max(tolerance, COARSE)
             elif _closed(state, control, closure):
-                return Contact("converged", state, measure, count)
+                before, remaining = remaining, _remaining(state)
+                if remaining <= TWO_PI * closure or remaining > 0.5 * before:
+                    return Contact("converged", state, measure, count)
         if changed is None:
             sign = np.sign(state.stress_intensity)
             if count > DAMPED_AFTER:
