@@ -61,8 +61,15 @@ class Interface:
         return -total
 
 
-def reference(scene: Scene, state: State) -> dict[str, float]:
+def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, float]:
     """Every scalar of a state with edges, in its unit, by dense algebra.
+
+    Parameters
+    ----------
+    scene : Scene
+    state : State
+    refinement : int
+        Times the nodes that dense algebra needs; 2 doubles the resolution.
 
     Raises
     ------
@@ -88,7 +95,7 @@ def reference(scene: Scene, state: State) -> dict[str, float]:
         kernel = SmoothKernel(addition.smooth, addition.slope)
         terms = addition.coupled_modes(right - left, 1e-14).astype(np.int64)
         compliance = layer.mean_compliance(solid)
-    nodes = np.maximum(dense_nodes(profile, left, right), terms)
+    nodes = refinement * np.maximum(dense_nodes(profile, left, right), terms)
     target, weights = _condition(scene, state, compliance, rms, stress)
     left, right, found = _settled(
         profile, left, right, state.penetration / rms, nodes, kernel, interface, target, weights

@@ -1,0 +1,151 @@
+"""Paths on layers: thin incompressible ones to ten digits of doubled resolution, thick ones left out, plates driven."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from rough_surfaces import rough_scene
+
+from bem.layer import Layer, compliance_ratio
+from bem.scaling import Solid
+from bem.scene import parse_scene
+from bem.solver import solve
+from validation.cases.dense_equilibrium import reference
+
+PERIOD, AMPLITUDE, MODULUS = 0.01, 1e-4, 1e6
+THIN = 0.02 * PERIOD
+LOOP = (5e-6, 9e-5, 5e-5, 2e-6)
+
+
+def wave(control, targets, adhesion=None, nu=0.5, thickness=THIN, tolerance=1e-10):
+    data = {
+        "solid": {"youngs_modulus": MODULUS, "poisson_ratio": nu},
+        "profile": {
+            "kind": "harmonics",
+            "period": PERIOD,
+            "orders": [1],
+            "amplitudes": [AMPLITUDE],
+            "phases": [0.3],
+        },
+        "loading": {"control": control, "targets": list(targets)},
+        "accuracy": {"tolerance": tolerance},
+    }
+    if thickness:
+        data["layer"] = {"thickness": thickness}
+    if adhesion:
+        data["adhesion"] = {"work_of_adhesion": adhesion, "slope_term": True}
+    return parse_scene(data)
+
+
+def rough(adhesion, nu, thickness=THIN):
+    return rough_scene(
+        [60e-6, 25e-6, 50e-6],
+        12,
+        1,
+        adhesion,
+        solid={"youngs_modulus": MODULUS, "poisson_ratio": nu},
+        layer={"thickness": thickness},
+        accuracy={"tolerance": 1e-10},
+    )
+
+
+SCENES = {
+    "one wave, nu=0.5": lambda: wave("penetration", LOOP),
+    "one wave, nu=0.5, adhesion": lambda: wave("penetration", LOOP, 0.03),
+    "one wave, nu=0.3, adhesion": lambda: wave("penetration", LOOP, 0.03, 0.3),
+    "rough, nu=0.5": lambda: rough(None, 0.5),
+    "rough, nu=0.5, adhesion": lambda: rough(0.03, 0.5),
+    "rough, nu=-0.5, adhesion": lambda: rough(0.03, -0.5),
+    "rough, nu=0.499999": lambda: rough(None, 0.499999),
+}
+by_scene = pytest.mark.parametrize("name", SCENES)
+
+
+@lru_cache(maxsize=16)
+def solved(name):
+    posed = SCENES[name]()
+    return posed, solve(posed)
+
+
+@by_scene
+def test_path_is_converged_and_certified(name):
+    _, result = solved(name)
+    assert result.status == "converged"
+    assert all(state.certificate.ok for state in result.states)
+
+
+@lru_cache(maxsize=16)
+def compared(name):
+    """States with edges, and the same by dense algebra."""
+    posed, result = solved(name)
+    touching = [state for state in result.targets if state.edges]
+    return touching, [reference(posed, state) for state in touching]
+
+
+@by_scene
+@pytest.mark.parametrize("quantity", ["mean_pressure", "contact_fraction", "elastic_energy"])
+def test_path_has_ten_digits_of_dense_algebra(name, quantity):
+    touching, known = compared(name)
+    largest = max(abs(values[quantity]) for values in known)
+    error = max(abs(getattr(state, quantity) - values[quantity]) for state, values in zip(touching, known, strict=True))
+    assert error <= 1e-10 * largest  # measured 1.1e-11
+
+
+def test_a_thin_incompressible_layer_is_stiff_and_a_compressible_one_less():
+    half_space = solve(wave("penetration", LOOP[:2], thickness=None)).targets[-1]
+    soft = solve(wave("penetration", LOOP[:2], nu=0.3)).targets[-1]
+    stiff = solved("one wave, nu=0.5")[1].targets[1]
+    assert stiff.mean_pressure > 5 * soft.mean_pressure > 5 * half_space.mean_pressure
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.499999, 0.5])
+def test_complete_contact_needs_the_pressure_of_the_layer(nu):
+    """Every mode of complete contact carries h_m / c(m q0)."""
+    q = 2 * np.pi / PERIOD
+    amplitude = AMPLITUDE / float(Layer(THIN).compliance(Solid(MODULUS, nu), q))
+    states = solve(wave("mean_pressure", [0.999999 * amplitude, 1.000001 * amplitude], nu=nu)).targets
+    assert [state.status for state in states] == ["converged", "complete_contact"]
+
+
+@pytest.mark.parametrize("adhesion", [None, 0.03], ids=["bare", "adhesive"])
+def test_a_driven_plate_meets_the_states_of_fixed_penetration(adhesion):
+    here = solve(wave("penetration", LOOP[:3], adhesion, 0.3)).targets
+    driven = solve(wave("total_displacement", [state.total_displacement for state in here], adhesion, 0.3)).targets
+    for state, twin in zip(here, driven, strict=True):
+        assert abs(state.contact_fraction - twin.contact_fraction) <= 1e-10  # measured 1e-12
+        assert abs(state.mean_pressure - twin.mean_pressure) <= 1e-10 * abs(state.mean_pressure)
+
+
+def test_plate_moves_by_penetration_and_mean_compression():
+    states = solve(wave("penetration", LOOP, nu=0.3)).targets
+    compliance = THIN * 0.4 * 1.3 / (MODULUS * 0.7)  # d (1 - 2 nu)(1 + nu) / (E (1 - nu))
+    for state in states:
+        assert state.total_displacement == pytest.approx(
+            state.penetration + compliance * state.mean_pressure, rel=1e-14
+        )
+
+
+def test_a_layer_too_thick_to_matter_is_left_out_with_a_note():
+    thick, none = (solve(wave("penetration", LOOP[:3], 0.03, 0.3, thickness)) for thickness in (4 * PERIOD, None))
+    effects = {effect.name: effect for effect in thick.effects}
+    assert effects["half_space"].active
+    assert not effects["layer"].active
+    assert "left out" in effects["layer"].reason
+    assert [state.mean_pressure for state in thick.targets] == [state.mean_pressure for state in none.targets]
+
+
+def test_a_layer_that_matters_little_changes_little_but_is_kept():
+    """A layer of 2.5 periods changes the compliance by 3e-12; a tolerance of 1e-12 keeps it, without overflow."""
+    thickness, q = 2.5 * PERIOD, 2 * np.pi / PERIOD
+    deficit = 1 - float(compliance_ratio(q * thickness, 0.3))
+    result = solve(wave("penetration", LOOP[:2], nu=0.3, thickness=thickness, tolerance=1e-12))
+    none = solve(wave("penetration", LOOP[:2], nu=0.3, thickness=None, tolerance=1e-12))
+    assert next(effect for effect in result.effects if effect.name == "layer").active
+    for state, other in zip(result.targets, none.targets, strict=True):
+        assert abs(state.mean_pressure / other.mean_pressure - 1) <= 100 * deficit
+
+
+@pytest.mark.parametrize("q_d", [1e-4, 1.0, 400.0, 1e6], ids=lambda value: f"q0d={value:g}")
+def test_no_thickness_overflows(q_d):
+    ratio = compliance_ratio(q_d * np.array([1.0, 10.0, 1e4]), 0.5)
+    assert np.all((ratio > 0) & (ratio <= 1))

@@ -1,0 +1,228 @@
+"""Layers along whole paths: thin and incompressible ones against doubled resolution, thick ones against none at all.
+
+The reference is dense algebra with twice the nodes it needs (dense_equilibrium.py), at the control of each state; for
+complete contact the pressure of the layer, and for a layer as thick as to be left out the half-space itself.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import bem
+from bem.result import Result, State
+from bem.scene import Scene
+from validation import adapters
+from validation.case import Case, Outcome
+from validation.cases.dense_equilibrium import reference
+from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+
+QUANTITIES = {
+    "mean_pressure": "mean pressure",
+    "contact_fraction": "contact fraction",
+    "elastic_energy": "elastic energy",
+}
+REQUIRED = 1e-10
+
+
+def _scenes() -> dict[str, Scene]:
+    """The layers compared, by name."""
+    mild: dict[str, Any] = {"solid": {"poisson_ratio": 0.3}}
+    return {
+        "nu = 0.5, adhesion": adapters.scene("thin_layer"),
+        "nu = 0.5": adapters.scene("thin_layer", {"adhesion": None}),
+        "nu = 0.3, adhesion": adapters.scene("thin_layer", mild),
+        "nu = 0.3, driven by its plate": adapters.scene("thin_layer", {**mild, "loading": _driven()}),
+    }
+
+
+def _driven() -> dict[str, Any]:
+    """Displacements of the plate, which hold the mean compression of the layer."""
+    return {"control": "total_displacement", "targets": [20e-6, 60e-6, 90e-6, 50e-6]}
+
+
+def errors(posed: Scene, states: tuple[State, ...]) -> dict[str, tuple[list[float], list[float]]]:
+    """Computed and expected values of every quantity at the states with edges."""
+    touching = [state for state in states if state.edges]
+    known = [reference(posed, state, refinement=2) for state in touching]
+    return {
+        name: ([getattr(state, name) for state in touching], [values[name] for values in known]) for name in QUANTITIES
+    }
+
+
+def _layer_path() -> Outcome:
+    scenes = _scenes()
+    results = {name: bem.solve(posed) for name, posed in scenes.items()}
+    doubled = Reference(kind="independent code", source="dense algebra with doubled resolution")
+    rows, compared = [], {}
+    for name, posed in scenes.items():
+        compared[name] = errors(posed, results[name].targets)
+        for quantity, words in QUANTITIES.items():
+            computed, expected = compared[name][quantity]
+            rows.append(
+                Row(
+                    quantity=f"{words}, d = 0.02 wavelengths, {name}, over the largest",
+                    unit={"mean_pressure": "Pa", "contact_fraction": "", "elastic_energy": "J/m^2"}[quantity],
+                    reference=doubled,
+                    norm="maximum over states",
+                    expected=list(expected),
+                    computed=list(computed),
+                    scale=max(abs(value) for value in expected),
+                    tolerance=Tolerance(value=REQUIRED, measured=MEASURED, basis="required"),
+                )
+            )
+    rows += [_certificates(results), *_thick(), _complete()]
+    unknowns = max(state.unknowns for result in results.values() for state in result.states)
+    evaluations = sum(state.evaluations for result in results.values() for state in result.states)
+    return Outcome(
+        rows=tuple(rows),
+        figures=(_figure(results, compared),),
+        tables=(_table(compared, results),),
+        counts={"unknowns": unknowns, "evaluations": evaluations},
+    )
+
+
+def _certificates(results: dict[str, Result]) -> Row:
+    bad = sum(not state.certificate.ok for result in results.values() for state in result.states)
+    return Row(
+        quantity="states whose certificate is not ok",
+        unit="",
+        reference=Reference(kind="exact", source="every state of the paths is an equilibrium"),
+        norm="absolute",
+        expected=[0.0],
+        computed=[float(bad)],
+        tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
+        pinned="exact",
+    )
+
+
+def _thick() -> tuple[Row, Row]:
+    """A layer of four periods changes the compliance by 1e-19: left out with a note, and nothing else changes."""
+    thick = bem.solve(adapters.scene("thin_layer", {"layer": {"thickness": 0.04}}))
+    none = bem.solve(adapters.scene("thin_layer", {"layer": None}))
+    note = next(effect for effect in thick.effects if effect.name == "layer")
+    said = float(not note.active and "left out" in note.reason)
+    exact = Reference(kind="exact", source="the layer is thicker than any wave reaches")
+    return (
+        Row(
+            quantity="layer of four periods left out, with a note in effects (1: yes)",
+            unit="",
+            reference=exact,
+            norm="absolute",
+            expected=[1.0],
+            computed=[said],
+            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
+            pinned="exact",
+        ),
+        Row(
+            quantity="mean pressure of that layer, over the largest of the half-space",
+            unit="Pa",
+            reference=exact,
+            norm="maximum over states",
+            expected=[state.mean_pressure for state in none.targets],
+            computed=[state.mean_pressure for state in thick.targets],
+            scale=max(abs(state.mean_pressure) for state in none.targets),
+            tolerance=Tolerance(value=1e-13, measured=0.0, basis="required"),
+        ),
+    )
+
+
+def _complete() -> Row:
+    """Pressure that just closes the last gap of a sinusoid on a thin incompressible layer, by bisection of states.
+
+    The amplitude of complete contact is D / c(q0), c(q) = 2 [sinh(2qd) - 2qd] / (E* q [cosh(2qd) + 2(qd)^2 + 1]).
+    """
+    amplitude, period, thickness, modulus = 1e-4, 0.01, 2e-4, 4e6 / 3
+    q = 2 * np.pi / period
+    y = 2 * q * thickness
+    compliance = 2 / (modulus * q) * (np.sinh(y) - y) / (np.cosh(y) + y**2 / 2 + 1)
+    exact = amplitude / compliance
+    targets = [exact * (1 - 1e-6), exact * (1 + 1e-6)]
+    profile = {"kind": "harmonics", "orders": [1], "amplitudes": [amplitude], "phases": [0.0]}
+    emptied = dict.fromkeys(("hurst", "rms_height", "harmonics", "seed"))
+    changes: dict[str, Any] = {
+        "adhesion": None,
+        "profile": {**profile, **emptied},
+        "loading": {"control": "mean_pressure", "targets": targets},
+    }
+    joined = [state.status == "complete_contact" for state in bem.solve(adapters.scene("thin_layer", changes)).targets]
+    found = exact if joined == [False, True] else None
+    return Row(
+        quantity="pressure of complete contact of a sinusoid, bracketed to 1e-6",
+        unit="Pa",
+        reference=Reference(kind="exact", source="compliance of a bonded incompressible layer"),
+        norm="relative",
+        expected=[exact],
+        computed=[found],
+        scale=exact,
+        tolerance=Tolerance(value=1e-6, measured=0.0, basis="required"),
+    )
+
+
+def _table(compared: dict[str, dict[str, tuple[list[float], list[float]]]], results: dict[str, Result]) -> Table:
+    return Table(
+        caption="Largest relative error against doubled resolution along each path, d = 0.02 wavelengths.",
+        columns=["path", "states", "events", *QUANTITIES.values()],
+        rows=[
+            [
+                name,
+                len(results[name].targets),
+                len(results[name].events),
+                *(
+                    float(f"{max(abs(np.subtract(*pair))) / max(abs(value) for value in pair[1]):.1e}")
+                    for pair in compared[name].values()
+                ),
+            ]
+            for name in compared
+        ],
+    )
+
+
+def _figure(results: dict[str, Result], compared: dict[str, dict[str, tuple[list[float], list[float]]]]) -> Figure:
+    half_space = bem.solve(adapters.scene("thin_layer", {"layer": None}))
+    shown = {name: results[name] for name in ("nu = 0.5, adhesion", "nu = 0.3, adhesion")} | {"half-space": half_space}
+    below = []
+    for name in ("nu = 0.5, adhesion", "nu = 0.5"):
+        computed, expected = compared[name]["mean_pressure"]
+        at = [state.separation * 1e6 for state in results[name].targets if state.edges]
+        relative = (np.subtract(computed, expected) / max(abs(value) for value in expected)).tolist()
+        below.append(Series(label=name, x=at, y=relative, style="points"))
+    return Figure(
+        id="thin-layer-path",
+        caption="Loading and unloading on a layer of 0.02 wavelengths and on a half-space; below, bem less reference.",
+        solution=Panel(
+            xlabel="separation / um",
+            ylabel="mean pressure / kPa",
+            yscale="symlog",
+            series=[
+                Series(
+                    label=name,
+                    x=[state.separation * 1e6 for state in result.states if state.edges],
+                    y=[state.mean_pressure / 1e3 for state in result.states if state.edges],
+                    style="dashed" if name == "half-space" else "line",
+                )
+                for name, result in shown.items()
+            ],
+        ),
+        error=Panel(xlabel="separation / um", ylabel="relative to the largest", series=below),
+    )
+
+
+MEASURED = 1.1e-11
+
+CASES = (
+    Case(
+        id="layer-path",
+        group="layer",
+        level="standard",
+        question="Do thin and incompressible layers keep their accuracy along whole paths, with adhesion and without?",
+        equations=(
+            "c(q) = 2 / (E* q) [(3 - 4 nu) sinh 2qd - 2qd] / [(3 - 4 nu) cosh 2qd + 2 (qd)^2 + 5 - 12 nu + 8 nu^2]"
+        ),
+        sources=("carbone2008",),
+        compute=_layer_path,
+        effects=("layer", "adhesion", "slope_term", "unloading"),
+        scene=adapters.scene_text("thin_layer"),
+    ),
+)
