@@ -16,6 +16,8 @@ from validation.studies.fault_injection import Examined, Fault, Task
 from validation.studies.faults import answers_of, control_run, examine_faults
 
 HERE = Path(__file__).parent
+SHORT = ("fault_gaps", "theory_routes", "harness")  # modules of cases below a second
+SHORT = tuple(f"validation.cases.{name}" for name in SHORT)
 
 
 def silent(note):
@@ -144,13 +146,13 @@ def test_target_that_does_not_exist_stops_the_study(example, monkeypatch):
 
 @pytest.fixture(scope="module")
 def control():
-    return control_run(faults.CATALOGUE, True, 1, silent)
+    return control_run(faults.CATALOGUE, True, 1, silent, SHORT)
 
 
 @pytest.mark.parametrize("name", QUICK)
 def test_fault_of_the_solver_or_the_harness_is_caught(control, name):
     chosen = [fault for fault in import_module(faults.CATALOGUE).CATALOGUE if fault.id == name]
-    (finding,) = examine_faults(chosen, faults.CATALOGUE, control, 1, silent)
+    (finding,) = examine_faults(chosen, faults.CATALOGUE, control, 1, silent, SHORT)
     assert finding.calls > 0
     assert finding.caught
 

@@ -16,8 +16,8 @@ CATALOGUE: tuple[Fault, ...] = (*BEM_FAULTS, *REFERENCE_FAULTS, *HARNESS_FAULTS)
 QUICK: tuple[str, ...] = (
     "bem-e-for-e-star",
     "bem-sensitivity-sign",
-    "bem-stress-factor-2",
-    "bem-kernel-open",
+    "bem-layer-bracket",
+    "persson-narrow-band",
     "harness-verdict-accepts",
 )
 """Five faults for continuous integration: each is caught by a case below a second."""
