@@ -234,10 +234,10 @@ def _hard_cases() -> list[HardCase]:
         ),
         HardCase(
             "restart",
-            "a path restarted from a stored state ends in the same state",
-            scene(rough(30), "separation", [60e-6, 45e-6, 30e-6], WORK, True),
-            scene(rough(1000), "separation", [60e-6, 45e-6, 30e-6], WORK, True),
-            same * 3,
+            "a path restarted from a stored state on its way back ends in the same state, which its history decides",
+            scene(rough(30), "separation", [60e-6, 30e-6, 50e-6, 60e-6], WORK, True),
+            scene(rough(1000), "separation", [60e-6, 30e-6, 50e-6, 60e-6], WORK, True),
+            same * 4,
             ("restart",),
         ),
         HardCase(
