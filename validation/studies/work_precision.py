@@ -1,7 +1,7 @@
 """What accuracy costs: seconds against achieved error for every method, on contacts with a reference of another code.
 
 Protocol: one process for every scene and method, one thread, the coarsest setting first as a warm-up, then every
-setting up to 20 times or 2 s (quick: 3 times or 0.5 s), the least wall time and the spread of the others, the least CPU
+setting up to 20 times or 2 s (quick: twice or 0.3 s), the least wall time and the spread of the others, the least CPU
 time, largest memory of the process so far, and set-up, solution and evaluation apart.  Curves and conclusion go by CPU
 time: on one thread it is the wall time of an idle machine, and others do not add to it.  Errors of all quantities are
 kept; the curve shows the larger of those of contact fraction and mean pressure.  Points below the uncertainty of their
@@ -36,7 +36,7 @@ SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the lar
 QUICK_SCENES = ("sinusoid", "theory")
 QUICK_PRICES, PRICES = (60, 1), (250, 2)  # harmonics of the rough scene, runs of each effect
 PRICE_COLUMNS = ("effect", "on top of", "cpu/s", "extra/s", "ratio", "evaluations", "digits", "reference")
-REPEATS, SECONDS = (20, 2.0), (3, 0.5)  # most repeats and seconds for them: in full, quick
+REPEATS, SECONDS = (20, 2.0), (2, 0.3)  # most repeats and seconds for them: in full, quick
 
 Item = TypeVar("Item")
 Answered = TypeVar("Answered")
