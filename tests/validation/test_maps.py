@@ -9,6 +9,7 @@ import pytest
 from example_members import here
 
 from validation import __main__ as command_line
+from validation.ensemble import Outcome
 from validation.studies import maps
 from validation.studies.map_figures import Map, table_of, write_map
 
@@ -56,6 +57,17 @@ def test_integral_of_a_rectangular_loop_is_its_area():
         state(0.0, 1.0, 0.1),
     ]
     assert maps.loop_integral(loop) == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize(("integral", "failures"), [(0.9, 0), (0.3, 1), (-1.0, 1)], ids=["near", "far", "other sign"])
+def test_loop_that_does_not_balance_is_a_failure(integral, failures):
+    made = maps.Run("one", "converged", 2.0, 1.0, integral, 10.0, 0.03, 1.0, -1.0, 20, 0)
+    assert len(list(maps._failures(Outcome((), ("one",)), [made]))) == failures
+
+
+def test_state_that_is_not_certified_is_a_failure():
+    made = maps.Run("one", "converged", 2.0, 1.0, 1.0, 10.0, 0.03, 1.0, -1.0, 20, 1)
+    assert list(maps._failures(Outcome((), ("one",)), [made])) == ["one: 1 of 20 states are not certified"]
 
 
 MAP = Map(

@@ -17,8 +17,8 @@ loaded from first touch to s = h_rms / 2 and unloaded until it is off.
 The loop is also the closed integral of p dDelta, here by the trapezoidal rule over the states of the path: it is
 coarse, since jumps are spread over an increment, but independent, and a difference beyond `BALANCE` is a failure.
 Without adhesion the path is reversible and the loop is zero.  A path that jumps into complete contact, or ends
-otherwise, has no loop: its status is shown in place of a number.  Cost: about a thousand core minutes; realisations
-are stored one by one, on any executor (ensemble.py), and a second run goes on where the first ended.
+otherwise, has no loop: its status is shown in place of a number.  Cost: estimated at six hundred core minutes;
+realisations are stored one by one, on any executor (ensemble.py), and a second run goes on where the first ended.
 
 Source of the problem: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601; of the layer:
 Carbone, Mangialardi, J. Mech. Phys. Solids 56 (2008) 684.  Limits: one period, plane strain.
@@ -52,7 +52,8 @@ FITTED = (0.02, 0.15)  # contact fractions
 ROOT = 2009  # of the seeds
 OFF = 6.0  # rms heights beyond first touch, where a sticky profile has come off
 LOADING_TARGETS = 24  # without adhesion, where the path has no increments of its own
-BALANCE = 0.4  # largest difference of the two loop areas, of the larger; 0.18 measured
+BALANCE = 0.5  # largest difference of the two loop areas, of the larger; 0.27 measured
+COARSE = 0.01  # and of int |p| dDelta, which the trapezoidal rule is coarse against in thin layers; 0.003 measured
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,7 @@ class Run:
     slope: float | None
     loop: float | None
     integral: float
+    work: float
     work_of_adhesion: float
     turning_pressure: float
     pull_off: float
@@ -199,8 +201,11 @@ def reduced(name: str, result: Result) -> Run:
         name=name,
         status=status,
         slope=area_slope(touching, _surface(result).rms_slope),
-        loop=sum(event.energy_released or 0.0 for event in result.events) if status == "converged" else None,
+        loop=float(sum(event.energy_released or 0.0 for event in result.events)) if status == "converged" else None,
         integral=loop_integral(touching),
+        work=float(
+            np.sum(np.abs(np.diff([s.penetration for s in touching]) * [s.mean_pressure for s in touching[1:]]))
+        ),
         work_of_adhesion=0.0 if adhesion is None else float(adhesion["work_of_adhesion"]),
         turning_pressure=max((state.mean_pressure for state in touching), default=0.0),
         pull_off=min((state.mean_pressure for state in touching), default=0.0),
@@ -276,7 +281,7 @@ def _failures(outcome: Outcome, runs: Sequence[Run]) -> Iterator[str]:
             yield f"{one.name}: {one.not_certified} of {one.states} states are not certified"
         if one.loop is not None and one.work_of_adhesion:
             difference = abs(one.loop - one.integral)
-            if difference > BALANCE * max(abs(one.loop), abs(one.integral)):
+            if difference > BALANCE * max(abs(one.loop), abs(one.integral)) + COARSE * one.work:
                 yield f"{one.name}: {one.loop:.4g} J/m^2 released at instabilities, loop {one.integral:.4g} J/m^2"
 
 
