@@ -106,7 +106,9 @@ def page():
     """A page with everything a page can hold."""
     band = Band(low=1.5, high=3.0, cause="mean-field theory", source="the paper", review="2025-01-01")
     cases = [
-        case("johnson-0.1", "closed forms", row(1.01), row(1 + 3e-12), figures=[figure("curve"), figure("landing-area")]),
+        case(
+            "johnson-0.1", "closed forms", row(1.01), row(1 + 3e-12), figures=[figure("curve"), figure("landing-area")]
+        ),
         case("persson", "theory", row(2.0, norm="ratio", tolerance=None, band=band), figures=[figure("area")]),
         case("bad", "theory", row(1.5), row(None)),
         case("crash", "theory", rows=[], status="error", message="the matrix is singular"),
