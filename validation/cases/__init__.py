@@ -18,4 +18,8 @@ MODULES: tuple[str, ...] = (
     "validation.cases.theory_accuracy",
     "validation.cases.theory_contact",
     "validation.cases.theory_spectra",
+    "validation.cases.error_estimate",
+    "validation.cases.layer_path",
+    "validation.cases.loading_history",
+    "validation.cases.peers",
 )
