@@ -1,0 +1,159 @@
+"""Sequences of targets: hysteresis and its dissipation, bifurcations, controls, initial states, unreachable targets."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from rough_surfaces import rough_scene
+
+from bem.result import write_result
+from bem.scene import parse_scene
+from bem.solver import solve
+from validation.cases.closed_forms import Sinusoid
+from validation.cases.loading_history import legs, work_of
+
+WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
+FINE = {"max_increment": 0.01}
+
+
+def scene(control, targets, order=1, initial=None, flaw=None, alpha=0.3, base_dir=None):
+    """Waves of one order with Johnson's alpha; amplitudes fall with the order, so that the slopes are equal."""
+    wave = Sinusoid(1e-4 / order, 0.01 / order, 1e6, 0.5, alpha)
+    loading = {"control": control, "targets": list(targets)}
+    if initial is not None:
+        loading["initial"] = initial
+    if flaw is not None:
+        loading["flaw"] = flaw
+    data = {
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+        "profile": {
+            "kind": "harmonics",
+            "period": 0.01,
+            "orders": [order],
+            "amplitudes": [wave.amplitude],
+            "phases": [0.0],
+        },
+        "loading": loading,
+        "accuracy": {"max_increment": 0.2},
+    }
+    if alpha:
+        data["adhesion"] = {"work_of_adhesion": wave.work_of_adhesion}
+    return parse_scene(data) if base_dir is None else parse_scene(data, base_dir)
+
+
+@lru_cache(maxsize=4)
+def loop():
+    return solve(rough_scene([40e-6, 75e-6, 40e-6, 160e-6], 12, 5, 0.05, accuracy=FINE))
+
+
+def test_targets_are_visited_in_order():
+    np.testing.assert_allclose([state.separation for state in loop().targets], [40e-6, 75e-6, 40e-6, 160e-6])
+    assert [state.branch for state in loop().targets] == ["loading", "unloading", "loading", "unloading"]
+
+
+def test_a_loop_dissipates_what_its_events_release():
+    inner = legs(loop())[1:3]
+    released = sum(event.energy_released for leg in inner for event in leg.events)
+    stored = inner[1].states[-1].total_energy - inner[0].states[0].total_energy
+    largest = max(abs(work_of(leg)) for leg in inner)
+    assert released > 0
+    assert abs(sum(work_of(leg) for leg in inner) - stored - released) <= 1e-3 * largest  # measured 1e-4
+
+
+def test_coming_apart_costs_what_touching_gave():
+    """From first state to separation the whole energy stored is returned or released."""
+    *_, last = legs(loop())
+    work, released = work_of(last), sum(event.energy_released for event in last.events)
+    assert last.states[-1].status == "separated"
+    assert abs(work + last.states[0].total_energy - released) <= 3e-3 * abs(work)  # measured 1e-3
+
+
+def test_events_have_positions_and_release_energy():
+    for event in loop().events:
+        assert event.energy_released >= 0
+        assert event.position is not None or event.kind == "bifurcation"
+        assert event.position is None or 0 <= event.position < 0.01
+
+
+def test_no_event_without_a_state_around_it():
+    assert sum(len(leg.events) for leg in legs(loop())) == len(loop().events)
+
+
+def test_seven_equal_contacts_lose_their_symmetry_by_an_event():
+    wave = Sinusoid(1e-4 / 7, 0.01 / 7, 1e6, 0.5, 0.3)
+    below, above = (float(wave.penetration(share * np.pi / 2)) for share in (0.70, 0.80))
+    result = solve(scene("penetration", [below, above], order=7))
+    kinds = {e.kind for e in result.events if e.penetration > below}
+    widths = [np.ptp([b - a for a, b in state.edges]) for state in result.targets]
+    assert "bifurcation" in kinds
+    assert widths[0] <= 1e-10 * 0.01 < widths[1]
+
+
+def test_seven_equal_contacts_without_adhesion_stay_equal():
+    result = solve(scene("penetration", [0.9 * 1e-4 / 7], order=7, alpha=0))
+    assert np.ptp([b - a for a, b in result.targets[0].edges]) <= 1e-10 * 0.01
+
+
+@pytest.mark.parametrize("control", ["separation", "penetration", "mean_pressure", "total_displacement"])
+def test_every_control_finds_the_same_state(control):
+    layer = {"layer": {"thickness": 0.002}, "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.3}}
+    coarse = {"accuracy": {"max_increment": 0.5}}
+    here = solve(rough_scene([40e-6], 4, 2, 0.01, **layer)).targets[0]
+    twin = solve(rough_scene([getattr(here, control)], 4, 2, 0.01, control, **layer, **coarse)).targets[0]
+    assert here.stable_at_fixed_load
+    assert abs(twin.contact_fraction - here.contact_fraction) <= 1e-9
+    assert abs(twin.mean_pressure - here.mean_pressure) <= 1e-8 * abs(here.mean_pressure)
+
+
+@pytest.mark.parametrize(("share", "stable"), [(0.105, False), (0.5, True), (0.93, False)])
+def test_both_stabilities_are_reported(share, stable):
+    """At fixed penetration every state is stable; at fixed load only where the load grows with it."""
+    state = solve(scene("penetration", [float(WAVE.penetration(at * np.pi / 2)) for at in (0.5, share)])).targets[-1]
+    assert state.contact_fraction == pytest.approx(share, abs=1e-6)
+    assert state.certificate.min_eigenvalue > 0
+    assert state.stable_at_fixed_load is stable
+    assert (state.contact_stiffness > 0) is stable
+
+
+def test_a_flaw_opens_complete_contact_and_releases_energy():
+    pressures = [share * WAVE.full_contact_pressure for share in (2.0, 0.1)]
+    result = solve(scene("mean_pressure", pressures, initial="complete_contact", flaw=1e-3))
+    opening = [event for event in result.events if event.kind == "opening"]
+    assert result.targets[0].status == "complete_contact"
+    assert len(opening) == 1
+    assert opening[0].energy_released > 0
+    assert opening[0].position == pytest.approx(0.005)
+    critical = WAVE.alpha / np.sqrt(np.pi * 1e-3 / (2 * 0.01))  # K = T sqrt(pi g/2), T = p* - p, of a short flaw
+    assert opening[0].mean_pressure / WAVE.full_contact_pressure == pytest.approx(1 - critical, abs=0.05)
+
+
+def test_a_stored_state_is_a_start(tmp_path):
+    targets = [float(WAVE.penetration(share * np.pi / 2)) for share in (0.5, 0.7)]
+    whole = solve(scene("penetration", targets))
+    write_result(whole, tmp_path / "first")
+    index = [state.target for state in whole.states].index(True)
+    start = {"result": "first", "state": index}
+    again = solve(scene("penetration", targets[1:], initial=start, base_dir=tmp_path))
+    assert abs(again.targets[-1].contact_fraction - whole.targets[-1].contact_fraction) <= 1e-10
+    assert again.events == ()
+
+
+def test_a_tension_no_branch_carries_keeps_the_states_before_it():
+    pressures = [0.2 * WAVE.full_contact_pressure, -5 * WAVE.full_contact_pressure, 0.0]
+    result = solve(scene("mean_pressure", pressures))
+    assert result.status == "unreachable"
+    assert [state.status for state in result.targets] == ["converged", "unreachable"]
+    assert result.targets[0].certificate.ok
+    assert result.events[-1].kind == "pull_off"
+
+
+def test_a_tension_at_the_start_is_unreachable():
+    result = solve(scene("mean_pressure", [-100.0]))
+    assert result.status == "unreachable"
+    assert result.targets == ()
+
+
+def test_a_penetration_beyond_complete_contact_is_unreachable():
+    result = solve(scene("penetration", [5e-5, 1.5e-4]))
+    assert result.status == "unreachable"
+    assert [state.status for state in result.targets] == ["converged"]
