@@ -1,0 +1,102 @@
+"""A contact state from given edges, in SI units: load, K, U, gradient, Hessian, pressure and displacement."""
+
+import numpy as np
+import pytest
+
+import bem
+
+PERIOD, SOLID = 0.01, bem.Solid(1e6, 0.3)
+MODULUS = 1e6 / (1 - 0.3**2)
+WAVE = bem.Profile.from_harmonics(PERIOD, [1], [1e-4], [0.0])
+ROUGH = bem.Profile.self_affine(PERIOD, 0.7, 50e-6, 20, 3)
+EDGES = np.array([[0.001, 0.0025], [0.004, 0.0045], [0.007, 0.0102]])
+ADHESION = bem.Adhesion(0.05, True)
+
+
+def rough(edges=EDGES, depth=60e-6, **options):
+    return bem.ContactState(ROUGH, SOLID, edges, depth, adhesion=ADHESION, **options)
+
+
+def westergaard(fraction):
+    share = np.sin(np.pi * fraction / 2) ** 2
+    half = fraction * PERIOD / 2
+    state = bem.ContactState(WAVE, SOLID, [[-half, half]], 1e-4 * share * (1 - np.log(share)))
+    return state, share
+
+
+@pytest.mark.parametrize("fraction", [0.02, 0.5, 0.95])
+def test_load_is_westergaards(fraction):
+    state, share = westergaard(fraction)
+    exact = np.pi * MODULUS * 1e-4 / PERIOD * share
+    assert state.mean_pressure == pytest.approx(exact, rel=1e-12)
+    assert state.load == pytest.approx(exact * PERIOD, rel=1e-12)
+
+
+def test_pressure_is_westergaards():
+    state, _ = westergaard(0.5)
+    x = np.linspace(-0.0024, 0.0024, 25)
+    q = np.pi / PERIOD
+    exact = 2 * np.pi * MODULUS * 1e-4 / PERIOD * np.cos(q * x) * np.sqrt(0.5 - np.sin(q * x) ** 2)
+    np.testing.assert_allclose(state.pressure(x), exact, rtol=1e-11)
+
+
+def test_pressure_outside_is_no_number():
+    assert np.isnan(rough().pressure(0.003))
+
+
+def test_release_rate_is_irwins():
+    state = rough()
+    np.testing.assert_allclose(state.energy_release_rate, state.stress_intensity**2 / (2 * MODULUS), rtol=1e-15)
+
+
+def test_gradient_is_the_difference_of_the_energy():
+    state, step = rough(), 1e-8
+    for index in np.ndindex(EDGES.shape):
+        moved = np.zeros(EDGES.shape)
+        moved[index] = step
+        slope = (rough(EDGES + moved).energy - rough(EDGES - moved).energy) / (2 * step)
+        assert slope == pytest.approx(state.gradient[index], abs=1e-6 * np.abs(state.gradient).max())
+
+
+def test_hessian_is_the_difference_of_the_gradient():
+    state, step = rough(), 1e-8
+    columns = []
+    for index in np.ndindex(EDGES.shape):
+        moved = np.zeros(EDGES.shape)
+        moved[index] = step
+        columns.append(((rough(EDGES + moved).gradient - rough(EDGES - moved).gradient) / (2 * step)).ravel())
+    np.testing.assert_allclose(state.hessian, np.array(columns).T, atol=1e-6 * np.abs(state.hessian).max())
+
+
+def test_displacement_follows_the_profile_in_contact():
+    x = np.linspace(0.0011, 0.0024, 9)
+    np.testing.assert_allclose(
+        rough().displacement(x), ROUGH.height(x) - ROUGH.max_height + 60e-6, rtol=0, atol=1e-15 * 1e-4
+    )
+
+
+def test_displacement_is_periodic():
+    x = np.array([0.0005, 0.0031, 0.006])
+    np.testing.assert_allclose(rough().displacement(x), rough().displacement(x + PERIOD), rtol=0, atol=1e-17)
+
+
+@pytest.mark.parametrize(
+    ("edges", "said"),
+    [
+        ([[0.0, 0.002], [0.001, 0.003]], "disjoint"),
+        ([[0.002, 0.001]], "increasing"),
+        ([[0.0, 0.011]], "shorter than the period"),
+        ([0.0, 0.001], "pairs"),
+        ([[0.0, np.nan]], "finite"),
+        (np.empty((0, 2)), "pairs"),
+    ],
+    ids=["overlap", "reversed", "beyond the period", "no pairs", "not a number", "none"],
+)
+def test_bad_edges_are_refused(edges, said):
+    with pytest.raises(ValueError, match=said):
+        bem.ContactState(WAVE, SOLID, edges, 1e-5)
+
+
+def test_a_flat_profile_is_refused():
+    with pytest.raises(ValueError):
+        bem.ContactState(bem.Profile.from_harmonics(PERIOD, [1], [0.0]), SOLID, [[0.0, 0.001]], 0.0)
