@@ -41,7 +41,7 @@ def swept_cases() -> list[HardCase]:
                 )
             )
     for harmonics, full in ((1, 1), (10, 10), (125, 1000), (125, 4000)):
-        targets = [60e-6, 40e-6] if full < 4000 else [60e-6]
+        targets = [60e-6, 40e-6] if full < 4000 else [60e-6, 48e-6]
         cases.append(
             HardCase(
                 f"harmonics_{full}",
