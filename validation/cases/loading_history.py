@@ -215,8 +215,8 @@ def _figure(result: Result, ways: list[Leg]) -> Figure:
     series = [
         Series(
             label=word,
-            x=[state.separation * 1e6 for state in leg.states],
-            y=[state.mean_pressure / 1e3 for state in leg.states],
+            x=[state.separation * 1e6 for state in leg.states if state.edges],
+            y=[state.mean_pressure / 1e3 for state in leg.states if state.edges],
             style="dashed" if style == "dashed" else "line",
         )
         for word, style, leg in zip(words[:4], styles[:4], ways[:4], strict=True)
