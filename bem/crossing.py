@@ -27,10 +27,13 @@ def at_load(
     ----------
     path : Path or ConvexPath
     before, after : Point or ContactPoint
-        With edges; an event at `after` ends the branch there.
+        With edges; an event at `after` ends the branch there.  Without adhesion `before` may be apart: one branch leads
+        from first touch to `after`.
     load : float
         Dimensionless load per period.
     """
+    if before.state is None:
+        return _secant(path, after, (0.0, -load), (after.value, _load(after) - load), load)
     forth = [before, *(_branch_to(path, before, after.value) if after.events else [after])]
     back = [after, *(_branch_to(path, after, before.value) if after.events else [])]
     enclosing = [
@@ -39,8 +42,19 @@ def at_load(
     if not enclosing:
         return None
     base, end = enclosing[0]
-    low, low_miss = base.value, _load(base) - load
-    high, high_miss = end.value, _load(end) - load
+    ends = (base.value, _load(base) - load), (end.value, _load(end) - load)
+    return _secant(path, base, *ends, load)
+
+
+def _secant(
+    path: Path | ConvexPath,
+    base: Point | ContactPoint,
+    first: tuple[float, float],
+    second: tuple[float, float],
+    load: float,
+) -> Point | ContactPoint | None:
+    """The point on the branch of `base` between two control values whose misses of the load differ in sign."""
+    (low, low_miss), (high, high_miss) = first, second
     last_side = 0
     for _ in range(SECANT_STEPS):
         found = _at_value(path, base, low - low_miss * (high - low) / (high_miss - low_miss))

@@ -265,12 +265,14 @@ class _Run:
         stop = loading.stop_at_mean_pressure
         if not loading.at_mean_pressures and stop is None:
             return False
-        if before.state is None or after.state is None:
+        touching = isinstance(after, ContactPoint) and before.status == "separated"  # continuous without adhesion
+        if after.state is None or (before.state is None and not touching):
             return False
         wanted = list(loading.at_mean_pressures[self.pressures_done :])
-        low, high = sorted((before.state.load, after.state.load))
+        loads = (0.0 if before.state is None else before.state.load, after.state.load)
+        low, high = sorted(loads)
         crossed = [p for p in (*wanted, *([] if stop is None else [stop])) if low < self.problem.load_of(p) <= high]
-        for pressure in sorted(set(crossed), reverse=after.state.load < before.state.load):
+        for pressure in sorted(set(crossed), reverse=loads[1] < loads[0]):
             found = at_load(self.path, before, after, self.problem.load_of(pressure))
             if found is None:
                 continue

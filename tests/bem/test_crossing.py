@@ -1,0 +1,87 @@
+"""The state between two points at which the load has a given value, and the loads that an event jumps over."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from rough_surfaces import rough_scene
+
+from bem.complete_contact import complete_contact
+from bem.convex_path import ContactPoint
+from bem.crossing import at_load
+from bem.path import Point
+from bem.problem import pose
+from bem.solver import _path_for, solve
+
+
+def start(adhesion):
+    posed = rough_scene([40e-6], 20, 1, adhesion)
+    problem = pose(posed, posed.surface())
+    path = _path_for(posed, problem, complete_contact(problem))
+    return path, ContactPoint("separated", -1.0) if adhesion is None else Point("separated", -1.0)
+
+
+def points_to(adhesion, value):
+    path, point = start(adhesion)
+    return path, [p for p in path.advance(point, value) if p.state is not None]
+
+
+@pytest.fixture(scope="module")
+def adhesive():
+    return points_to(0.03, 1.2)
+
+
+def smooth_pair(points):
+    return next((a, b) for a, b in pairwise(points[5:]) if not b.events)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.999])
+def test_the_load_is_met_on_a_smooth_branch(adhesive, share):
+    path, points = adhesive
+    before, after = smooth_pair(points)
+    load = (1 - share) * before.state.load + share * after.state.load
+    found = at_load(path, before, after, load)
+    assert abs(found.state.load - load) <= 1e-9 * max(abs(load), 1e-3)
+    assert min(before.value, after.value) <= found.value + 1e-9
+    assert found.value <= max(before.value, after.value) + 1e-9
+
+
+def test_the_load_is_met_without_adhesion():
+    path, point = start(None)
+    (before,) = path.advance(point, 0.4)
+    (after,) = path.advance(before, 1.2)
+    load = 0.5 * (before.state.load + after.state.load)
+    assert at_load(path, before, after, load).state.load == pytest.approx(load, rel=1e-10)
+
+
+def test_a_load_outside_is_not_found(adhesive):
+    path, points = adhesive
+    before, after = smooth_pair(points)
+    beyond = max(before.state.load, after.state.load) + abs(after.state.load - before.state.load)
+    assert at_load(path, before, after, beyond) is None
+
+
+def test_loads_beside_an_event_are_met_on_either_branch_or_jumped_over(adhesive):
+    path, points = adhesive
+    before, after = next((a, b) for a, b in pairwise(points) if b.events)
+    low, high = sorted((before.state.load, after.state.load))
+    for load in np.linspace(low, high, 5)[1:-1]:
+        found = at_load(path, before, after, float(load))
+        assert found is None or abs(found.state.load - load) <= 1e-9 * max(abs(load), 1e-3)
+
+
+@pytest.mark.parametrize("adhesion", [None, 0.03], ids=["bare", "adhesive"])
+def test_a_path_stops_at_a_mean_pressure(adhesion):
+    loading = {"control": "separation", "targets": [25e-6], "stop_at_mean_pressure": 3000.0}
+    met = solve(rough_scene([], 20, 1, adhesion, loading=loading)).targets
+    assert [state.mean_pressure for state in met] == pytest.approx([3000.0], rel=1e-9)
+
+
+def test_pressures_before_the_first_target_are_met_from_first_touch():
+    wanted = [1e-3, 10.0, 3000.0]
+    loading = {"control": "separation", "targets": [25e-6], "at_mean_pressures": wanted}
+    met = solve(rough_scene([], 20, 1, None, loading=loading)).targets
+    held = solve(rough_scene(wanted, 20, 1, None, "mean_pressure")).targets
+    assert [state.mean_pressure for state in met[:3]] == pytest.approx(wanted, rel=1e-6)
+    for state, other in zip(met, held, strict=False):
+        assert abs(state.contact_fraction - other.contact_fraction) <= 1e-9
