@@ -53,6 +53,10 @@ class SceneError(ValueError):
         count = f"{len(self.mistakes)} mistake{'s' * (len(self.mistakes) != 1)} in the scene"
         super().__init__("\n  ".join([f"{count}:", *map(str, self.mistakes)]))
 
+    def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[Mistake, ...]]]:
+        """What a worker process hands back is the same error."""
+        return SceneError, (self.mistakes,)
+
 
 def shown(value: Any) -> str:
     """A value as in the scene file, shortened."""

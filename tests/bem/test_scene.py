@@ -2,6 +2,7 @@
 
 import copy
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -385,3 +386,10 @@ def test_corrupt_stored_result_is_told(tmp_path):
     path.write_text(path.read_text().replace('"n_patches": 2', '"n_patches": 3'))
     (mistake,) = mistakes_of(data, tmp_path)
     assert "checksum" in str(mistake)
+
+
+def test_error_survives_the_way_between_processes():
+    with pytest.raises(SceneError) as caught:
+        parse_scene({})
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (str(again), again.mistakes) == (str(caught.value), caught.value.mistakes)
