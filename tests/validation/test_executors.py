@@ -93,7 +93,7 @@ def cluster(tmp_path):
 
 
 @needs_dask
-@pytest.mark.filterwarnings("ignore::distributed.versions.VersionMismatchWarning")
+@pytest.mark.filterwarnings(r"ignore:\s*Mismatched versions found:Warning")
 def test_member_of_a_killed_worker_is_neither_lost_nor_counted_twice(cluster, tmp_path):
     planned, folder, told = members(6, harmonics=16), tmp_path / "members", []
 
