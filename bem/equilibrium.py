@@ -131,11 +131,6 @@ class Balance:
         return float(eigh(self._scaled(self.hessian), eigvals_only=True, subset_by_index=[0, 0])[0])
 
     @property
-    def smallest_eigenvalue_at_fixed_penetration(self) -> float:
-        """The same for the Hessian of U alone."""
-        return float(eigh(self._scaled(self.fixed_penetration_hessian), eigvals_only=True, subset_by_index=[0, 0])[0])
-
-    @property
     def hessian_asymmetry(self) -> float:
         """max |H - H^T| / max |H|."""
         matrix = self.fixed_penetration_hessian

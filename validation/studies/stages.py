@@ -40,10 +40,6 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.convex_path", "ConvexPath.assess", "error estimate"),
     ("bem.observables", "contact_fields", "outputs"),
 )
-LAYER_STAGES: tuple[tuple[str, str, str], ...] = (
-    ("bem.layer", "LayerKernel.matrix", "assembly of the layer"),
-    ("bem.layer", "LayerKernel.field", "field of the layer"),
-)
 REST = "path, rest"
 
 
