@@ -16,7 +16,7 @@ from typing import Any
 
 from bem.checkpoint import Checkpoint, OutputFolderError, interruptible, stored_result, uninterrupted
 from bem.console import effects_text, reporter, scene_text, summary, summary_line
-from bem.effects import effects_of, refuse_unavailable
+from bem.effects import effects_of, predicted_seconds, refuse_unavailable
 from bem.result import FINAL_STATUSES, Progress, Result, write_result
 from bem.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene_rules import Mistake
@@ -81,8 +81,7 @@ def _check(options: argparse.Namespace) -> int:
     effects = effects_of(scene)
     if options.json:
         listed = [vars(effect) for effect in effects]
-        seconds = sum(effect.seconds for effect in effects)
-        print(json.dumps({"scene": scene.resolved(), "effects": listed, "seconds": seconds}))
+        print(json.dumps({"scene": scene.resolved(), "effects": listed, "seconds": predicted_seconds(scene)}))
     else:
         print(f"{scene_text(scene.resolved())}\n\n{effects_text(effects)}")
     refuse_unavailable(scene)
