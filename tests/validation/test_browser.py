@@ -12,19 +12,14 @@ import subprocess
 from html import unescape
 
 import pytest
+from report_parts import figure, row
 
 from validation.report.render import render
 from validation.schema import (
     Band,
     CaseRecord,
-    Figure,
-    Panel,
-    Reference,
     Report,
-    Row,
-    Series,
     Table,
-    Tolerance,
     with_checksum,
 )
 
@@ -65,25 +60,6 @@ note.id = "found-by-test";
 note.textContent = JSON.stringify(found);
 document.body.append(note);
 """
-
-
-def row(computed, **changes):
-    plain = {
-        "quantity": "load < K & friends",
-        "unit": "N/m",
-        "reference": Reference(kind="exact", source="closed form"),
-        "norm": "absolute",
-        "expected": [1.0],
-        "computed": [computed],
-        "tolerance": Tolerance(value=0.1, measured=0.04),
-    }
-    return Row(**(plain | changes))
-
-
-def figure(name):
-    above = Panel(xlabel="x", ylabel="load", series=[Series(label="solver", x=[0.0, 1.0, None], y=[0.0, 1.0, 2.0])])
-    below = Panel(xlabel="x", ylabel="error", series=[Series(label="solver", x=[0.0, 1.0], y=[0.1, -0.1])])
-    return Figure(id=name, caption=f"Caption of {name}.", solution=above, error=below)
 
 
 def case(name, group, *rows, **changes):

@@ -5,6 +5,7 @@ import re
 from html.parser import HTMLParser
 
 import pytest
+from report_parts import figure, row
 
 from validation.__main__ import main, read_report
 from validation.report.figures import svg_of
@@ -14,36 +15,13 @@ from validation.schema import (
     Band,
     CaseRecord,
     Figure,
-    Panel,
-    Reference,
     Report,
-    Row,
     Series,
     Table,
-    Tolerance,
     with_checksum,
 )
 
 BAND = Band(low=1.5, high=3.0, cause="mean-field theory", source="the paper", review="2027-11-21")
-
-
-def row(computed=1.01, **changes):
-    plain = {
-        "quantity": "load < K & friends",
-        "unit": "N/m",
-        "reference": Reference(kind="exact", source="closed form"),
-        "norm": "absolute",
-        "expected": [1.0],
-        "computed": [computed],
-        "tolerance": Tolerance(value=0.1, measured=0.04),
-    }
-    return Row(**(plain | changes))
-
-
-def figure(name):
-    above = Panel(xlabel="x", ylabel="load", series=[Series(label="solver", x=[0.0, 1.0, None], y=[0.0, 1.0, 2.0])])
-    below = Panel(xlabel="x", ylabel="error", series=[Series(label="solver", x=[0.0, 1.0], y=[0.1, -0.1])])
-    return Figure(id=name, caption=f"Caption of {name}.", solution=above, error=below)
 
 
 def case(name="johnson-0.1", *rows, **changes):
