@@ -70,6 +70,34 @@ def test_curve_that_fails_is_a_line_and_fails_the_study(tmp_path, capsys, monkey
     assert [curve["id"] for curve in json.loads((tmp_path / "convergence.json").read_text())["curves"]] == ["second"]
 
 
+def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
+    computed = []
+
+    def step(curve, interrupted=False):
+        def compute():
+            if interrupted:
+                raise KeyboardInterrupt
+            computed.append(curve.id)
+            return (curve,)
+
+        return Step(curve.id, compute)
+
+    def path(harmonics, increment):
+        computed.append("path")
+        return [0.1], 3
+
+    monkeypatch.setattr(convergence, "path_targets", path)
+    whole, broken = tmp_path / "whole", tmp_path / "broken"
+    convergence.run(whole, True, lambda note: None, [step(SECOND), step(TWICE)], (0.05,))
+    with pytest.raises(KeyboardInterrupt):
+        convergence.run(broken, True, lambda note: None, [step(SECOND), step(TWICE, interrupted=True)], (0.05,))
+    computed.clear()
+    assert convergence.run(broken, True, lambda note: None, [step(SECOND), step(TWICE)], (0.05,)) == 0
+    assert computed == ["twice", "path"]
+    first, second = (json.loads((folder / "convergence.json").read_text()) for folder in (whole, broken))
+    assert first | {"provenance": None} == second | {"provenance": None}
+
+
 def test_path_that_depends_on_its_increments_fails_the_study(tmp_path, monkeypatch):
     monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1 + 2e-5 * increment], 3))
     assert study(tmp_path, SECOND, increments=(0.2, 0.05)) == 1
@@ -118,13 +146,14 @@ def test_ensemble_groups_are_of_independent_realisations(monkeypatch):
 
     normal = np.random.default_rng(0).normal(1.0, 0.1, 4096)
     monkeypatch.setattr(convergence_curves, "_area", lambda harmonics, seed: float(normal[seed]))
-    curve, areas = ensemble_curve(10, 4096)
+    curve = ensemble_curve(10, 4096)
     assert curve.rate.value == pytest.approx(0.5, abs=0.05)  # 0.50
     assert curve.errors[0] == pytest.approx(0.1, rel=0.03)
-    assert areas.size == 4096
+    assert curve.samples == tuple(normal.tolist())
 
 
 def test_figures_carry_the_source_of_the_reference():
-    names = dict(figures_of([SECOND, TWICE], [0.1, 0.2, 0.3]))
-    assert set(names) == {"convergence-geometric", "convergence-others", "convergence-mean-area"}
+    spread = replace(SECOND, id="ensemble-area", samples=(0.1, 0.2, 0.3))
+    names = dict(figures_of([SECOND, TWICE, spread]))
+    assert set(names) == {f"convergence-{name}" for name in ("geometric", "others", "ensemble", "mean-area")}
     assert "manufactured: a power law" in names["convergence-others"].lines[0].label

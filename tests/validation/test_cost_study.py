@@ -171,6 +171,29 @@ def test_breakdown_is_told_and_stored(here, examples, tmp_path, capsys):
     }
 
 
+def test_interrupted_study_goes_on_to_the_same_report(examples, tmp_path, monkeypatch):
+    begun = []
+
+    def in_this_process(function, item):
+        if item == stop:
+            raise KeyboardInterrupt
+        begun.append(item)
+        yield Ended(item, function(item))
+
+    monkeypatch.setattr(cost, "run_alone", in_this_process)
+    stop = None
+    study(tmp_path / "whole", examples.converge, PAIR, examples.apart)
+    stop = PAIR[1]
+    with pytest.raises(KeyboardInterrupt):
+        study(tmp_path / "broken", examples.converge, PAIR, examples.apart)
+    stop = None
+    begun.clear()
+    assert study(tmp_path / "broken", examples.converge, PAIR, examples.apart) == 0
+    assert begun == [PAIR[1], 100]
+    first, second = (json.loads((tmp_path / name / "cost.json").read_text()) for name in ("whole", "broken"))
+    assert first | {"provenance": None} == second | {"provenance": None}
+
+
 def test_breakdown_that_fails_is_told(here, examples, tmp_path, capsys):
     study(tmp_path, examples.converge, PAIR, examples.never_apart)
     assert "100 harmonics, stage by stage: ZeroDivisionError: no stages" in capsys.readouterr().out

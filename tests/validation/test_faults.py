@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from validation.execution import run_each_alone
 from validation.schema import Band
 from validation.studies import faults
+from validation.studies.answers import Answers
 from validation.studies.fault_catalogue import CATALOGUE, QUICK
 from validation.studies.fault_findings import Finding, Search, compared, excess_of
 from validation.studies.fault_injection import Examined, Fault, Task
@@ -22,6 +24,10 @@ SHORT = tuple(f"validation.cases.{name}" for name in SHORT)
 
 def silent(note):
     return None
+
+
+def nothing_kept(folder):
+    return Answers(folder, "now", silent)
 
 
 @pytest.fixture
@@ -145,20 +151,47 @@ def test_target_that_does_not_exist_stops_the_study(example, monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def control():
-    return control_run(faults.CATALOGUE, True, 1, silent, SHORT)
+def control(tmp_path_factory):
+    return control_run(faults.CATALOGUE, True, 1, nothing_kept(tmp_path_factory.mktemp("control")), SHORT)
 
 
 @pytest.mark.parametrize("name", QUICK)
-def test_fault_of_the_solver_or_the_harness_is_caught(control, name):
+def test_fault_of_the_solver_or_the_harness_is_caught(control, name, tmp_path):
     chosen = [fault for fault in import_module(faults.CATALOGUE).CATALOGUE if fault.id == name]
-    (finding,) = examine_faults(chosen, faults.CATALOGUE, control, 1, silent, SHORT)
+    (finding,) = examine_faults(chosen, faults.CATALOGUE, control, 1, nothing_kept(tmp_path), SHORT)
     assert finding.calls > 0
     assert finding.caught
 
 
-def test_answers_come_in_the_order_of_the_tasks(example):
+def test_answers_come_in_the_order_of_the_tasks(example, tmp_path):
     tasks = [
         Task("example_faults", "off", size, (("uses-function", 10.0),), ("example_faults",)) for size in (0.5, 0.25)
     ]
-    assert [answer.records[0].rows[0].computed for answer in answers_of(tasks, 2, silent)] == [[1.5], [1.25]]
+    assert [answer.records[0].rows[0].computed for answer in answers_of(tasks, 2, nothing_kept(tmp_path))] == [
+        [1.5],
+        [1.25],
+    ]
+
+
+def test_interrupted_study_goes_on_to_the_same_report(studied, example, tmp_path, monkeypatch):
+    begun = []
+
+    def interrupted(function, tasks, jobs):
+        if any(task.fault for task in tasks):
+            raise KeyboardInterrupt
+        yield from run_each_alone(function, tasks, jobs)
+
+    def noted(function, tasks, jobs):
+        begun.extend(task.fault for task in tasks)
+        yield from run_each_alone(function, tasks, jobs)
+
+    monkeypatch.setattr(faults, "run_each_alone", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        faults.run(tmp_path, True, silent, "example_faults", ("example_faults",))
+    monkeypatch.setattr(faults, "run_each_alone", noted)
+    for asked in (["off"], []):  # the control run is not repeated, then nothing is
+        assert faults.run(tmp_path, True, silent, "example_faults", ("example_faults",)) == 0
+        assert begun == asked
+        begun.clear()
+    first = json.loads((tmp_path / "faults.json").read_text())
+    assert fault_of((0, first), "off")["caught_by"] == fault_of(studied, "off")["caught_by"]

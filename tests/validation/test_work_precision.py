@@ -65,6 +65,27 @@ def test_setting_that_fails_stays_with_its_message(here, example, tmp_path, caps
     assert "the matrix is singular" in (tmp_path / "work-precision-sinusoid.svg").read_text()
 
 
+def test_interrupted_study_goes_on_to_the_same_report(example, tmp_path, monkeypatch):
+    methods = [example.method(), example.method(name="second")]
+    begun = []
+
+    def in_this_process(function, item):
+        begun.append(getattr(getattr(item, "method", None), "name", "reference"))
+        if begun[-1] == "second" and begun.count("second") == 1:
+            raise KeyboardInterrupt
+        yield Ended(item, function(item))
+
+    monkeypatch.setattr(work_precision, "run_alone", in_this_process)
+    with pytest.raises(KeyboardInterrupt):
+        study(tmp_path, methods, example.TRUTH)
+    first = json.loads((tmp_path / "work-precision.json").read_text())["points"]
+    assert study(tmp_path, methods, example.TRUTH) == 0
+    assert begun == ["reference", "halving", "second", "second"]
+    whole = json.loads((tmp_path / "work-precision.json").read_text())["points"]
+    assert whole[: len(first)] == first
+    assert [point["method"] for point in whole[len(first) :]] == ["second"] * len(first)
+
+
 def test_method_that_fails_everywhere_fails_the_study(here, example, tmp_path, capsys):
     assert study(tmp_path, [example.method(solve=example.never)], example.TRUTH) == 1
     assert "FAILED: sinusoid, halving: no setting has an answer" in capsys.readouterr().out

@@ -3,14 +3,14 @@
 Curves and predictions: convergence_curves.py; fits: rates.py.  A rate is bounded on both sides: converging too fast is
 as wrong as too slowly.  The path of the solver has no rate: its events are resolved whatever the increments, so the
 states at its targets must agree to the tolerance; that is self-convergence and gives no digits.  A curve that cannot be
-computed is a line with its message.
+computed is a line with its message.  Finished parts are kept (answers.py): an interrupted study goes on.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from validation.provenance import provenance
 from validation.runner import Note
+from validation.studies.answers import Answers, answers_in
 from validation.studies.convergence_curves import (
     Curve,
     bem_curves,
@@ -48,13 +49,6 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Ensemble:
-    """Areas of all realisations, for the figure of the running mean."""
-
-    areas: tuple[float, ...]
-
-
-@dataclass(frozen=True)
 class PathDrift:
     """Largest change of the contact fractions at targets against the finest increments."""
 
@@ -68,14 +62,8 @@ class PathDrift:
         return all(drift <= DRIFT for drift in self.drifts)
 
 
-def steps_of(quick: bool, areas: list[float]) -> list[Step]:
-    """The parts in order; realisations of the ensemble are left in `areas`."""
-
-    def ensemble() -> Sequence[Curve]:
-        curve, found = ensemble_curve(*((12, 24) if quick else (30, 256)))
-        areas[:] = found.tolist()
-        return (curve,)
-
+def steps_of(quick: bool) -> list[Step]:
+    """The parts in order."""
     graded = (4, 8, 16) if quick else (4, 8, 16, 32)
     uniform = (8, 16, 32) if quick else (8, 16, 32, 64)
     steps = [
@@ -86,7 +74,7 @@ def steps_of(quick: bool, areas: list[float]) -> list[Step]:
         Step("fem, quartic elements, uniform", lambda: (fem_curve(4, uniform[:3], False),)),
         Step("persson", lambda: persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100))),
         Step("paper's method", lambda: (paper_method_curve((8, 16, 32, 64)),)),
-        Step("ensemble", ensemble),
+        Step("ensemble", lambda: (ensemble_curve(*((12, 24) if quick else (30, 256))),)),
     ]
     if not quick:
         steps.insert(5, Step("fem, quartic elements, graded", lambda: (fem_curve(4, (4, 6, 8, 12), True),)))
@@ -114,20 +102,22 @@ def run(
         Others than those of the study.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    areas: list[float] = []
-    chosen = steps_of(quick, areas) if steps is None else list(steps)
-    facts = provenance()
+    chosen = steps_of(quick) if steps is None else list(steps)
+    facts, answers = provenance(), answers_in(folder, report)
     curves: list[Curve] = []
     failures: list[str] = []
     with threadpool_limits(limits=1, user_api="blas"):
         for done, step in enumerate(chosen, 1):
             report(Note(f"[{done}/{len(chosen) + 1}] {step.name}"))
             try:
-                curves += step.compute()
+                curves += _computed(step, quick, answers)
             except Exception as error:  # a line with its message, never a missing one
                 failures.append(f"{step.name}: {type(error).__name__}: {error}")
         report(Note(f"[{len(chosen) + 1}/{len(chosen) + 1}] path"))
-        path = path_drift(30 if quick else 100, increments or (INCREMENTS[::2] if quick else INCREMENTS), failures)
+        asked = 30 if quick else 100, increments or (INCREMENTS[::2] if quick else INCREMENTS)
+        path = answers.kept(PathDrift, "path", asked)
+        if path is None and (path := path_drift(*asked, failures)) is not None:
+            answers.keep(PathDrift, path, "path", asked)
     rows = [row_of(curve) for curve in curves]
     columns = ["curve", "knob", "predicted", "fitted", "low", "high", "fitted over", "plateau", "met"]
     print(text_table(columns, rows))
@@ -138,10 +128,20 @@ def run(
     for message in failures:
         print(f"FAILED: {message}")
     good = not failures and path is not None and path.met and all(_met(curve) for curve in curves)
-    write_json(folder / FILE, _content(facts, quick, curves, path, areas, failures, good))
-    for name, plot in figures_of(curves, areas):
+    write_json(folder / FILE, _content(facts, quick, curves, path, failures, good))
+    for name, plot in figures_of(curves):
         write_svg(plot, folder / f"{name}.svg")
     return 0 if good else 1
+
+
+def _computed(step: Step, quick: bool, answers: Answers) -> Sequence[Curve]:
+    """The curves of a part, kept or computed and kept."""
+    known = answers.kept(list[Curve], step.name, quick)
+    if known is not None:
+        return known
+    curves = list(step.compute())
+    answers.keep(list[Curve], curves, step.name, quick)
+    return curves
 
 
 def path_drift(harmonics: int, increments: Sequence[float], failures: list[str]) -> PathDrift | None:
@@ -167,7 +167,7 @@ def row_of(curve: Curve) -> list[Any]:
     return [curve.id, curve.knob, curve.predicted, rate.value, curve.low, curve.high, span, rate.plateau, shown]
 
 
-def figures_of(curves: Sequence[Curve], areas: Sequence[float]) -> Iterator[tuple[str, Plot]]:
+def figures_of(curves: Sequence[Curve]) -> Iterator[tuple[str, Plot]]:
     """Names and figures: geometric curves, finite elements, other orders, the running mean of the ensemble."""
     geometric = [curve for curve in curves if curve.law == "geometric"]
     meshes = [curve for curve in curves if curve.id.startswith("fem-")]
@@ -181,8 +181,7 @@ def figures_of(curves: Sequence[Curve], areas: Sequence[float]) -> Iterator[tupl
         yield "convergence-others", _plot("Persson's diffusion, the paper's method", "cells or steps", others, "log")
     if spread:
         yield "convergence-ensemble", _plot("Mean contact fraction over realisations", spread[0].knob, spread, "log")
-    if areas:
-        yield "convergence-mean-area", _running_mean(areas)
+        yield "convergence-mean-area", _running_mean(spread[0].samples)
 
 
 def _met(curve: Curve) -> bool:
@@ -230,13 +229,12 @@ def _content(
     quick: bool,
     curves: Sequence[Curve],
     path: PathDrift | None,
-    areas: Sequence[float],
     failures: Sequence[str],
     good: bool,
 ) -> dict[str, Any]:
     told = []
     for curve in curves:
-        entry = asdict(curve) | {"met": _met(curve)}
+        entry = asdict(replace(curve, samples=())) | {"met": _met(curve)}
         try:
             entry["rate"] = asdict(curve.rate)
         except RateError as error:
@@ -248,7 +246,7 @@ def _content(
         "quick": quick,
         "curves": told,
         "path": None if path is None else asdict(path) | {"met": path.met, "reference": "self-convergence: no digits"},
-        "ensemble": Ensemble(tuple(areas)).areas,
+        "ensemble": [area for curve in curves for area in curve.samples],
         "failures": list(failures),
         "met": good,
     }

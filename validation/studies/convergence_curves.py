@@ -64,6 +64,8 @@ class Curve:
         What the errors are measured against.
     floor : float
         Error known to remain: of the reference, or of what is not refined.
+    samples : tuple of floats
+        What the errors are the spread of, where they are one.
     """
 
     id: str
@@ -80,6 +82,7 @@ class Curve:
     kind: ReferenceKind
     reference: str
     floor: float = 0.0
+    samples: tuple[float, ...] = ()
 
     @cached_property
     def rate(self) -> Rate:
@@ -190,12 +193,12 @@ def paper_method_curve(cells: Sequence[int]) -> Curve:
     )
 
 
-def ensemble_curve(harmonics: int, realisations: int) -> tuple[Curve, np.ndarray[tuple[int], np.dtype[np.float64]]]:
-    """Spread of the mean area over groups of realisations, and the area of each, at a separation of 0.8 h_rms."""
+def ensemble_curve(harmonics: int, realisations: int) -> Curve:
+    """Spread of the mean area over groups of realisations, with the area of each, at a separation of 0.8 h_rms."""
     areas = np.array([_area(harmonics, seed) for seed in range(realisations)])
     sizes = [2**k for k in range(10) if 2**k <= realisations // 6]
     spread = [float(np.std(areas[: realisations // n * n].reshape(-1, n).mean(axis=1), ddof=1)) for n in sizes]
-    curve = Curve(
+    return Curve(
         id="ensemble-area",
         code="bem",
         quantity="spread of the mean contact fraction, over its mean",
@@ -209,8 +212,8 @@ def ensemble_curve(harmonics: int, realisations: int) -> tuple[Curve, np.ndarray
         why="independent realisations; bounds are two standard deviations of the fit",
         kind="theory",
         reference="central limit theorem",
+        samples=tuple(areas.tolist()),
     )
-    return curve, areas
 
 
 def path_targets(harmonics: int, increment: float) -> tuple[list[float], int]:

@@ -4,7 +4,8 @@ The benchmark (quick) runs seeds 0, 1, 2 with 1000 harmonics to 0.02 E*, each al
 again at a quarter of the increment: contact fraction and separation at the loads asked for must not change beyond
 1e-6 of themselves.  The full study adds seed 0 with 125 to 4000 harmonics and fits exponents.  Seed 0 is also taken
 apart, stage by stage and against patches (cost_breakdown.py), in a run of its own.  A run that fails is a line with
-its message.  Counts, memory and digits gate; seconds are reported, they are those of the machine at hand.
+its message; finished runs are kept (answers.py).  Counts, memory and digits gate; seconds are reported, they are those
+of the machine at hand.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from validation.execution import Ended, Running, run_alone
 from validation.provenance import provenance
 from validation.runner import Note
 from validation.schema import Table
+from validation.studies.answers import Answers, answers_in
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences
 from validation.studies.plots import Line, Plot, write_svg
@@ -119,16 +121,16 @@ def run(
     """
     folder.mkdir(parents=True, exist_ok=True)
     chosen = tasks_of(quick) if tasks is None else list(tasks)
-    facts = provenance()
+    facts, answers = provenance(), answers_in(folder, report)
     runs: list[Run] = []
     for done, task in enumerate(chosen, 1):
-        runs.append(_alone(measure or measured, task, f"[{done}/{len(chosen)}]", report))
+        runs.append(_alone(measure or measured, task, f"[{done}/{len(chosen)}]", answers))
         report(Note(f"[{done}/{len(chosen)}] {_line(runs[-1])}"))
         _write(folder, facts, runs, len(chosen), [])
     apart: list[Breakdown] = []
     if dissect is not None:
         for harmonics in sorted({task.harmonics for task in chosen if task.seed == 0 and task.increment == INCREMENT}):
-            apart.append(_taken_apart(dissect, harmonics, report))
+            apart.append(_taken_apart(dissect, harmonics, answers))
             _write(folder, facts, runs, len(chosen), apart)
     met = judged(runs, drifts_of(runs))
     print(HEADING)
@@ -283,9 +285,13 @@ def _complete(run: Run) -> bool:
     return run.status == "converged" and len(run.separations) == run.loads_asked_for > 0
 
 
-def _alone(measure: Callable[[Task], Run], task: Task, place: str, report: Callable[[Note], None]) -> Run:
+def _alone(measure: Callable[[Task], Run], task: Task, place: str, answers: Answers) -> Run:
     """A run in a process of its own, or a line with its message."""
-    name = f"{place} seed {task.seed}, {task.harmonics} harmonics, increment {task.increment:g}"
+    about = f"seed {task.seed}, {task.harmonics} harmonics, increment {task.increment:g}"
+    known = answers.kept(Run, about, task, measure.__qualname__)
+    if known is not None:
+        return known
+    name, report = f"{place} {about}", answers.report
     report(Note(f"{name}: started"))
     answer: Run | Exception | None = None
     with closing(run_alone(measure, task)) as events:
@@ -295,13 +301,17 @@ def _alone(measure: Callable[[Task], Run], task: Task, place: str, report: Calla
             elif isinstance(event, Ended):
                 answer = event.answer
     if isinstance(answer, Run):
+        answers.keep(Run, answer, about, task, measure.__qualname__)
         return answer
     return Run(task.seed, task.harmonics, task.increment, f"{type(answer).__name__}: {answer}")
 
 
-def _taken_apart(dissect: Callable[[int], Breakdown], harmonics: int, report: Callable[[Note], None]) -> Breakdown:
+def _taken_apart(dissect: Callable[[int], Breakdown], harmonics: int, answers: Answers) -> Breakdown:
     """A path taken apart in a process of its own, or the message why it is not."""
-    name = f"{harmonics} harmonics, stage by stage"
+    name, report = f"{harmonics} harmonics, stage by stage", answers.report
+    known = answers.kept(Breakdown, name, dissect.__qualname__)
+    if known is not None:
+        return known
     report(Note(f"{name}: started"))
     answer: Breakdown | Exception | None = None
     with closing(run_alone(dissect, harmonics)) as events:
@@ -311,6 +321,7 @@ def _taken_apart(dissect: Callable[[int], Breakdown], harmonics: int, report: Ca
             elif isinstance(event, Ended):
                 answer = event.answer
     if isinstance(answer, Breakdown):
+        answers.keep(Breakdown, answer, name, dissect.__qualname__)
         return answer
     return Breakdown(harmonics, f"{type(answer).__name__}: {answer}", {}, {}, ())
 

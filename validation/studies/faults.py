@@ -10,6 +10,7 @@ before it and counts its errors; in everyday use the baseline of that case pins 
 By how much: error over what is allowed, of a band the distance from its middle over half its width.  A fault with a
 size is made smaller in decades until no case sees it, starting where the measured excess predicts, with the cases
 that saw it best.  A patch that was never called, a red control or a fault that nothing catches fails the study.
+Finished answers are kept (answers.py): an interrupted study goes on.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from validation.execution import Ended, run_each_alone
 from validation.provenance import provenance
 from validation.registry import registry
 from validation.runner import Note
+from validation.studies.answers import Answers, answers_in
 from validation.studies.fault_findings import LAST_DECADE, Finding, Search, bad, compared
 from validation.studies.fault_injection import Examined, Fault, FaultError, Task, examine
 from validation.studies.fault_report import content_of, failures_of, table_of, write_matrix
@@ -67,15 +69,16 @@ def run(
     faults = [fault for fault in source.CATALOGUE if not quick or fault.id in source.QUICK]
     facts = provenance()
     jobs = os.cpu_count() or 1
-    control = control_run(catalogue, quick, jobs, report, modules)
+    answers = answers_in(folder, report)
+    control = control_run(catalogue, quick, jobs, answers, modules)
     red = [f"{record.id}: {verdict}" for record in control.records for verdict in case_verdicts(record) if bad(verdict)]
-    findings = [] if red else examine_faults(faults, catalogue, control, jobs, report, modules)
+    findings = [] if red else examine_faults(faults, catalogue, control, jobs, answers, modules)
     failures = [f"control run is not green: {line}" for line in red] + failures_of(findings)
     write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
     if findings:
         write_matrix(folder / FIGURE, [record.id for record in control.records], findings)
     if not quick:
-        shrink(findings, catalogue, control, jobs, report, modules)
+        shrink(findings, catalogue, control, jobs, answers, modules)
         write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
     print(table_of(findings))
     for line in failures:
@@ -85,9 +88,7 @@ def run(
     return 1 if failures or len(findings) != len(faults) else 0
 
 
-def control_run(
-    catalogue: str, quick: bool, jobs: int, report: Callable[[Note], None], modules: tuple[str, ...] = ()
-) -> Examined:
+def control_run(catalogue: str, quick: bool, jobs: int, kept: Answers, modules: tuple[str, ...] = ()) -> Examined:
     """The cases without a fault, and how often each calls each target.
 
     Cases of the quick level that took at most `QUICK_SECONDS` or `FULL_SECONDS` when their baseline was made; one
@@ -101,8 +102,8 @@ def control_run(
         Cases below `QUICK_SECONDS` only.
     jobs : int
         Processes at a time.
-    report : callable
-        Gets a `Note` for every step.
+    kept : Answers
+        Of an earlier run; new ones are added.
     modules : tuple of str
         Of the registry of cases; empty: all.
     """
@@ -113,7 +114,7 @@ def control_run(
     tasks = [Task(catalogue, None, 0.0, ((name, 10 * FULL_SECONDS),), modules) for name in chosen]
     if quick:  # short ones: one process for all
         tasks = [Task(catalogue, None, 0.0, tuple((name, 10 * FULL_SECONDS) for name in chosen), modules)]
-    answers = answers_of(tasks, jobs, report)
+    answers = answers_of(tasks, jobs, kept)
     records = {record.id: record for answer in answers for record in answer.records}
     calls = {name: counted for answer in answers for name, counted in answer.calls.items()}
     return Examined(tuple(records[name] for name in chosen), calls)
@@ -124,7 +125,7 @@ def examine_faults(
     catalogue: str,
     control: Examined,
     jobs: int,
-    report: Callable[[Note], None],
+    kept: Answers,
     modules: tuple[str, ...] = (),
 ) -> list[Finding]:
     """What the cases that call a fault see of it at size 1: the short ones first, then the others if need be.
@@ -134,7 +135,7 @@ def examine_faults(
     Parameters
     ----------
     faults : sequence of Fault
-    catalogue, jobs, report, modules
+    catalogue, jobs, kept, modules
         As of `control_run`.
     control : Examined
         Of the control run.
@@ -156,7 +157,7 @@ def examine_faults(
             if chosen and not finding.caught and (size == 1 or (finding.fault.size and finding.apart)):
                 asked.append((finding, chosen))
         tasks = [_task(catalogue, finding.fault, size, chosen, seconds, modules) for finding, chosen in asked]
-        for (finding, chosen), answer in zip(asked, answers_of(tasks, jobs, report), strict=True):
+        for (finding, chosen), answer in zip(asked, answers_of(tasks, jobs, kept), strict=True):
             finding.asked += [name for name in chosen if name not in finding.asked]
             finding.calls += sum(sum(calls.values()) for calls in answer.calls.values())
             sights, apart = compared(control, answer)
@@ -171,7 +172,7 @@ def shrink(
     catalogue: str,
     control: Examined,
     jobs: int,
-    report: Callable[[Note], None],
+    kept: Answers,
     modules: tuple[str, ...] = (),
 ) -> None:
     """Find the smallest decade of every fault with a size that its keenest cases still see.
@@ -180,7 +181,7 @@ def shrink(
     ----------
     findings : iterable of Finding
         Their `smallest` and `unseen` are set.
-    catalogue, control, jobs, report, modules
+    catalogue, control, jobs, kept, modules
         As of `examine_faults`.
     """
     seconds = {record.id: record.seconds for record in control.records}
@@ -197,7 +198,7 @@ def shrink(
             _task(catalogue, search.finding.fault, 10.0**-decade, search.cases, seconds, modules)
             for search, decade in open_ones
         ]
-        for (search, decade), answer in zip(open_ones, answers_of(tasks, jobs, report), strict=True):
+        for (search, decade), answer in zip(open_ones, answers_of(tasks, jobs, kept), strict=True):
             if compared(control, answer)[0]:
                 search.seen = decade
             else:
@@ -207,16 +208,18 @@ def shrink(
         search.finding.unseen = None if search.lost is None else 10.0**-search.lost
 
 
-def answers_of(tasks: Sequence[Task], jobs: int, report: Callable[[Note], None]) -> list[Examined]:
+def answers_of(tasks: Sequence[Task], jobs: int, kept: Answers) -> list[Examined]:
     """Answers in the order of the tasks; where a fault ended the process itself, what was asked is listed as ended.
+
+    Those of an earlier run are taken; that a process ended is no answer to keep.
 
     Parameters
     ----------
     tasks : sequence of Task
     jobs : int
         Processes at a time.
-    report : callable
-        Gets a `Note` for every answer.
+    kept : Answers
+        Of an earlier run; new ones are added.
 
     Raises
     ------
@@ -225,8 +228,10 @@ def answers_of(tasks: Sequence[Task], jobs: int, report: Callable[[Note], None])
     WorkerDiedError
         The control run ended its process.
     """
-    found: dict[int, Examined] = {}
-    with closing(run_each_alone(examine, tasks, jobs)) as events:
+    known = {place: kept.kept(Examined, _name(task), task) for place, task in enumerate(tasks)}
+    found = {place: answer for place, answer in known.items() if answer is not None}
+    missing = [task for place, task in enumerate(tasks) if place not in found]
+    with closing(run_each_alone(examine, missing, jobs)) as events:
         for event in events:
             if isinstance(event, Ended):
                 place = next(at for at, task in enumerate(tasks) if task is event.item)
@@ -235,11 +240,18 @@ def answers_of(tasks: Sequence[Task], jobs: int, report: Callable[[Note], None])
                     raise answer
                 if isinstance(answer, Exception):
                     answer = Examined((), {}, tuple((name, str(answer)) for name, _ in event.item.cases))
+                else:
+                    kept.keep(Examined, answer, _name(event.item), event.item)
                 found[place] = answer
-                name = event.item.fault or f"control: {', '.join(case for case, _ in event.item.cases)}"
-                size = "" if event.item.fault is None else f" at size {event.item.size:g}"
-                report(Note(f"[{len(found)}/{len(tasks)}] {name}{size}"))
+                kept.report(Note(f"[{len(found)}/{len(tasks)}] {_name(event.item)}"))
     return [found[place] for place in range(len(tasks))]
+
+
+def _name(task: Task) -> str:
+    """Of a task, for people."""
+    if task.fault is None:
+        return f"control: {', '.join(case for case, _ in task.cases)}"
+    return f"{task.fault} at size {task.size:g}"
 
 
 def _task(

@@ -5,7 +5,8 @@ setting up to 20 times or 2 s (quick: twice or 0.3 s), the least wall time and t
 time, largest memory of the process so far, and set-up, solution and evaluation apart.  Curves and conclusion go by CPU
 time: on one thread it is the wall time of an idle machine, and others do not add to it.  Errors of all quantities are
 kept; the curve shows the larger of those of contact fraction and mean pressure.  Points below the uncertainty of their
-reference are grey, failed ones stay with their message.  Counts, not seconds, are what could be gated.
+reference are grey, failed ones stay with their message.  Counts, not seconds, are what could be gated.  Each finished
+curve, reference and price list is kept (answers.py).
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import Any, TypeVar
 from validation.execution import Ended, Running, run_alone
 from validation.provenance import provenance
 from validation.runner import Note
+from validation.studies.answers import Answers, answers_in
 from validation.studies.conclusion import Mark, MethodCurve, sentences
 from validation.studies.plots import Line, Plot, write_svg
 from validation.studies.price_list import Price, digits_of, loaded_for_nothing, priced
@@ -145,19 +147,22 @@ def run(
     chosen = {name: posed for name, posed in scenes().items() if not quick or name in QUICK_SCENES}
     repeats, seconds = SECONDS if quick else REPEATS
     facts, points, failures = provenance(), list[Point](), list[str]()
+    answers = answers_in(folder, report)
     for posed in chosen.values():
         taking_part = [method for method in methods if posed.id in method.scenes]
-        references = _references(posed, taking_part, known, report, failures)
+        references = _references(posed, taking_part, known, answers, failures)
         for method in taking_part:
             task = Task(posed, method, method.settings_for(posed.id, quick), repeats, seconds)
-            answer = _alone(measured, task, f"{posed.id}, {method.name}", report)
+            name = f"{posed.id}, {method.name}"
+            decides = (posed, method.fixed, task.settings, repeats, seconds)
+            answer = _alone(list[Timed], measured, task, name, answers, *decides)
             timed = answer if isinstance(answer, list) else [Timed("all", f"{type(answer).__name__}: {answer}")]
             reference = references.get(source_for(posed.id, method, known).name)
             points += [point_of(posed, method, entry, reference) for entry in timed]
             if all(math.isnan(point.error) for point in points if _is(point, posed.id, method.name)):
                 failures.append(f"{posed.id}, {method.name}: no setting has an answer")
             _write(folder, facts, quick, points, methods, chosen, failures, [])
-    prices, told = _prices(quick, report, failures) if with_prices else ([], [])
+    prices, told = _prices(quick, answers, failures) if with_prices else ([], [])
     _write(folder, facts, quick, points, methods, chosen, failures, prices)
     columns = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall/s", "spread", "cpu/s",
                "MB", "repeats", "status"]  # fmt: skip
@@ -261,11 +266,11 @@ def _timed(task: Task, setting: Any) -> Timed:
     )
 
 
-def _prices(quick: bool, report: Callable[[Note], None], failures: list[str]) -> tuple[list[Price], list[str]]:
+def _prices(quick: bool, answers: Answers, failures: list[str]) -> tuple[list[Price], list[str]]:
     """The price list and what it says in words."""
     harmonics, runs = QUICK_PRICES if quick else PRICES
-    answer = _alone(priced, (harmonics, runs), f"price list, {harmonics} harmonics", report)
-    loaded = _alone(loaded_for_nothing, harmonics, "the bare scene, alone", report)
+    answer = _alone(list[Price], priced, (harmonics, runs), f"price list, {harmonics} harmonics", answers, runs)
+    loaded = _alone(list[str], loaded_for_nothing, harmonics, "the bare scene, alone", answers, harmonics)
     if not isinstance(answer, list) or not isinstance(loaded, list):
         failures.append(f"price list: {answer if isinstance(answer, Exception) else loaded}")
         return [], []
@@ -278,14 +283,15 @@ def _references(
     posed: Posed,
     methods: Sequence[Method],
     known: dict[str, tuple[Source, ...]],
-    report: Callable[[Note], None],
+    answers: Answers,
     failures: list[str],
 ) -> dict[str, Reference]:
     """The references that these methods need, by name; those that fail are told."""
     wanted = {source.name: source for source in (source_for(posed.id, method, known) for method in methods)}
     found: dict[str, Reference] = {}
     for name, source in wanted.items():
-        answer = _alone(computed_reference, (source, posed), f"{posed.id}, reference: {name}", report)
+        task = f"{posed.id}, reference: {name}"
+        answer = _alone(Reference, computed_reference, (source, posed), task, answers, posed)
         if isinstance(answer, Reference):
             found[name] = answer
         else:
@@ -294,9 +300,13 @@ def _references(
 
 
 def _alone(
-    function: Callable[[Item], Answered], item: Item, name: str, report: Callable[[Note], None]
+    form: type[Answered], function: Callable[[Item], Answered], item: Item, name: str, answers: Answers, *decides: Any
 ) -> Answered | Exception:
-    """The answer of a function in a process of its own, or its exception."""
+    """The answer of a function in a process of its own, or its exception; one that is kept is taken."""
+    known = answers.kept(form, name, *decides)
+    if known is not None:
+        return known
+    report = answers.report
     report(Note(f"{name}: started"))
     begun = time.monotonic()
     answer: Answered | Exception = RuntimeError("no answer")
@@ -307,6 +317,8 @@ def _alone(
             elif isinstance(event, Ended):
                 answer = event.answer
     report(Note(f"{name}: {time.monotonic() - begun:.1f} s"))
+    if not isinstance(answer, Exception):
+        answers.keep(form, answer, name, *decides)
     return answer
 
 

@@ -1,0 +1,94 @@
+"""Answers of studies on disk: they come back bit by bit, and only those of the same task and the same sources."""
+
+import math
+from dataclasses import dataclass, replace
+
+import pytest
+
+from validation.runner import failed_record
+from validation.studies.answers import Answers
+from validation.studies.cost import Run
+from validation.studies.fault_injection import Examined
+from validation.studies.work_precision import Timed
+from validation.studies.work_precision_scenes import Found
+
+
+@dataclass(frozen=True)
+class Measured:
+    value: float
+    parts: tuple[float, ...] = ()
+
+
+@pytest.fixture
+def told():
+    return []
+
+
+@pytest.fixture
+def answers(tmp_path, told):
+    return Answers(tmp_path / "answers", "sources", told.append)
+
+
+FOUND = Found({"gap": 0.1 + 0.2}, 3, {"evaluations": 2}, 0.0, 1e-300, math.inf)
+
+
+@pytest.mark.parametrize(
+    ("form", "answer"),
+    [
+        (Measured, Measured(0.1 + 0.2, (1 / 3, -0.0))),
+        (list[Timed], [Timed("1e-06", found=FOUND, repeats=2), Timed("2", "ArithmeticError: no")]),
+        (Run, Run(1, 100, 0.05, "converged", contact_fractions=(0.1, 0.2))),
+        (list[str], []),
+    ],
+    ids=["data-class", "nested", "defaults", "empty"],
+)
+def test_answer_comes_back_as_it_was(answers, form, answer):
+    answers.keep(form, answer, "a task", 1)
+    assert repr(answers.kept(form, "a task", 1)) == repr(answer)  # nan is not equal to itself
+
+
+def test_records_of_cases_come_back(answers, example_case):
+    examined = Examined((failed_record(example_case, "ZeroDivisionError: no", 1.0),), {"a": {"b": 2}}, (("a", "died"),))
+    answers.keep(Examined, examined, "fault")
+    assert answers.kept(Examined, "fault") == examined
+
+
+@pytest.fixture
+def example_case(monkeypatch):
+    from pathlib import Path
+
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    import example_cases
+
+    return example_cases.case("crashes", None)
+
+
+def test_answer_of_another_task_is_not_taken(answers):
+    answers.keep(Measured, Measured(1.0), "a task", (4, 8))
+    assert answers.kept(Measured, "a task", (4, 16)) is None
+    assert answers.kept(Measured, "another", (4, 8)) is None
+
+
+def test_answer_of_other_sources_is_not_taken(answers):
+    answers.keep(Measured, Measured(1.0), "a task")
+    assert replace(answers, key="later").kept(Measured, "a task") is None
+
+
+@pytest.mark.parametrize("damage", [lambda text: text.replace("1.5", "1.6"), lambda text: text[:40], lambda text: "[]"])
+def test_damaged_answer_is_told_and_not_taken(answers, told, damage):
+    answers.keep(Measured, Measured(1.5), "a task")
+    (path,) = answers.folder.iterdir()
+    path.write_text(damage(path.read_text()))
+    assert answers.kept(Measured, "a task") is None
+    assert "is damaged; computed again" in told[-1].text
+
+
+def test_nothing_half_written_is_left(answers):
+    answers.keep(Measured, Measured(1.0), "a task / with: signs")
+    assert [path.suffix for path in answers.folder.iterdir()] == [".json"]
+
+
+def test_name_of_a_file_says_what_it_is(answers):
+    answers.keep(Measured, Measured(1.0), "layer, reference: finite elements")
+    (path,) = answers.folder.iterdir()
+    assert path.name.startswith("layer-reference-finite-elements-")

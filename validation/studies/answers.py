@@ -1,0 +1,116 @@
+"""Answers of the tasks of a study, each kept on disk as soon as it is there, so that an interrupted study goes on.
+
+A task is a name and whatever else decides its answer; its answer lies in OUT/answers/NAME-DIGEST.json, written under a
+temporary name and renamed, with the key of the sources and of the versions they run on, and a SHA-256 of its own.
+The digest in the name is that of the task, so that short and full forms lie side by side.  An answer of other sources
+counts as missing; a damaged file is told, and computed again.  Exceptions are no answers: what failed is tried again.
+Answers are plain data classes, or lists of them; every float comes back bit by bit, nan and infinity too.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from validation.provenance import sources_digest, versions
+from validation.runner import Note, write_atomically
+
+FOLDER = "answers"
+NAME_LENGTH = 60  # characters of a file name before its digest
+
+Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True)
+class Answers:
+    """The answers of a study in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Made where it is not there.
+    key : str
+        Of sources and versions; answers of another key are not taken.
+    report : callable
+        Gets a `Note` for each answer that is there already, and for each damaged file.
+    """
+
+    folder: Path
+    key: str
+    report: Callable[[Note], None]
+
+    def kept(self, form: type[Answer], name: str, *decides: Any) -> Answer | None:
+        """The answer of a task if these sources gave it.
+
+        Parameters
+        ----------
+        form : type
+            Of the answer: a data class, a list of one, or the like.
+        name : str
+            Of the task, for people.
+        decides : objects
+            What else decides the answer, by their `repr`.
+        """
+        path = self._path(name, decides)
+        try:
+            content = json.loads(path.read_text("utf-8"))
+            intact = content["sha256"] == _digest(content["answer"])
+            current = content["key"] == self.key
+            answer = TypeAdapter(form).validate_python(content["answer"]) if intact and current else None
+        except FileNotFoundError:
+            return None
+        except (ValueError, KeyError, TypeError, ValidationError):
+            intact, answer = False, None
+        if not intact:
+            self.report(Note(f"{name}: {path.name} is damaged; computed again"))
+        elif answer is not None:
+            self.report(Note(f"{name}: is there already"))
+        return answer
+
+    def keep(self, form: type[Answer], answer: Answer, name: str, *decides: Any) -> None:
+        """Store the answer of a task.
+
+        Parameters
+        ----------
+        form, name, decides
+            As of `kept`.
+        answer : object of this form
+
+        Raises
+        ------
+        OSError
+            The disk is full; what is there stays whole.
+        """
+        self.folder.mkdir(parents=True, exist_ok=True)
+        plain = json.loads(json.dumps(TypeAdapter(form).dump_python(answer)))
+        content = {"key": self.key, "task": name, "sha256": _digest(plain), "answer": plain}
+        write_atomically(self._path(name, decides), json.dumps(content, indent=1) + "\n")
+
+    def _path(self, name: str, decides: tuple[Any, ...]) -> Path:
+        short = re.sub(r"[^A-Za-z0-9.]+", "-", name).strip("-")[:NAME_LENGTH]
+        return self.folder / f"{short}-{hashlib.sha256(repr((name, decides)).encode()).hexdigest()[:12]}.json"
+
+
+def answers_in(folder: Path, report: Callable[[Note], None]) -> Answers:
+    """The answers of a study that writes to a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the study.
+    report : callable
+        As of `Answers`.
+    """
+    key = hashlib.sha256((sources_digest() + json.dumps(versions(), sort_keys=True)).encode()).hexdigest()
+    return Answers(folder / FOLDER, key, report)
+
+
+def _digest(plain: Any) -> str:
+    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
