@@ -1,0 +1,198 @@
+"""The profiles on which the theory is corrected, and those on which it is judged, as scenes.
+
+Every profile is scaled to the rms slope of the paper's, 0.272, so that the loads, 0.001 to 0.05 E*, mean the same
+p/(E* h'_rms) for all: without adhesion nothing else of the amplitudes matters.  Adhesion is theta = gamma / U,
+U = E* sum q_m h_m^2 / 8 the elastic energy of full contact per nominal area: the paper's 0.03 J/m^2 is theta = 0.027.
+
+fit        H 0.3, 0.5, 0.7, 0.9; 30 to 3000 harmonics; theta 0, 0.01 (weak), 0.03 (as the paper), 0.1 (strong)
+hold-out   other H, other bandwidth, other theta, other seeds, other loads: self-affine; with a roll-off (equal heights
+           up to order 16, then H = 0.8); not fractal (a Gaussian power spectrum, h_m ~ exp(-(m/40)^2/2); eight lines a
+           factor 1.8 apart)
+
+The split is this file: nothing of the hold-out enters a fit.  Large profiles have fewer realisations, the largest only
+one, without adhesion: cost grows as bandwidth^1.5.  Source of the paper's profile: Carbone, Scaraggi, Tartaglino,
+Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  Half-space, plane strain, loading from first touch, no slope term.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.ensemble import Member, member_seed
+
+FloatArray = NDArray[np.float64]
+
+PERIOD = 0.01
+YOUNGS_MODULUS, POISSON_RATIO = 1e6, 0.5
+MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
+RMS_SLOPE = 0.272
+FIT_LOADS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05)  # of E*
+HOLD_OUT_LOADS = (0.0015, 0.003, 0.007, 0.014, 0.025, 0.04)
+FIT_ROOT, HOLD_OUT_ROOT = 820, 821  # of the seeds
+LINES = (1, 2, 3, 6, 10, 19, 34, 61)
+DEEPEST = 1e-4  # separation in rms heights: the load stops the path long before
+
+
+@dataclass(frozen=True)
+class Group:
+    """Realisations that differ in their phases alone.
+
+    Parameters
+    ----------
+    part : "fit" or "hold-out"
+    kind : "self-affine", "roll-off", "gaussian" or "lines"
+    hurst : float
+        nan where the spectrum has none.
+    harmonics : int
+        The highest order.
+    theta : float
+        Work of adhesion over the elastic energy of full contact; 0 for none.
+    realisations : int
+    """
+
+    part: str
+    kind: str
+    hurst: float
+    harmonics: int
+    theta: float
+    realisations: int
+
+    @property
+    def name(self) -> str:
+        """Of its members, without their number."""
+        exponent = "" if np.isnan(self.hurst) else f"-H{self.hurst:g}"
+        return f"{self.part}-{self.kind}{exponent}-M{self.harmonics}-t{self.theta:g}"
+
+    @property
+    def loads(self) -> tuple[float, ...]:
+        """Over E*."""
+        return FIT_LOADS if self.part == "fit" else HOLD_OUT_LOADS
+
+    @property
+    def orders(self) -> list[int]:
+        """Of the harmonics."""
+        return list(LINES) if self.kind == "lines" else list(range(1, self.harmonics + 1))
+
+    @property
+    def amplitudes(self) -> FloatArray:
+        """h_m in m, (n_harmonics,), of the rms slope that all share."""
+        m = np.array(self.orders, dtype=np.float64)
+        if self.kind == "self-affine":
+            shape = m ** -(self.hurst + 0.5)
+        elif self.kind == "roll-off":
+            shape = np.maximum(m, 16.0) ** -(self.hurst + 0.5)
+        elif self.kind == "gaussian":
+            shape = np.exp(-((m / 40.0) ** 2) / 2)
+        elif self.kind == "lines":
+            shape = m**-1.1
+        else:
+            raise ValueError(f"kind: {self.kind!r} is none of self-affine, roll-off, gaussian, lines")
+        slope = 2 * np.pi / PERIOD * np.sqrt(np.sum((m * shape) ** 2) / 2)
+        return np.asarray(shape * RMS_SLOPE / slope)
+
+    @property
+    def wavenumbers(self) -> FloatArray:
+        """q_m in rad/m, (n_harmonics,)."""
+        return 2 * np.pi / PERIOD * np.array(self.orders, dtype=np.float64)
+
+    @property
+    def rms_height(self) -> float:
+        """In m."""
+        return float(np.sqrt(np.sum(self.amplitudes**2) / 2))
+
+    @property
+    def work_of_adhesion(self) -> float | None:
+        """In J/m^2; None without adhesion."""
+        if self.theta == 0:
+            return None
+        return self.theta * MODULUS * float(np.sum(self.wavenumbers * self.amplitudes**2)) / 8
+
+    def member(self, k: int) -> Member:
+        """Realisation k."""
+        seed = member_seed(FIT_ROOT if self.part == "fit" else HOLD_OUT_ROOT, k)
+        phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, len(self.orders))
+        scene: dict[str, Any] = {
+            "title": f"theory correction: {self.name}, realisation {k}, seed {seed}",
+            "solid": {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO},
+            "profile": {
+                "kind": "harmonics",
+                "period": PERIOD,
+                "orders": self.orders,
+                "amplitudes": self.amplitudes.tolist(),
+                "phases": phases.tolist(),
+            },
+            "loading": self._loading(),
+            "accuracy": {"tolerance": 1e-5},
+            "output": {"pressure_distribution": True},
+        }
+        if self.work_of_adhesion is not None:
+            scene["adhesion"] = {"work_of_adhesion": self.work_of_adhesion}
+        return Member(f"{self.name}-{k:02d}", scene)
+
+    def _loading(self) -> dict[str, Any]:
+        """From first touch to the highest load; without adhesion, where no path is followed, load by load."""
+        loads = [load * MODULUS for load in self.loads]
+        if self.work_of_adhesion is None:
+            return {"control": "mean_pressure", "targets": loads}
+        return {
+            "control": "separation",
+            "targets": [DEEPEST * self.rms_height],
+            "at_mean_pressures": loads[:-1],
+            "stop_at_mean_pressure": loads[-1],
+        }
+
+    def members(self) -> list[Member]:
+        """All realisations."""
+        return [self.member(k) for k in range(self.realisations)]
+
+
+def groups(quick: bool = False) -> tuple[Group, ...]:
+    """All groups of the study, or a few small ones that show that everything runs."""
+    return (*_fit(quick), *_hold_out(quick))
+
+
+def _fit(quick: bool) -> Iterator[Group]:
+    if quick:
+        for hurst in (0.5, 0.8):
+            for theta in (0.0, 0.03):
+                yield Group("fit", "self-affine", hurst, 16, theta, 2)
+        return
+    for harmonics, dry, wet in ((30, 16, 8), (100, 8, 6), (300, 6, 2)):
+        for hurst in (0.3, 0.5, 0.7, 0.9):
+            yield Group("fit", "self-affine", hurst, harmonics, 0.0, dry)
+            for theta in (0.01, 0.03, 0.1):
+                yield Group("fit", "self-affine", hurst, harmonics, theta, wet)
+    for hurst in (0.3, 0.5, 0.7, 0.9):
+        yield Group("fit", "self-affine", hurst, 1000, 0.0, 2)
+    yield Group("fit", "self-affine", 0.7, 1000, 0.03, 1)
+    yield Group("fit", "self-affine", 0.7, 3000, 0.0, 1)
+
+
+def _hold_out(quick: bool) -> Iterator[Group]:
+    if quick:
+        yield Group("hold-out", "lines", np.nan, LINES[-1], 0.0, 2)
+        yield Group("hold-out", "self-affine", 0.6, 20, 0.05, 2)
+        return
+    for hurst in (0.4, 0.6, 0.8):
+        for harmonics, realisations in ((64, 10), (200, 6), (500, 4)):
+            yield Group("hold-out", "self-affine", hurst, harmonics, 0.0, realisations)
+    for hurst, harmonics, theta, realisations in (
+        (0.4, 64, 0.02, 6),
+        (0.6, 200, 0.02, 4),
+        (0.8, 64, 0.06, 6),
+        (0.8, 200, 0.02, 4),
+        (0.6, 64, 0.06, 6),
+        (0.4, 200, 0.06, 4),
+        (0.8, 500, 0.02, 2),
+    ):
+        yield Group("hold-out", "self-affine", hurst, harmonics, theta, realisations)
+    for theta in (0.0, 0.03):
+        few = theta > 0
+        yield Group("hold-out", "roll-off", 0.8, 256, theta, 3 if few else 6)
+        yield Group("hold-out", "gaussian", np.nan, 120, theta, 4 if few else 6)
+        yield Group("hold-out", "lines", np.nan, LINES[-1], theta, 6 if few else 12)
