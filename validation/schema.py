@@ -101,13 +101,17 @@ class Row(_Strict):
 
 
 class Series(_Strict):
-    """One curve or set of points; a `band` lies between `y` and `upper`, `thin` curves stay in the background."""
+    """One curve or set of points; a `band` lies between `y` and `upper`, `thin` curves stay in the background.
+
+    Series of one `hue` share a colour; without it, each takes the next one.
+    """
 
     label: str
     x: list[float | None]
     y: list[float | None]
-    style: Literal["line", "points", "dashed", "band", "thin"] = "line"
+    style: Literal["line", "points", "dots", "dashed", "band", "thin"] = "line"
     upper: list[float | None] | None = None
+    hue: int | None = Field(None, ge=0)
 
     @model_validator(mode="after")
     def _of_one_length(self) -> Series:
@@ -129,12 +133,13 @@ class Panel(_Strict):
 
 
 class Figure(_Strict):
-    """A solution above, and its signed error below where there is one."""
+    """A solution above, and its signed error below where there is one; `files` lie beside the report, by their path."""
 
     id: Text
     caption: Text
     solution: Panel
     error: Panel | None = None
+    files: list[str] = []
 
 
 class Table(_Strict):

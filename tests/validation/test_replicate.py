@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 from importlib import import_module
 
 import numpy as np
@@ -14,12 +15,13 @@ from validation.ensemble import Outcome
 from validation.replicate import gather, members, realisations, scene_text
 from validation.replicate.area import line_through
 from validation.replicate.evidence import jackknife, joined, mean_and_error
-from validation.replicate.files import table_of, write_figure
+from validation.replicate.files import linked, table_of, write_figure
 from validation.replicate.members import LOADS, PAPER, Size
 from validation.replicate.pressure import decay_power, density
 from validation.replicate.spectra import banded, exponent, sensitivity
 from validation.replicate.statements import disagreement, statement
-from validation.schema import Figure, Panel, Series
+from validation.report.render import render
+from validation.schema import CaseRecord, Figure, Panel, Report, Series
 from validation.verdict import verdict_of
 
 TINY = Size(seeds=2, harmonics=16, fewer_harmonics=12, hurst_seeds=2)
@@ -145,6 +147,34 @@ def test_figure_files_are_vectors_and_repeat(tmp_path):
     assert b"<image" not in (tmp_path / "a" / "one.svg").read_bytes()
 
 
+def page_of(row):
+    """A page with one case, its figure with files beside the report."""
+    case = CaseRecord(
+        id="replicate-one", group="paper", level="full", question="One?", equations="a = b", sources=[], rows=[row],
+        figures=[linked(FIGURE, "figures")],
+    )  # fmt: skip
+    command = "python -m validation replicate --out paper"
+    return render(Report(level="replicate", command=command, planned=1, provenance=FACTS, cases=[case]))
+
+
+FACTS = {"date": "2026-11-21T00:00:00", "commit": "0" * 40}
+
+
+def test_page_links_the_files_of_a_figure():
+    page = page_of(claimed(-2.65))
+    assert all(f'<a href="figures/one.{kind}">{kind.upper()}</a>' in page for kind in ("svg", "pdf", "csv"))
+
+
+def test_page_shows_the_uncertainty_of_a_number():
+    assert page_of(claimed(-2.65, error=0.031)).count("± 0.031") == 2
+    assert "±" not in page_of(claimed(-2.65))
+
+
+def test_page_tells_how_a_replication_is_repeated():
+    page = page_of(claimed(-2.65))
+    assert "<dt>reproduce</dt><dd><code>python -m validation replicate --out paper</code></dd>" in page
+
+
 @pytest.fixture(scope="module")
 def replicated(tmp_path_factory):
     """The folder of a tiny replication, its report, and the exit code."""
@@ -191,6 +221,15 @@ def test_every_figure_is_there_as_vectors_and_data(replicated):
     assert sorted(path.name for path in (folder / "figures").iterdir()) == sorted(
         f"{name}.{kind}" for name in drawn for kind in ("svg", "pdf", "csv")
     )
+
+
+@pytest.mark.slow
+def test_every_link_of_the_page_leads_to_a_file(replicated):
+    folder, report, _ = replicated
+    page = (folder / "report.html").read_text()
+    links = set(re.findall(r'href="(figures/[^"]+)"', page))
+    assert len(links) == 3 * sum(len(case["figures"]) for case in report["cases"])
+    assert all((folder / link).stat().st_size > 0 for link in links)
 
 
 @pytest.mark.slow

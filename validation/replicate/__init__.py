@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from validation.executors import Opener
 from validation.provenance import provenance
 from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra
 from validation.replicate.evidence import Evidence, Realisation
-from validation.replicate.files import write_figure
+from validation.replicate.files import linked, write_figure
 from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
 from validation.replicate.members import hurst as hurst_members
 from validation.replicate.members import shapes as shapes_member
@@ -32,6 +33,7 @@ from validation.runner import Note, failed_record, record_of
 from validation.schema import SCHEMA, CaseRecord, Report
 
 GROUP = "the paper replicated"
+FIGURES = "figures"  # folder of their files, beside the report
 ENSEMBLE_EFFECTS = ("half_space", "adhesion", "slope_term", "spectra", "pressure_distribution")
 
 TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
@@ -85,7 +87,7 @@ def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable
     records = [_record(case) for case in cases(evidence)]
     for record in records:
         for figure in record.figures:
-            write_figure(figure, folder / "figures")
+            write_figure(figure, folder / FIGURES)
     return Report(
         schema_=SCHEMA,
         level="replicate" if size == PAPER else "replicate, short form",
@@ -171,6 +173,8 @@ def _record(case: Case) -> CaseRecord:
     """What is reported of a topic; one that crashes is a row with its message."""
     begun = time.perf_counter()
     try:
-        return record_of(case, case.compute(), time.perf_counter() - begun)
+        outcome = case.compute()
+        figures = tuple(linked(figure, FIGURES) for figure in outcome.figures)
+        return record_of(case, replace(outcome, figures=figures), time.perf_counter() - begun)
     except Exception as error:
         return failed_record(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)

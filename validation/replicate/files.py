@@ -22,6 +22,22 @@ WITHOUT_DATE = {
 }
 
 
+KINDS = ("svg", "pdf", "csv")
+
+
+def linked(figure: Figure, folder: str) -> Figure:
+    """The figure with the paths of its files, relative to the report.
+
+    Examples
+    --------
+    >>> from validation.schema import Panel, Series
+    >>> panel = Panel(xlabel="x", ylabel="y", series=[Series(label="one", x=[0.0], y=[1.0])])
+    >>> linked(Figure(id="area", caption="One point.", solution=panel), "figures").files
+    ['figures/area.svg', 'figures/area.pdf', 'figures/area.csv']
+    """
+    return figure.model_copy(update={"files": [f"{folder}/{figure.id}.{kind}" for kind in KINDS]})
+
+
 def write_figure(figure: Figure, folder: Path) -> None:
     """Write ID.svg, ID.pdf and ID.csv; equal numbers give equal files."""
     folder.mkdir(parents=True, exist_ok=True)

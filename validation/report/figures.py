@@ -70,7 +70,8 @@ def svg_of(figure: Figure, prefix: str) -> str:
 
 def _draw(axes: Axes, panel: Panel) -> None:
     for index, series in enumerate(panel.series):
-        _draw_series(axes, series, COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)])
+        hue = (index if series.hue is None else series.hue) % len(COLOURS)
+        _draw_series(axes, series, COLOURS[hue], MARKERS[hue])
     axes.set_xlabel(panel.xlabel)
     axes.set_ylabel(panel.ylabel)
     axes.set_xscale(panel.xscale)
@@ -84,6 +85,8 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
         axes.fill_between(x, y, _numbers(series.upper), color=colour, alpha=0.2, linewidth=0, label=series.label)
     elif series.style == "thin":
         axes.plot(x, y, "-", color="#9aa0a6", linewidth=0.5, zorder=1.5, label=series.label)
+    elif series.style == "dots":
+        axes.plot(x, y, ".", color=colour, markersize=1.8, alpha=0.45, linestyle="none", label=series.label)
     elif series.style == "points":
         axes.plot(x, y, marker, color=colour, markersize=3.6, linestyle="none", label=series.label)
     else:

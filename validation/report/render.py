@@ -207,7 +207,7 @@ def _line(row: Row) -> Line:
     return Line(
         row=row,
         expected=_value(row.expected, worst),
-        computed=_value(row.computed, worst),
+        computed=_value(row.computed, worst) + _spread(row.uncertainty),
         error=error_of(row),
         allowed=allowed,
         ratio=None if row.band else error_over_tolerance(row),
@@ -233,6 +233,11 @@ def _value(values: list[float | None], worst: int) -> Markup:
     return text if len(values) == 1 else text + Markup(f" <small>worst of {len(values)}</small>")
 
 
+def _spread(uncertainty: float) -> Markup:
+    """The uncertainty of what was computed, where it has one."""
+    return Markup(f" <small>± {uncertainty:.2g}</small>") if uncertainty > 0 else Markup("")
+
+
 def _short(commit: str) -> str:
     """A commit by its first twelve digits; what follows them in words is kept."""
     return re.sub(r"^([0-9a-f]{12})[0-9a-f]{28}", r"\1", str(commit))
@@ -242,11 +247,13 @@ def _sorted_as(value: float | None) -> float | str:
     return "" if value is None else value
 
 
-def _drawn(case: CaseRecord, prefix: str) -> list[tuple[str, str, str]]:
-    """Id, caption and SVG of the figures of a case whose id begins with `prefix`."""
+def _drawn(case: CaseRecord, prefix: str) -> list[tuple[str, str, str, list[str]]]:
+    """Id, caption, SVG and files of the figures of a case whose id begins with `prefix`."""
     chosen = [figure for figure in case.figures if figure.id.startswith(prefix)]
     where = "top" if prefix else "case"
-    return [(figure.id, figure.caption, svg_of(figure, f"{where}-{case.id}-{figure.id}")) for figure in chosen]
+    return [
+        (figure.id, figure.caption, svg_of(figure, f"{where}-{case.id}-{figure.id}"), figure.files) for figure in chosen
+    ]
 
 
 def _worst(case: CaseRecord) -> str:
