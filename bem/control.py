@@ -44,9 +44,13 @@ class PenetrationControl:
         """The energy that an equilibrium minimises."""
         return energy
 
-    def work(self, state: Evaluation, change: float) -> float:
-        """Growth of the potential when the target changes at fixed edges."""
-        return change * (state.load + change * state.load_rate / 2)
+    def force(self, state: Evaluation) -> float:
+        """Derivative of the potential by the target, in equilibrium or at fixed edges."""
+        return state.load
+
+    def force_rate(self, state: Evaluation, load_growth: float = 0.0) -> float:
+        """Derivative of the force by the target; `load_growth` is that of the load by the motion of the edges."""
+        return state.load_rate + load_growth
 
     def rate(self, state: Evaluation) -> float:
         """dDelta / dtarget at fixed edges."""
@@ -100,9 +104,13 @@ class LinearControl:
         spring = self.penetration_weight * state.penetration / 2 - target
         return energy + spring * state.penetration / self.load_weight
 
-    def work(self, state: Evaluation, change: float) -> float:
-        """Growth of the potential when the target changes at fixed edges."""
-        return -change * (state.penetration + change * self.rate(state) / 2) / self.load_weight
+    def force(self, state: Evaluation) -> float:
+        """Derivative of the potential by the target, in equilibrium or at fixed edges."""
+        return -state.penetration / self.load_weight
+
+    def force_rate(self, state: Evaluation, load_growth: float = 0.0) -> float:
+        """Derivative of the force by the target; `load_growth` is that of the load by the motion of the edges."""
+        return -self.rate(state) * (1 / self.load_weight - load_growth)
 
     def rate(self, state: Evaluation) -> float:
         """dDelta / dtarget at fixed edges."""

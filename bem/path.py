@@ -2,10 +2,10 @@
 
 Between events the equilibrium edges are a smooth function of the control value tau (penetration, load or total
 displacement) and are followed by a second-order predictor and Newton.  An increment is accepted only when Newton
-stays on its branch (K > 0, positive definite Hessian, small steps) and no gap interpenetrates.  Otherwise the event
-in between is bracketed down to the smallest increment: new contacts by the secant of their gap, ends of branches by
-bisection.  Only there is it resolved (events.py).  The path is unique; that the result does not depend on the
-smallest increment is a property to verify, not to assume.  Dimensionless.
+stays on its branch (K > 0, positive definite Hessian, small steps, no energy missing) and no gap interpenetrates.
+Otherwise the event in between is bracketed down to the smallest increment: new contacts by the secant of their gap,
+ends of branches by bisection.  Only there is it resolved (events.py).  The path is unique; that the result does not
+depend on the smallest increment is a property to verify, not to assume.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from scipy.linalg import eigh
 from bem.assessment import Assessment, assess_equilibrium
 from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
-from bem.equilibrium import ENERGY_TRUNCATION, LARGEST_NEWTON_STEP, Balance, System, balance, correct
+from bem.equilibrium import ENERGY_TRUNCATION, LARGEST_NEWTON_STEP, Balance, System, balance, correct, edge_positions
 from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
@@ -30,6 +30,7 @@ from bem.patches import Patches
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+UNBOOKED = 1e-3  # energy that may go missing in an increment, over the work of adhesion that its edges turned over
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which they are orthogonal
 
 PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
@@ -205,6 +206,12 @@ class Path:
             point = Point("converged", point.value, fine.balance, (), point.rate, point.curvature)
         return self._resolve(point, point.value, fine.balance is None, fine=True)
 
+    def afresh(self, point: Point) -> Point:
+        """A point from which the path goes on as if it began there, so that a stored state restarts it exactly."""
+        self.step = 0.0
+        rate = None if point.balance is None else self.tangent(point.balance)
+        return Point(point.status, point.value, point.balance, (), rate)
+
     def polished_at(self, point: Point, value: float) -> Point | None:
         """The point at another control value on the same branch, at the accuracy of a target, if there is one."""
         assert point.balance is not None
@@ -314,8 +321,31 @@ class Path:
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
         rate = self.tangent(corrected.balance)
         ahead = Point("converged", value, corrected.balance, (), rate, (rate - point.rate) / (2 * change))
+        if self._jumped(point, ahead):
+            return None, None
         found = interpenetration(self.system, corrected.balance.state, inc.allowed)
         return ahead, (found if found.position.size else None)
+
+    def _jumped(self, start: Point, end: Point) -> bool:
+        """Whether more energy went missing between two points than the forces along one branch account for.
+
+        Newton can step over a short unstable stretch of the path.  Along a branch the potential grows by the integral
+        of its derivative by the target, here by Hermite's rule; what a jump dissipates is missing.
+        """
+        assert start.balance is not None and end.balance is not None and start.rate is not None and end.rate is not None
+        first, last, control = start.balance, end.balance, self.system.control
+        change = end.value - start.value
+        stiffening = control.force_rate(first.state, float(first.load_gradient @ start.rate)) - control.force_rate(
+            last.state, float(last.load_gradient @ end.rate)
+        )
+        work = change / 2 * (control.force(first.state) + control.force(last.state)) + change**2 / 12 * stiffening
+        missing = first.potential + work - last.potential
+        travel = edge_positions(last.state.patches) - edge_positions(first.state.patches)
+        turned_over = float(last.work @ np.abs((travel + np.pi) % (2 * np.pi) - np.pi))
+        noise = (
+            ENERGY_TRUNCATION * self.increments.tolerance**2 * (first.state.elastic_energy + last.state.elastic_energy)
+        )
+        return missing > UNBOOKED * turned_over + noise
 
     def _bracket(self, point: Point, found: GapMinima | None, step: float) -> tuple[float, float]:
         """How far a failed increment went beyond its event at most, and the increment to try instead."""
@@ -355,7 +385,9 @@ class Path:
             self.effort.book(settled)
             if settled.status != "not_converged":
                 break
-        before = start.balance.potential + self.system.control.work(start.balance.state, value - start.value)
+        control, change = self.system.control, value - start.value
+        push = control.force(start.balance.state) + change / 2 * control.force_rate(start.balance.state)
+        before = start.balance.potential + change * push
         broken = symmetry_breaking(start.balance) if branch_ends and settled.changes else ()
         if settled.balance is None:
             changes, load = (*broken, *settled.changes), 0.0
@@ -369,8 +401,9 @@ class Path:
                 released = before - complete_potential(self.system, self.complete, start.balance.state, value)
             return Point(settled.status, value, None, _events(changes, value, penetration, load, released))
         released = before - settled.balance.potential
-        if not settled.changes and released <= ENERGY_TRUNCATION * tolerance**2 * settled.balance.state.elastic_energy:
-            return Point(settled.status, value, settled.balance, (), self.tangent(settled.balance))
+        ahead = Point(settled.status, value, settled.balance, (), self.tangent(settled.balance))
+        if not settled.changes and not self._jumped(start, ahead):
+            return ahead
         return self._point_after(settled, value, (*broken, *settled.changes), released)
 
     def _point_after(

@@ -196,6 +196,8 @@ class _Run:
         if polished.status in ("not_converged", "ill_conditioned"):
             return "not_converged"
         self.point = polished
+        if isinstance(self.path, Path) and isinstance(polished, Point):
+            self.point = self.path.afresh(polished)
         self._keep(polished, target=True)
         return None
 

@@ -56,11 +56,25 @@ def test_rate_is_the_derivative_of_the_penetration_by_the_target(control, target
 
 @by_control
 @pytest.mark.parametrize("change", [0.3, -0.7])
-def test_work_is_the_growth_of_the_potential_at_fixed_edges(control, target, change):
+def test_force_does_the_work_that_the_potential_grows_by_at_fixed_edges(control, target, change):
     here, there = reached(control, target), reached(control, target + change)
     growth = control.potential(there, there.elastic_energy, target + change)
     growth -= control.potential(here, here.elastic_energy, target)
-    assert control.work(here, change) == pytest.approx(growth, rel=1e-11)
+    work = change * (control.force(here) + change / 2 * control.force_rate(here))
+    assert work == pytest.approx(growth, rel=1e-11)
+
+
+@by_control
+def test_force_rate_follows_the_load_that_moving_edges_carry(control, target):
+    outward = np.linspace(-0.05, 0.08, 6)
+
+    def force(amount):
+        state = evaluate(ELASTIC, PATCHES.moved(amount * outward), control.guess(0.4, target + amount), 1e-12)
+        return control.force(control.reach(state, target + amount))
+
+    here = balance(System(ELASTIC, UniformLaw(0.05), control), PATCHES, 0.4, target, 1e-12)
+    rate = control.force_rate(here.state, float(here.load_gradient @ outward))
+    assert rate == pytest.approx(derivative(force, 1e-3), rel=1e-6)
 
 
 @by_control
