@@ -8,6 +8,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.path_convergence",
     "validation.cases.paper_profile",
     "validation.cases.fem_closed_forms",
+    "validation.cases.fem_closure",
     "validation.cases.fem_equilibria",
     "validation.cases.fault_gaps",
     "validation.cases.theory_routes",

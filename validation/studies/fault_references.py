@@ -5,11 +5,13 @@ A fault is a function from the right code and a size to the wrong code; size 1 i
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
 from fem_reference.face import face_nodes
+from fem_reference.problem import Problem
 from validation.studies.fault_injection import Fault, Function, scaled
 
 
@@ -35,6 +37,20 @@ def _engineering_shear(original: Function, size: float) -> Function:
 def _stiffer_reference_modulus(original: Function, size: float) -> Function:
     """E in place of E* where the finite elements turn G into K."""
     return lambda problem: original(problem) * (1 - size * problem.poisson_ratio**2)
+
+
+def _closure_with_youngs_modulus(original: Function, size: float) -> Function:
+    """E in place of E* in one step of the closure, its stress intensities and its critical ones alike."""
+
+    class Softer(Problem):
+        @property
+        def plane_strain_modulus(self) -> float:
+            return (1 - size * self.poisson_ratio**2) * super().plane_strain_modulus
+
+    def wrong(problem: Problem, *given: Any) -> Any:
+        return original(Softer(**{field.name: getattr(problem, field.name) for field in fields(problem)}), *given)
+
+    return wrong
 
 
 def _mean_of_ends(original: Function, size: float) -> Function:
@@ -99,6 +115,20 @@ REFERENCE_FAULTS: tuple[Fault, ...] = (
         "E in place of E* where G becomes K",
         "fem_reference.problem:Problem.plane_strain_modulus",
         _stiffer_reference_modulus,
+        "E* becomes E",
+    ),
+    Fault(
+        "fem-closure-e-for-e-star",
+        "E in place of E* in the closure only, in K and in the critical K alike",
+        "fem_reference.solve:closed",
+        _closure_with_youngs_modulus,
+        "E* becomes E",
+    ),
+    Fault(
+        "fem-stability-e-for-e-star",
+        "E in place of E* in the second derivatives of the energy at the edges",
+        "fem_reference.closure:hessian",
+        _closure_with_youngs_modulus,
         "E* becomes E",
     ),
     Fault(
