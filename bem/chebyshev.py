@@ -23,6 +23,8 @@ from scipy.fft import dct
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+_SMALL_TRANSFORM = 128  # nodes up to which a matrix is the faster transform (measured)
+
 
 @dataclass(frozen=True, eq=False)
 class Basis:
@@ -85,9 +87,19 @@ def coefficients(samples: FloatArray) -> FloatArray:
     True
     """
     n = samples.shape[-1]
+    if n <= _SMALL_TRANSFORM:
+        return np.asarray(samples @ _transform(n))
     series: FloatArray = dct(samples, type=2, axis=-1) / n
     series[..., 0] /= 2
     return series
+
+
+@lru_cache(maxsize=_SMALL_TRANSFORM)
+def _transform(n: int) -> FloatArray:
+    """Matrix of `coefficients`, applied from the right, (n, n): faster than a fast transform where n is small."""
+    matrix: FloatArray = dct(np.eye(n), type=2, axis=-1) / n
+    matrix[:, 0] /= 2
+    return matrix
 
 
 def coefficient_tail(series: FloatArray, last: int = 3) -> float:

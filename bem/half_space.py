@@ -1,7 +1,8 @@
 """Periodic half-space kernel log|2 sin((x - x')/2)| between the nodes of all contact patches.
 
-Between patches |2 sin((x - x')/2)| = |exp(ix) - exp(ix')|; within a patch the logarithm is split into its exact
-Chebyshev moments and the smooth rest log r + log sinc(r (t - t')/2).  Dimensionless (x scaled by 1/q0).
+Between patches 2 sin((x - x')/2) = 2 (sin(x/2) cos(x'/2) - cos(x/2) sin(x'/2)) is one matrix product; within a patch
+the logarithm is split into its exact Chebyshev moments and the smooth rest log r + log sinc(r (t - t')/2).
+Dimensionless (x scaled by 1/q0).
 """
 
 from __future__ import annotations
@@ -16,16 +17,11 @@ FloatArray = NDArray[np.float64]
 
 def between_nodes(x: FloatArray) -> FloatArray:
     """log|2 sin((x_i - x_j)/2)| for all pairs, (n, n); the diagonal is zero and has no meaning."""
-    cosine, sine = np.cos(x), np.sin(x)
-    distance = np.subtract.outer(cosine, cosine)
-    np.multiply(distance, distance, out=distance)
-    other = np.subtract.outer(sine, sine)
-    np.multiply(other, other, out=other)
-    distance += other
-    np.fill_diagonal(distance, 1.0)
-    np.log(distance, out=distance)
-    distance *= 0.5
-    return distance
+    sine, cosine = np.sin(x / 2), np.cos(x / 2)
+    chord = 2 * np.stack([sine, cosine], axis=1) @ np.stack([cosine, -sine])
+    np.fill_diagonal(chord, 1.0)
+    np.abs(chord, out=chord)
+    return np.asarray(np.log(chord, out=chord))
 
 
 def within_patch(half_width: FloatArray, table: Basis) -> FloatArray:

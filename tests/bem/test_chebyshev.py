@@ -57,10 +57,20 @@ def test_edge_values_and_slopes_are_those_of_the_series(series):
     np.testing.assert_allclose(table.slopes_at_edges @ charges, slopes, atol=1e-13 * size**2)
 
 
-def test_rows_are_transformed_one_by_one():
-    samples = np.random.default_rng(0).normal(size=(3, 16))
+@pytest.mark.parametrize("size", [16, 200], ids=["matrix", "fast"])
+def test_rows_are_transformed_one_by_one(size):
+    samples = np.random.default_rng(0).normal(size=(3, size))
     expected = np.stack([chebyshev.coefficients(row) for row in samples])
-    np.testing.assert_array_equal(chebyshev.coefficients(samples), expected)
+    # measured 2e-16: a product sums in another order for one row than for three
+    np.testing.assert_allclose(chebyshev.coefficients(samples), expected, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("size", [16, 200], ids=["matrix", "fast"])
+def test_coefficients_reproduce_the_samples(size):
+    samples = np.random.default_rng(1).normal(size=(2, size))
+    series = chebyshev.coefficients(samples)
+    back = series @ chebyshev.basis(size).values.T
+    np.testing.assert_allclose(back, samples, rtol=0, atol=2e-13)  # measured 8e-14 at 200 nodes
 
 
 @pytest.mark.parametrize(

@@ -34,6 +34,16 @@ def test_table_is_the_sum_of_cosines(profile, places, derivative):
     np.testing.assert_allclose(found, cosines(profile, x, derivative), rtol=0, atol=4e-13 * scale)
 
 
+@pytest.mark.parametrize("derivative", [0, 1, 2], ids=["height", "slope", "curvature"])
+def test_many_points_have_the_values_of_few(derivative):
+    profile = Profile.self_affine(2 * np.pi, 0.7, 1.0, 60, 3)
+    values = (profile.height, profile.slope, profile.curvature)[derivative]
+    x = np.random.default_rng(4).uniform(-7, 7, (40, 20))
+    few = np.stack([values(row) for row in x])
+    # measured 9e-16 of the largest
+    np.testing.assert_allclose(values(x), few, rtol=0, atol=3e-15 * np.abs(few).max())
+
+
 def test_values_keep_the_shape_of_the_positions():
     profile = Profile.from_harmonics(1.0, [1, 3], [1.0, 0.5])
     assert profile.height(np.zeros((2, 3, 4))).shape == (2, 3, 4)
