@@ -14,11 +14,12 @@ from validation import __main__ as command_line
 from validation.ensemble import Outcome
 from validation.replicate import gather, members, realisations, scene_text
 from validation.replicate.area import line_through
+from validation.replicate.double_gaussian_fit import Fit, Sample, window_figure, window_table
 from validation.replicate.evidence import jackknife, joined, mean_and_error
 from validation.replicate.files import linked, table_of, write_figure
 from validation.replicate.members import LOADS, PAPER, Size
 from validation.replicate.pressure import decay_power, density
-from validation.replicate.spectra import banded, exponent, sensitivity
+from validation.replicate.spectra import THIN, _power_law, _thin_once, banded, exponent, sensitivity
 from validation.replicate.statements import disagreement, statement
 from validation.report.render import render
 from validation.schema import CaseRecord, Figure, Panel, Report, Series
@@ -80,6 +81,56 @@ def test_power_of_the_decay_is_found(power):
     assert decay_power(sigma, np.exp(2 - 40 * sigma**power)) == pytest.approx(power, abs=1e-4)
 
 
+def test_drawn_power_law_is_the_fitted_one():
+    ends, values = _power_law(np.arange(1.0, 200.0) ** -2.7, (10.0, 100.0))
+    assert ends == [10.0, 100.0]
+    assert np.log(values[1] / values[0]) / np.log(10.0) == pytest.approx(-2.7, abs=1e-10)
+
+
+def test_thin_curves_of_all_loads_become_one_series():
+    thin = [Series(label=THIN, x=[k, k + 1.0], y=[0.0, 1.0], style="thin") for k in (0.0, 5.0)]
+    merged = _thin_once([thin[0], Series(label="line", x=[1.0], y=[1.0]), thin[1]])
+    assert [one.label for one in merged] == ["line", THIN]
+    assert merged[-1].x == [0.0, 1.0, None, 5.0, 6.0]
+
+
+SIGMA = np.linspace(-0.29, 0.69, 50)
+
+
+@pytest.fixture(scope="module")
+def sample():
+    """Three realisations of one double Gaussian that ends at -0.1, where the theory's sigma_a is 0.05."""
+    shape = Fit(0.02, 0.2, 0.018, 0.4, 0.0)(SIGMA)
+    return Sample(0.02, SIGMA, np.outer([0.9, 1.0, 1.1], shape), 0.05, 0.13)
+
+
+@pytest.mark.parametrize("logarithmic", [False, True], ids=["P", "ln P"])
+@pytest.mark.parametrize("start", [-0.1, 0.0])
+def test_end_of_a_double_gaussian_does_not_depend_on_window_or_weights(sample, start, logarithmic):
+    assert sample.over(start, logarithmic=logarithmic).end == pytest.approx(0.1, abs=1e-6)  # 3e-8 measured
+
+
+def test_end_of_a_distribution_with_a_tail_depends_on_the_window(sample):
+    tail = sample.mean + 0.05 * np.exp(10 * SIGMA) * (SIGMA < 0.05)
+    assert abs(sample.over(-0.3, tail).end - sample.over(0.0, tail).end) > 0.004  # 0.0104 and more measured
+
+
+def test_size_of_realisations_is_no_error_of_the_end(sample):
+    ratio, error = sample.end(-0.3)
+    assert (ratio, error) == pytest.approx((2.0, 0.0), abs=1e-5)
+
+
+def test_window_is_drawn_and_listed_with_the_theory_fitted_alike(sample):
+    theory = Fit(0.02, 0.07, 0.02, 0.4, 0.0)(SIGMA)
+    listed = {line[1]: line for line in window_table([sample], [theory]).rows}
+    assert listed["Persson's own P, weights of P"][5] == pytest.approx(0.7, abs=1e-5)
+    labels = [series.label for series in window_figure([sample]).solution.series]
+    assert labels == [
+        "0.02 E*, standard error", "0.02 E*, equal weights of P", "0.02 E*, equal weights of ln P",
+        "the paper's factor",
+    ]  # fmt: skip
+
+
 def test_straight_line_is_found():
     assert line_through([1.0, 2.0, 4.0], [3.0, 4.0, 6.0]) == pytest.approx((2.0, 1.0))
 
@@ -98,14 +149,30 @@ def claimed(ours, error=0.0, **more):
         (claimed(-2.65), "agrees"),
         (claimed(-2.5), "deviates"),
         (claimed(-2.5, error=0.12), "agrees"),
+        (claimed(-2.5, error=0.06), "deviates"),
+        (claimed(-2.5, error=0.06, same_ensemble=True), "agrees"),
         (claimed(-2.65, shortfall="only 3 of 11 realisations"), "not run"),
         (disagreement("moment", 2.1, 0.0, 3.0, (0.6, 0.8), "few waves", where="section 5"), "expected deviation"),
         (disagreement("moment", 3.0, 0.0, 3.0, (0.6, 0.8), "few waves", where="section 5"), "changed"),
     ],
-    ids=["within", "outside", "within its error", "short", "known", "agrees too well"],
+    ids=[
+        "within",
+        "outside",
+        "within its error",
+        "beyond its error",
+        "within both errors",
+        "short",
+        "known",
+        "agrees too well",
+    ],
 )
 def test_verdict_of_a_statement(row, verdict):
     assert verdict_of(row) == verdict
+
+
+def test_what_is_told_stands_beside_the_verdict():
+    assert claimed(-2.65, told="window moved: 0.04").message == "window moved: 0.04"
+    assert claimed(-2.65, told="window moved: 0.04", shortfall="only 3").message == "only 3"
 
 
 def test_scene_is_shown_as_it_would_be_read():
@@ -217,7 +284,7 @@ def test_report_states_harmonics_and_final_load_of_every_realisation(replicated)
 def test_every_figure_is_there_as_vectors_and_data(replicated):
     folder, report, _ = replicated
     drawn = [figure["id"] for case in report["cases"] for figure in case["figures"]]
-    assert len(drawn) >= 12
+    assert len(drawn) >= 18
     assert sorted(path.name for path in (folder / "figures").iterdir()) == sorted(
         f"{name}.{kind}" for name in drawn for kind in ("svg", "pdf", "csv")
     )

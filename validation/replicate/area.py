@@ -16,13 +16,18 @@ from numpy.typing import ArrayLike, NDArray
 from validation.case import Outcome
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS
-from validation.replicate.statements import statement
+from validation.replicate.statements import disagreement, statement
 from validation.schema import Figure, Panel, Series, Table
 
 FloatArray = NDArray[np.float64]
 
 FITTED = tuple(load for load in LOADS if load >= 0.005)
 COMPARED = (0.005, 0.01, 0.015, 0.02, 0.025)
+CAUSE = (
+    "the straight line does not pass through the origin: at small loads a profile of one period touches near its "
+    "highest crest only, and the area per load falls from three times the theory's there to less than twice; the mean "
+    "ratio over the same loads is about 2"
+)
 
 
 def line_through(load: ArrayLike, area: ArrayLike) -> tuple[float, float]:
@@ -66,11 +71,21 @@ def compute(evidence: Evidence) -> Outcome:
         statement(
             "largest distance of the area curve from a straight line, 0.005 to 0.025 E*, over the largest area",
             residual,
-            0.0,
+            float(np.max(error[fitted]) / mean[-1]),
             0.0,
             0.03,
             measured=0.012,
             where="abstract: the area is linear in the load also with adhesion",
+            shortfall=short,
+        ),
+        disagreement(
+            "slope of the straight line over that of the theory with adhesion",
+            float(slope / theory_slope),
+            float(slope_error / theory_slope),
+            2.0,
+            (0.75, 0.95),
+            CAUSE,
+            where="abstract: the theory underestimates the area by about 50 % at any load",
             shortfall=short,
         ),
     )
@@ -89,7 +104,11 @@ def compute(evidence: Evidence) -> Outcome:
                  "bem/with", "bem/without"],
         rows=[list(map(float, row)) for row in zip(load, mean, error, wet, dry, mean / wet, mean / dry, strict=True)],
     )  # fmt: skip
-    return Outcome(rows=rows, figures=(_figure(evidence, mean, error, wet, dry),), tables=(slopes, points))
+    return Outcome(
+        rows=rows,
+        figures=(_figure(evidence, mean, error, wet, dry, (float(intercept), float(slope))),),
+        tables=(slopes, points),
+    )
 
 
 def _line_row(load: ArrayLike, area: ArrayLike, reference: float) -> list[float | None]:
@@ -97,7 +116,9 @@ def _line_row(load: ArrayLike, area: ArrayLike, reference: float) -> list[float 
     return [intercept, None, slope, None, slope / reference]
 
 
-def _figure(evidence: Evidence, mean: FloatArray, error: FloatArray, wet: FloatArray, dry: FloatArray) -> Figure:
+def _figure(
+    evidence: Evidence, mean: FloatArray, error: FloatArray, wet: FloatArray, dry: FloatArray, line: tuple[float, float]
+) -> Figure:
     curves = [
         ([s.mean_pressure / MODULUS for s in one.touching], [s.contact_fraction for s in one.touching])
         for one in evidence.loading
@@ -105,18 +126,23 @@ def _figure(evidence: Evidence, mean: FloatArray, error: FloatArray, wet: FloatA
     x, y = joined(curves)
     loads = list(LOADS)
     lower, upper = mean - error, mean + error
+    ends = [FITTED[0], FITTED[-1]]
     return Figure(
         id="landing-area-against-load",
-        caption="Contact area against load: every realisation, their mean with its standard error, and both theories.",
+        caption="Contact area against load: every realisation, their mean with its standard error and straight line, "
+        "and both theories.",
         solution=Panel(
-            xlabel="mean pressure / E*",
-            ylabel="contact fraction A / A0",
+            xlabel="mean pressure $p/E^*$",
+            ylabel="contact fraction $A/A_0$",
             series=[
-                Series(label="mean and standard error", x=loads, y=lower.tolist(), upper=upper.tolist(), style="band"),
-                Series(label="Persson with adhesion", x=loads, y=list(map(float, wet))),
-                Series(label="Persson without adhesion", x=loads, y=list(map(float, dry)), style="dashed"),
                 Series(label="realisations", x=x, y=y, style="thin"),
-                Series(label="mean", x=loads, y=list(map(float, mean)), style="points"),
+                Series(label="mean and standard error", x=loads, y=lower.tolist(), upper=upper.tolist(), style="band",
+                       hue=0),
+                Series(label="mean", x=loads, y=list(map(float, mean)), style="points", hue=0),
+                Series(label=f"line through the mean, slope {line[1]:.3g}", x=list(ends),
+                       y=[line[0] + line[1] * end for end in ends], style="dashed", hue=0),
+                Series(label="Persson with adhesion", x=[0.0, *loads], y=[0.0, *map(float, wet)], hue=1),
+                Series(label="Persson without adhesion", x=[0.0, *loads], y=[0.0, *map(float, dry)], hue=2),
             ],
         ),
-    )
+    )  # fmt: skip

@@ -25,7 +25,7 @@ LOADS = (0.001, 0.0025, 0.005, 0.0075, 0.01, 0.0125, 0.015, 0.0175, 0.02, 0.0225
 SPECTRA_AT = (0.005, 0.02)  # of E*
 SHAPES_AT = (86e-6, 48e-6, 9.6e-6)  # separations, m
 HIGHEST_CREST = 90e-6  # m, exceeded by the profile whose shapes are shown
-NEARLY_FLAT = (1e-6, 0.2e-6, 0.04e-6)  # separations, m
+NEARLY_FLAT = (1e-6, 0.2e-6, 0.04e-6, 8e-9, 2e-9)  # separations, m
 HURSTS = (0.8, 0.3)
 HURST_LOAD = 0.08  # of E* times the rms slope
 

@@ -79,28 +79,31 @@ def compute(evidence: Evidence) -> Outcome:
         columns=["p/E*", "bem, mean", "standard error", "Persson with adhesion", "Persson without", "difference"],
         rows=[list(map(float, row)) for row in zip(LOADS, mean, error, wet, dry, mean - wet, strict=True)],
     )
-    return Outcome(rows=rows, figures=(_figure(evidence, mean, wet, dry),), tables=(table, points))
+    return Outcome(rows=rows, figures=(_figure(evidence, mean, error, wet, dry),), tables=(table, points))
 
 
-def _figure(evidence: Evidence, mean: FloatArray, wet: FloatArray, dry: FloatArray) -> Figure:
+def _figure(evidence: Evidence, mean: FloatArray, error: FloatArray, wet: FloatArray, dry: FloatArray) -> Figure:
     curves = [
-        ([s.separation / RMS_HEIGHT for s in one.touching], [s.mean_pressure / MODULUS for s in one.touching])
+        ([s.mean_pressure / MODULUS for s in one.touching], [s.separation / RMS_HEIGHT for s in one.touching])
         for one in evidence.loading
     ]
     x, y = joined(curves)
     loads = list(LOADS)
     return Figure(
         id="separation-against-load",
-        caption="Load against separation of the mean planes, logarithmic: realisations, their mean, both theories.",
+        caption="Separation of the mean planes against load, logarithmic in the load: every realisation, their mean "
+        "with its standard error, and both theories, which adhesion hardly sets apart.",
         solution=Panel(
-            xlabel="separation / h_rms",
-            ylabel="mean pressure / E*",
-            yscale="log",
+            xlabel="mean pressure $p/E^*$",
+            ylabel="separation $s/h_{rms}$",
+            xscale="log",
             series=[
-                Series(label="mean at equal load", x=list(map(float, mean)), y=loads, style="points"),
-                Series(label="Persson with adhesion", x=list(map(float, wet)), y=loads),
-                Series(label="Persson without adhesion", x=list(map(float, dry)), y=loads, style="dashed"),
                 Series(label="realisations", x=x, y=y, style="thin"),
+                Series(label="mean and standard error", x=loads, y=(mean - error).tolist(),
+                       upper=(mean + error).tolist(), style="band", hue=0),
+                Series(label="mean", x=loads, y=mean.tolist(), style="points", hue=0),
+                Series(label="Persson with adhesion", x=loads, y=list(map(float, wet)), hue=1),
+                Series(label="Persson without adhesion", x=loads, y=list(map(float, dry)), style="dashed", hue=2),
             ],
         ),
-    )
+    )  # fmt: skip

@@ -1,7 +1,8 @@
 """A statement of the paper as a row: its number, ours with its uncertainty, and the verdict that follows.
 
-A statement agrees when the two numbers differ by no more than the tolerance given, or twice our standard error.  Where
-the paper gives a number its last digit is its uncertainty; where it only says "about" the tolerance says how much.
+A statement agrees when the two numbers differ by no more than the tolerance given, or twice the uncertainties of both.
+Where the paper gives a number its last digit is its uncertainty, and, where the number was taken from 11 realisations
+of its own, the standard error that our 11 show; where it only says "about" the tolerance says how much.
 Where we find otherwise the row is a known discrepancy: the band of the ratio ours / paper's, and the cause.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
@@ -29,7 +30,9 @@ def statement(
     where: str,
     unit: str = "",
     last_digit: float = 0.0,
+    same_ensemble: bool = False,
     shortfall: str = "",
+    told: str = "",
 ) -> Row:
     """A row that agrees or deviates.
 
@@ -47,21 +50,26 @@ def statement(
     unit : str
     last_digit : float
         Uncertainty of the paper's number.
+    same_ensemble : bool
+        Whether the paper's number comes from an ensemble as large as ours, so that it scatters as much.
     shortfall : str
         Why the ensemble is not the paper's: the row is then not run.
+    told : str
+        What is to be read beside the verdict.
     """
     found, said = _values(ours), _values(paper)
+    uncertainty = math.hypot(last_digit, error) if same_ensemble else last_digit
     return Row(
         quantity=quantity,
         unit=unit,
-        reference=Reference(kind="independent code", source=f"{PAPER}, {where}", uncertainty=last_digit),
+        reference=Reference(kind="independent code", source=f"{PAPER}, {where}", uncertainty=uncertainty),
         norm="absolute",
         expected=said,
         computed=found,
         uncertainty=error,
         tolerance=Tolerance(value=allowed, measured=measured, basis="required"),
         status="not run" if shortfall else "run",
-        message=shortfall,
+        message=shortfall or told,
     )
 
 

@@ -18,6 +18,7 @@ from validation.schema import Figure, Panel, Series
 
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # told apart by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")
+MOST_INSIDE = 7  # series in a legend within the axes; more are listed below them
 SETTINGS: Any = {
     "svg.fonttype": "none",
     "svg.hashsalt": "linecontact",
@@ -36,7 +37,9 @@ def canvas_of(figure: Figure) -> Canvas:
     """The figure drawn; save it within `matplotlib.rc_context(SETTINGS)`."""
     with mpl.rc_context(SETTINGS):
         if figure.error is None:
-            canvas = Canvas(figsize=(6.4, 3.9), layout="constrained")
+            count = len(figure.solution.series)
+            rows = -(-count // 2) if count > MOST_INSIDE else 0
+            canvas = Canvas(figsize=(6.4, 3.9 + 0.19 * rows), layout="constrained")
             _draw(canvas.subplots(), figure.solution)
             return canvas
         canvas = Canvas(figsize=(6.4, 5.6), layout="constrained")
@@ -76,7 +79,10 @@ def _draw(axes: Axes, panel: Panel) -> None:
     axes.set_ylabel(panel.ylabel)
     axes.set_xscale(panel.xscale)
     axes.set_yscale(panel.yscale)
-    axes.legend()
+    if len(panel.series) > MOST_INSIDE:
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=8.0)
+    else:
+        axes.legend()
 
 
 def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
