@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from bem.collocation import Evaluation, IllConditionedSystemError, Resolution, evaluate, resolve
 from bem.control import PenetrationControl
-from bem.equilibrium import Balance, Change, System, descend, pull_off_half_width
+from bem.descent import Change, descend, pull_off_half_width
+from bem.equilibrium import Balance, System
 from bem.gap import GapMinima, gap_field, low_minima
 from bem.patches import TWO_PI, Patches, ordered
 

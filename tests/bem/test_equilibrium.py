@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic
 from bem.control import LinearControl, PenetrationControl
-from bem.equilibrium import System, balance, correct, descend, pull_off_half_width, trust_region_step
+from bem.descent import descend, pull_off_half_width, trust_region_step
+from bem.equilibrium import System, balance, correct
 from bem.patches import Patches
 from bem.profile import Profile
 

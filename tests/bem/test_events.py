@@ -7,7 +7,8 @@ from rough_surfaces import rough_profile
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic
 from bem.control import LinearControl, PenetrationControl
-from bem.equilibrium import System, balance, correct, pull_off_half_width
+from bem.descent import pull_off_half_width
+from bem.equilibrium import System, balance, correct
 from bem.events import first_contact, interpenetration, settle
 from bem.patches import Patches
 from bem.profile import Profile
