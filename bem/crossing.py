@@ -1,21 +1,27 @@
 """The state between two points of a path at which the load has a given value.
 
-On a branch the load is a smooth function of the control value; it is found by the Illinois form of the secant,
-with the predictor and Newton of the path, at the accuracy of a target.  Where an event lies in between, the
-branch before it is searched up to its end, then the branch after it, which begins within the smallest increment.
-Dimensionless.
+On a branch the load is a smooth function of the control value.  With adhesion it is found in two stages, with the
+predictor and Newton of the path: by the Illinois form of the secant at the accuracy between targets, then by Newton
+with the stiffness of the branch at that of a target.  What the first accuracy leaves undecided, the second decides
+by the secant alone.  Without adhesion every state is as accurate as a target, and the secant is all.  Where an event
+lies in between, the branch before it is searched up to its end, then the branch after it, which begins within the
+smallest increment.  Dimensionless.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 from bem.convex_path import ContactPoint, ConvexPath
 from bem.path import Path, Point
 
 SECANT_STEPS = 30
+POLISH_STEPS = 6
 BISECTIONS = 8
 LOAD_ACCURACY = 1e-11
+COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
+COARSE_CLOSURE = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
 
 
 def at_load(
@@ -33,7 +39,26 @@ def at_load(
         Dimensionless load per period.
     """
     if before.state is None:
-        return _secant(path, after, (0.0, -load), (after.value, _load(after) - load), load)
+        return _secant(path, after, (0.0, -load), (after.value, _load(after) - load), load, LOAD_ACCURACY)
+    if isinstance(path, Path):
+        found = _between(_tracking(path), before, after, load, COARSE_LOAD_ACCURACY)
+        polished = None if found is None else _polished(path, found, load)
+        if polished is not None:
+            return polished
+    return _between(path, before, after, load, LOAD_ACCURACY)
+
+
+def _tracking(path: Path) -> Path:
+    """The same path, whose points are only as accurate as between targets; it books its effort on the same account."""
+    inc = path.increments
+    coarse = replace(inc, fine_tolerance=inc.tolerance, fine_closure=COARSE_CLOSURE * inc.closure)
+    return replace(path, increments=coarse)
+
+
+def _between(
+    path: Path | ConvexPath, before: Point | ContactPoint, after: Point | ContactPoint, load: float, accuracy: float
+) -> Point | ContactPoint | None:
+    """The point of this load on the branch of either end, to a relative accuracy of the load."""
     forth = [before, *(_branch_to(path, before, after.value) if after.events else [after])]
     back = [after, *(_branch_to(path, after, before.value) if after.events else [])]
     enclosing = [
@@ -43,7 +68,7 @@ def at_load(
         return None
     base, end = enclosing[0]
     ends = (base.value, _load(base) - load), (end.value, _load(end) - load)
-    return _secant(path, base, *ends, load)
+    return _secant(path, base, *ends, load, accuracy)
 
 
 def _secant(
@@ -52,6 +77,7 @@ def _secant(
     first: tuple[float, float],
     second: tuple[float, float],
     load: float,
+    accuracy: float,
 ) -> Point | ContactPoint | None:
     """The point on the branch of `base` between two control values whose misses of the load differ in sign."""
     (low, low_miss), (high, high_miss) = first, second
@@ -61,7 +87,7 @@ def _secant(
         if found is None or found.state is None:
             return None
         miss = found.state.load - load
-        if abs(miss) <= LOAD_ACCURACY * max(abs(load), 1e-3):
+        if abs(miss) <= accuracy * max(abs(load), 1e-3):
             return found
         side = 1 if miss * high_miss > 0 else -1
         if side > 0:
@@ -71,6 +97,23 @@ def _secant(
             low, low_miss = found.value, miss
             high_miss = high_miss / 2 if last_side == side else high_miss
         last_side = side
+    return None
+
+
+def _polished(path: Path, start: Point | ContactPoint, load: float) -> Point | None:
+    """The point of this load at the accuracy of a target, by Newton from one close to it; None where that fails."""
+    assert isinstance(start, Point)
+    point, value = start, start.value
+    for _ in range(POLISH_STEPS):
+        found = path.polished_at(point, value)
+        if found is None or found.balance is None:
+            return None
+        miss = found.balance.state.load - load
+        if abs(miss) <= LOAD_ACCURACY * max(abs(load), 1e-3):
+            return found
+        stiffness, control = found.balance.stiffness, path.system.control
+        point = found
+        value = found.value - miss * (control.penetration_weight / stiffness + control.load_weight)
     return None
 
 

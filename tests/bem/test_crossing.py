@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
+from bem import crossing, equilibrium
 from bem.complete_contact import complete_contact
 from bem.convex_path import ContactPoint
 from bem.crossing import at_load
@@ -44,6 +45,32 @@ def test_the_load_is_met_on_a_smooth_branch(adhesive, share):
     assert abs(found.state.load - load) <= 1e-9 * max(abs(load), 1e-3)
     assert min(before.value, after.value) <= found.value + 1e-9
     assert found.value <= max(before.value, after.value) + 1e-9
+
+
+def test_few_evaluations_are_as_fine_as_those_of_a_target(adhesive, monkeypatch):
+    path, points = adhesive
+    before, after = smooth_pair(points)
+    tolerances = []
+    original = equilibrium.balance
+
+    def noted(system, patches, penetration, target, tolerance, resolution=None):
+        tolerances.append(tolerance)
+        return original(system, patches, penetration, target, tolerance, resolution)
+
+    monkeypatch.setattr(equilibrium, "balance", noted)
+    at_load(path, before, after, 0.5 * (before.state.load + after.state.load))
+    assert 0 < tolerances.count(path.increments.fine_tolerance) <= 4  # measured 3
+
+
+def test_what_the_coarse_accuracy_cannot_decide_the_fine_one_does(adhesive, monkeypatch):
+    path, points = adhesive
+    before, after = smooth_pair(points)
+    load = 0.5 * (before.state.load + after.state.load)
+    expected = at_load(path, before, after, load)
+    monkeypatch.setattr(crossing, "_polished", lambda *given: None)
+    found = at_load(path, before, after, load)
+    assert found.value == pytest.approx(expected.value, abs=1e-10)
+    assert found.state.load == pytest.approx(load, rel=1e-10)
 
 
 def test_the_load_is_met_without_adhesion():
