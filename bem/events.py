@@ -72,6 +72,7 @@ def settle(
     closure: float,
     allowed: float,
     unstable: IntArray | None = None,
+    found: GapMinima | None = None,
 ) -> Settled:
     """Resolve an event at fixed target, starting from the given edges.
 
@@ -85,10 +86,15 @@ def settle(
         Interpenetration that is not yet a contact, dimensionless.
     unstable : int array, optional
         Patches that are about to jump; they move first.
+    found : GapMinima, optional
+        Where the equilibrium at the given edges interpenetrates.
     """
     changes: list[tuple[str, float]] = []
     evaluations = local_evaluations = 0
     active = unstable
+    if found is not None:
+        patches, active, formed = _with_new_contacts(system, patches, found)
+        changes += formed
     for _ in range(AVALANCHE_ROUNDS):
         if active is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
             patches, local, count = _settled_locally(system, patches, penetration, target, tolerance, active)
@@ -103,12 +109,8 @@ def settle(
         found = interpenetration(system, end.balance.state, allowed)
         if found.position.size == 0:
             return Settled("converged", end.balance, tuple(changes), evaluations, local_evaluations)
-        tied = np.flatnonzero(found.depth <= (1 - TIED) * found.depth.min())
-        where = found.position[tied]
-        for position, depth in zip(where, found.depth[tied], strict=True):
-            changes.append(("new_contact", float(position)))
-            patches = _with_new_contact(system, patches, float(position), float(depth))
-        active = np.array([_nearest(patches, float(position)) for position in where])
+        patches, active, formed = _with_new_contacts(system, patches, found)
+        changes += formed
     return Settled("not_converged", None, tuple(changes), evaluations, local_evaluations)
 
 
@@ -120,6 +122,18 @@ def first_contact(system: System, positions: FloatArray) -> Patches:
         widest = 0.25 * float(np.min(np.diff(order, append=order[0] + TWO_PI)))
     half_width = np.minimum(1.5 * pull_off_half_width(system, positions), widest)
     return ordered(positions - half_width, positions + half_width)
+
+
+def _with_new_contacts(
+    system: System, patches: Patches, found: GapMinima
+) -> tuple[Patches, IntArray, list[tuple[str, float]]]:
+    """Patches with new ones where the gap is deepest below zero, their indices, and the changes."""
+    tied = np.flatnonzero(found.depth <= (1 - TIED) * found.depth.min())
+    where = found.position[tied]
+    for position, depth in zip(where, found.depth[tied], strict=True):
+        patches = _with_new_contact(system, patches, float(position), float(depth))
+    active = np.array([_nearest(patches, float(position)) for position in where])
+    return patches, active, [("new_contact", float(position)) for position in where]
 
 
 def _with_new_contact(system: System, patches: Patches, position: float, depth: float) -> Patches:

@@ -186,7 +186,7 @@ class Path:
                 self.step = shorter
                 continue
             start = point if accepted is None else accepted
-            point = self._resolve(start, value, found is None)
+            point = self._resolve(start, value, found)
             self.step = max(step, self.increments.largest / 8)
             blocked = None
             yield point
@@ -201,10 +201,10 @@ class Path:
         fine = correct(self.system, state.patches, state.penetration, point.value, inc.fine_tolerance, inc.fine_closure)
         self.effort.evaluations += fine.evaluations
         if fine.balance is not None:
-            if interpenetration(self.system, fine.balance.state, inc.allowed).position.size == 0:
-                return Point("converged", point.value, fine.balance, (), point.rate, point.curvature)
             point = Point("converged", point.value, fine.balance, (), point.rate, point.curvature)
-        return self._resolve(point, point.value, fine.balance is None, fine=True)
+            found = interpenetration(self.system, fine.balance.state, inc.allowed)
+            return point if found.position.size == 0 else self._resolve(point, point.value, found, fine=True)
+        return self._resolve(point, point.value, None, fine=True)
 
     def afresh(self, point: Point) -> Point:
         """A point from which the path goes on as if it began there, so that a stored state restarts it exactly."""
@@ -363,14 +363,15 @@ class Path:
         fraction = float(np.min(np.maximum(before, 0.0) / (np.maximum(before, 0.0) - found.depth)))
         return step * (1 - fraction), max(min(step * fraction + shortest / 2, 0.9 * step), shortest)
 
-    def _resolve(self, start: Point, value: float, branch_ends: bool, fine: bool = False) -> Point:
-        """Settle an event at `value`: from the last good edges, or from an equilibrium that interpenetrates.
+    def _resolve(self, start: Point, value: float, found: GapMinima | None, fine: bool = False) -> Point:
+        """Settle an event at `value`: from the last good edges, or from an equilibrium that interpenetrates (found).
 
         What the accuracy between targets leaves undecided (a shallow minimum, or none) that of targets decides.
         A jump of the edges that releases no energy is none: Newton only did not reach that far.
         """
         assert start.balance is not None
         inc = self.increments
+        unstable = unstable_patches(start.balance) if found is None else None
         for tolerance, closure in ((inc.tolerance, inc.closure), (inc.fine_tolerance, inc.fine_closure))[int(fine) :]:
             settled = settle(
                 self.system,
@@ -380,7 +381,8 @@ class Path:
                 tolerance,
                 closure,
                 inc.allowed,
-                unstable_patches(start.balance) if branch_ends else None,
+                unstable,
+                found,
             )
             self.effort.book(settled)
             if settled.status != "not_converged":
@@ -388,7 +390,7 @@ class Path:
         control, change = self.system.control, value - start.value
         push = control.force(start.balance.state) + change / 2 * control.force_rate(start.balance.state)
         before = start.balance.potential + change * push
-        broken = symmetry_breaking(start.balance) if branch_ends and settled.changes else ()
+        broken = symmetry_breaking(start.balance) if found is None and settled.changes else ()
         if settled.balance is None:
             changes, load = (*broken, *settled.changes), 0.0
             penetration = self.system.control.guess(start.balance.state.penetration, value)
