@@ -10,16 +10,37 @@ from example_members import here
 
 from validation import __main__ as command_line
 from validation.ensemble import Outcome
-from validation.studies import maps
+from validation.studies import maps, maps_coarse
 from validation.studies.map_figures import Map, table_of, write_map
 
 
 def test_full_study_covers_the_axes():
-    points = [point for plane in maps.planes(quick=False) for point in plane.points]
+    points = [point for plane in maps.planes(maps.FULL_AXES) for point in plane.points]
     assert {point.hurst for point in points} >= {0.3, 0.9}
     assert {point.harmonics for point in points} >= {10, 4000}
     assert {point.theta for point in points} >= {0.0, 1.0}
     assert {point.thickness for point in points} >= {None, 0.01}
+
+
+def test_coarse_study_spans_hurst_adhesion_and_layers_like_the_full_one():
+    fine, coarse = (
+        [point for plane in maps.planes(axes) for point in plane.points] for axes in (maps.FULL_AXES, maps.COARSE_AXES)
+    )
+    assert len(coarse) < len(fine)
+    for name in ("hurst", "theta"):
+        reach = [(min(getattr(p, name) for p in points), max(getattr(p, name) for p in points))
+                 for points in (fine, coarse)]  # fmt: skip
+        assert reach[0] == reach[1]
+    assert {point.thickness for point in coarse} == {point.thickness for point in fine}
+
+
+@pytest.mark.parametrize("name", ["maps", "maps-coarse"])
+def test_study_runs_on_any_executor(name, tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(maps, "run_over", lambda axes, *rest: seen.append((axes, rest[-2])) or 0)
+    monkeypatch.setattr(maps_coarse, "run_over", maps.run_over)
+    assert command_line.main(["study", name, "--jobs", "3", "--out", str(tmp_path)]) == 0
+    assert seen == [(maps.FULL_AXES if name == "maps" else maps.COARSE_AXES, 3)]
 
 
 def test_realisations_of_a_point_differ_in_their_seed_alone():
@@ -29,7 +50,7 @@ def test_realisations_of_a_point_differ_in_their_seed_alone():
 
 
 def test_names_of_members_differ():
-    points = {point for plane in maps.planes(quick=False) for point in plane.points}
+    points = {point for plane in maps.planes(maps.FULL_AXES) for point in plane.points}
     assert len({maps.member_of(point, 0).name for point in points}) == len(points)
 
 

@@ -35,7 +35,7 @@ def compute(evidence: Evidence) -> Outcome:
         norm="absolute",
         expected=[1.0] * len(SHAPES_AT),
         computed=[gap / s for gap, s in zip(gaps, SHAPES_AT, strict=True)],
-        tolerance=Tolerance(value=3e-5, measured=1.2e-5),
+        tolerance=Tolerance(value=1e-3, measured=4.3e-4),  # on the coarse grid of 16 harmonics; 1.2e-5 with 1000
     )
     table = Table(
         caption=f"The profile has its highest crest at {one.surface.max_height * 1e6:.1f} um "

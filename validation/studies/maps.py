@@ -17,8 +17,9 @@ loaded from first touch to s = h_rms / 2 and unloaded until it is off.
 The loop is also the closed integral of p dDelta, here by the trapezoidal rule over the states of the path: it is
 coarse, since jumps are spread over an increment, but independent, and a difference beyond `BALANCE` is a failure.
 Without adhesion the path is reversible and the loop is zero.  A path that jumps into complete contact, or ends
-otherwise, has no loop: its status is shown in place of a number.  Cost: estimated at six hundred core minutes;
-realisations are stored one by one, on any executor (ensemble.py), and a second run goes on where the first ended.
+otherwise, has no loop: its status is shown in place of a number.  Cost of `FULL_AXES`: estimated at six hundred core
+minutes, of `COARSE_AXES` (maps_coarse.py) at thirty; realisations are stored one by one, on any executor
+(ensemble.py), and a second run goes on where the first ended.
 
 Source of the problem: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601; of the layer:
 Carbone, Mangialardi, J. Mech. Phys. Solids 56 (2008) 684.  Limits: one period, plane strain.
@@ -92,17 +93,49 @@ class Run:
     not_certified: int
 
 
-def planes(quick: bool) -> tuple[Plane, ...]:
-    """The planes of the study."""
-    hursts = (0.3, 0.7) if quick else (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
-    bandwidths = (10, 20) if quick else (10, 30, 100, 300, 1000, 2000, 4000)
-    thetas = (0.0, 0.1) if quick else (0.0, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
-    thicknesses = (0.1, None) if quick else (0.01, 0.03, 0.1, 0.3, None)
-    middle = 12 if quick else 250
+@dataclass(frozen=True)
+class Axes:
+    """How finely the planes are covered, and by how many realisations a point."""
+
+    hursts: tuple[float, ...]
+    bandwidths: tuple[int, ...]
+    thetas: tuple[float, ...]
+    thicknesses: tuple[float | None, ...]
+    harmonics: int  # of the planes that do not vary them
+    seeds: int
+
+
+FULL_AXES = Axes(
+    hursts=(0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9),
+    bandwidths=(10, 30, 100, 300, 1000, 2000, 4000),
+    thetas=(0.0, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0),
+    thicknesses=(0.01, 0.03, 0.1, 0.3, None),
+    harmonics=250,
+    seeds=3,
+)
+COARSE_AXES = Axes(
+    hursts=(0.3, 0.5, 0.7, 0.9),
+    bandwidths=(10, 30, 100, 300),
+    thetas=(0.0, 0.003, 0.03, 0.1, 0.3, 1.0),
+    thicknesses=(0.01, 0.03, 0.1, 0.3, None),
+    harmonics=60,
+    seeds=2,
+)
+TINY_AXES = Axes(
+    hursts=(0.3, 0.7), bandwidths=(10, 20), thetas=(0.0, 0.1), thicknesses=(0.1, None), harmonics=12, seeds=1
+)
+
+
+def planes(axes: Axes) -> tuple[Plane, ...]:
+    """The planes of the study; H = 0.7 where the thickness varies, theta = 0.03 where the bandwidth does."""
+    middle = axes.harmonics
+    by_bandwidth = tuple(Point(h, m, 0.03, None) for h in axes.hursts for m in axes.bandwidths)
+    by_adhesion = tuple(Point(h, middle, t, None) for h in axes.hursts for t in axes.thetas)
+    by_thickness = tuple(Point(0.7, middle, t, d) for d in axes.thicknesses for t in axes.thetas)
     return (
-        Plane("roughness", ("hurst", "harmonics"), tuple(Point(h, m, 0.03, None) for h in hursts for m in bandwidths)),
-        Plane("adhesion", ("hurst", "theta"), tuple(Point(h, middle, t, None) for h in hursts for t in thetas)),
-        Plane("layer", ("thickness", "theta"), tuple(Point(0.7, middle, t, d) for d in thicknesses for t in thetas)),
+        Plane("roughness", ("hurst", "harmonics"), by_bandwidth),
+        Plane("adhesion", ("hurst", "theta"), by_adhesion),
+        Plane("layer", ("thickness", "theta"), by_thickness),
     )
 
 
@@ -162,6 +195,22 @@ def run(
         Gets members/, maps.json, and every map as SVG, PDF and CSV.
     quick : bool
         Small maps that show that everything runs.
+    report, jobs, opener
+        As of `run_over`.
+    """
+    return run_over(TINY_AXES if quick else FULL_AXES, folder, report, jobs, opener)
+
+
+def run_over(
+    axes: Axes, folder: Path, report: Callable[[Note], None], jobs: int = 1, opener: Opener = local_processes
+) -> int:
+    """Run the study over given axes.
+
+    Parameters
+    ----------
+    axes : Axes
+    folder : Path
+        Gets members/, maps.json, and every map as SVG, PDF and CSV.
     report : callable
         Gets a `Note` for every step.
     jobs : int
@@ -169,7 +218,7 @@ def run(
     opener : callable
         Opens the executor (executors.py).
     """
-    chosen, seeds = planes(quick), 1 if quick else 3
+    chosen, seeds = planes(axes), axes.seeds
     members = {(point, k): member_of(point, k) for plane in chosen for point in plane.points for k in range(seeds)}
     ordered = sorted(members.values(), key=lambda member: -int(member.scene["profile"]["harmonics"]))  # long ones first
     outcome = run_ensemble(ordered, folder / "members", jobs, report, opener)
