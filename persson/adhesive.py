@@ -12,7 +12,8 @@ A detached zone of half a wavelength opens at a tension a E* with
 w = 1 in the theory; w = 1/2, a detached width half as large, makes a larger by sqrt 2 (the paper's remark).  Stress is
 absorbed at -a(S) (diffusion.py or volterra.py), which gives A(S) again: a fixed point, reached by Picard iterations
 accelerated by Anderson mixing.  The nonadhesive part of U_el is exact, the rest is summed by the trapezoid rule in
-W = int dS / q.
+W = int dS / q.  A correction (corrected_variance.py) puts A S in place of A in the energy, and changes the variance by
+which the stress diffuses, with the A of the same iteration.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601; B. N. J. Persson,
 Eur. Phys. J. E 8 (2002) 385; mixing: D. G. Anderson, J. ACM 12 (1965) 547.  Stresses in
@@ -30,7 +31,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from persson.area_factor import AreaFactor
-from persson.diffusion import StressDistribution, march
+from persson.corrected_variance import Correction, scales_of
+from persson.diffusion import EnergyFactor, StressDistribution, march
 from persson.magnification import MagnificationMesh
 from persson.nonadhesive import contact_fraction, energy_length
 from persson.spectrum import Spectrum
@@ -56,6 +58,8 @@ class AdhesionProblem:
         gamma / E*, m.
     detached_width : float
         w, the detached width in half wavelengths.
+    correction : Correction, optional
+        Of the stress variance in partial contact; None for the theory as it is.
     """
 
     spectrum: Spectrum
@@ -64,6 +68,16 @@ class AdhesionProblem:
     work_length: float
     area_factor: AreaFactor
     detached_width: float
+    correction: Correction | None = None
+
+    @property
+    def energy_factor(self) -> EnergyFactor | None:
+        """S of a cell for the drift of the stress; None where it does not drift."""
+        correction = self.correction
+        if correction is None or correction.form != "drift":
+            return None
+        scales = scales_of(self.mesh)
+        return lambda cell, area: correction.factor(area, scales.of(cell))
 
     def nonadhesive_area(self) -> FloatArray:
         """A/A0 without adhesion at the nodes, (n_loads, n + 1)."""
@@ -84,6 +98,7 @@ class AdhesiveFields:
     area : A/A0.
     energy : U_el / E* of the roughness above each node, m.
     work : gamma_eff / E*, m.
+    variance : variance that the stress has diffused by, V where nothing is corrected.
     barrier : a = sigma_a / E* just below each node.
     distribution : P at the last node; None for the Volterra route.
     iterations : evaluations of the diffusion.
@@ -94,6 +109,7 @@ class AdhesiveFields:
     area: FloatArray
     energy: FloatArray
     work: FloatArray
+    variance: FloatArray
     barrier: FloatArray
     distribution: StressDistribution | None
     iterations: int
@@ -141,10 +157,21 @@ def solve_fixed_point(
     known_area, known_energy = problem.nonadhesive_area(), problem.nonadhesive_energy()
     factor = problem.area_factor(problem.mesh.slope_variance[-1] - problem.mesh.slope_variance)
     last: dict[str, StressDistribution] = {}
+    plain_variance, correction = problem.mesh.stress_variance, problem.correction
+    scales, energy_factor = scales_of(problem.mesh), problem.energy_factor
+
+    def variance_of(area: FloatArray) -> FloatArray:
+        if correction is None:
+            return np.asarray(np.broadcast_to(plain_variance, area.shape))
+        return correction.variance(plain_variance, np.minimum(area, 1.0), scales)
 
     def energy_above(area: FloatArray) -> FloatArray:
-        excess = area - known_area
-        cells = (excess[:, 1:] + excess[:, :-1]) / 2 * np.diff(problem.mesh.weight)
+        known = (known_area[:, 1:] + known_area[:, :-1]) / 2
+        if correction is None:
+            stored = (area[:, 1:] + area[:, :-1]) / 2
+        else:
+            stored = correction.stored(plain_variance, np.minimum(area, 1.0), scales)
+        cells = (stored - known) * np.diff(problem.mesh.weight)
         below = known_energy.copy()
         below[:, 1:] += np.cumsum(cells, axis=1) / 4
         return np.asarray(below[:, -1:] - below)
@@ -159,13 +186,16 @@ def solve_fixed_point(
         work = work_of(area)
         barrier = problem.mesh.smoothed(barrier_of(work, problem.mesh.before))
         barrier[:, 0] = barrier_of(work[:, :1], problem.mesh.after[:1])[:, 0]
-        variance = problem.mesh.stress_variance
+        variance = variance_of(area)
         if route == "volterra":
             inside = problem.mesh.smoothed_inside(barrier_of((work[:, 1:] + work[:, :-1]) / 2, problem.mesh.inside))
             return np.stack(
-                [survival(float(p), variance, b, m) for p, b, m in zip(problem.loads, barrier, inside, strict=True)]
+                [
+                    survival(float(p), v, b, m)
+                    for p, v, b, m in zip(problem.loads, variance, barrier, inside, strict=True)
+                ]
             )
-        result = march(problem.loads, variance, barrier, n_cells)
+        result = march(problem.loads, variance, barrier, n_cells, energy_factor)
         last["distribution"] = result.distribution
         return result.area
 
@@ -176,6 +206,7 @@ def solve_fixed_point(
         area=area,
         energy=energy_above(area),
         work=work,
+        variance=variance_of(area),
         barrier=barrier_of(work, problem.mesh.before),
         distribution=last.get("distribution"),
         iterations=iterations,

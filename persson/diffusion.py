@@ -10,6 +10,9 @@ Runge-Kutta method of third order (L-stable); all loads of a batch are solved as
 The march begins where an exact solution ends: as long as the barrier is at zero, P is the difference of two Gaussians
 and A = erf(sigma_0 / sqrt(2 V)); as long as the barrier is SAFE standard deviations away, P is one Gaussian and A = 1.
 
+With a relaxation (corrected_variance.py) the stress also drifts to its mean over the contact, -beta (sigma - m); S
+and the moments are means of those at both ends of a step, predicted by a step before.
+
 Source of the equation: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601;
 time integration: R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006, doi:10.1137/0714068.  Stresses in units of E*, V in
 E*^2.  Limits: sigma_0 > 0; mass beyond REACH standard deviations, 1e-20, is not represented.
@@ -17,8 +20,9 @@ E*^2.  Limits: sigma_0 > 0; mass beyond REACH standard deviations, 1e-20, is not
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +31,7 @@ from scipy.special import erf, erfc
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+EnergyFactor = Callable[[int, FloatArray], FloatArray]
 
 REACH = 9.5  # standard deviations beyond sigma_0
 SAFE = 9.0  # standard deviations between the mean and the barrier: 1e-19 has arrived
@@ -80,38 +85,51 @@ class March:
     distribution: StressDistribution
 
 
-def exact_until(loads: FloatArray, variance: FloatArray, barrier: FloatArray) -> tuple[IntArray, NDArray[np.bool_]]:
+def exact_until(
+    loads: FloatArray, variance: FloatArray, barrier: FloatArray, drifts: bool = False
+) -> tuple[IntArray, NDArray[np.bool_]]:
     """Last node up to which an exact solution holds, and whether it is the one with the image, (n_loads,) each.
 
     Parameters
     ----------
     loads : (n_loads,) array
         sigma_0 / E*.
-    variance : (n + 1,) array
+    variance : (n + 1,) or (n_loads, n + 1) array
         V at the nodes, from 0.
     barrier : (n_loads, n + 1) array
         a at the nodes.
+    drifts : bool
+        Then the solution with the image does not hold.
     """
-    still = np.cumsum(barrier > 0, axis=1) == 0
-    image_end = np.sum(still, axis=1) - 1
+    still = (np.cumsum(barrier > 0, axis=1) == 0) & (not drifts)
+    image_end = np.maximum(np.sum(still, axis=1) - 1, 0)
     distance = loads[:, None] + np.minimum.accumulate(barrier, axis=1)
     free_end = np.sum(np.cumsum(distance < SAFE * np.sqrt(variance), axis=1) == 0, axis=1) - 1
     return np.maximum(image_end, free_end), image_end >= free_end
 
 
-def march(loads: FloatArray, variance: FloatArray, barrier: FloatArray, n_cells: int) -> March:
+def march(
+    loads: FloatArray,
+    variance: FloatArray,
+    barrier: FloatArray,
+    n_cells: int,
+    energy_factor: EnergyFactor | None = None,
+) -> March:
     """Diffuse from delta functions to the last node, with a^2 linear in V between the nodes.
 
     Parameters
     ----------
     loads : (n_loads,) array
         sigma_0 / E* > 0.
-    variance : (n + 1,) array
+    variance : (n + 1,) or (n_loads, n + 1) array
         V at the nodes, increasing from 0.
     barrier : (n_loads, n + 1) array
         a at the nodes, >= 0; the value just below the node where it jumps.
     n_cells : int
         Cells across the domain.
+    energy_factor : callable, optional
+        S of the step between nodes k and k + 1 at contact fractions (n_loads,): the stress drifts to its mean over the
+        contact as S asks; None for no drift.
 
     Raises
     ------
@@ -125,10 +143,13 @@ def march(loads: FloatArray, variance: FloatArray, barrier: FloatArray, n_cells:
     >>> bool(abs(result.area[0, -1] - erf(1.5 / np.sqrt(2))) < 2e-5)
     True
     """
-    first, has_image = exact_until(loads, variance, barrier)
+    variance = np.broadcast_to(variance, barrier.shape)
+    first, has_image = exact_until(loads, variance, barrier, energy_factor is not None)
     if not first.all():
-        raise ValueError(f"variance[1]: {variance[1]} must be <= (distance of the barrier / {SAFE})^2 for every load")
-    last = variance.size - 1
+        raise ValueError(
+            f"variance[1]: {variance[..., 1].max()} must be <= (distance of the barrier / {SAFE})^2 for every load"
+        )
+    last = variance.shape[1] - 1
     with np.errstate(divide="ignore"):
         exact = erf(loads[:, None] / np.sqrt(2 * variance))
     area = np.where(has_image[:, None], exact, 1.0)
@@ -137,14 +158,20 @@ def march(loads: FloatArray, variance: FloatArray, barrier: FloatArray, n_cells:
     content = np.zeros((loads.size, n_cells))
     for node in range(int(first.min()), last + 1):
         if node > first.min():
-            step = variance[node] - variance[node - 1]
-            for ends in _pieces(extent[:, node - 1 : node + 1], barrier[:, node - 1 : node + 1], variance[node]):
-                content = _step(grid, content, step, *ends)
+            step = np.diff(variance[:, node - 1 : node + 1], axis=1)
+            for ends in _pieces(extent[:, node - 1 : node + 1], barrier[:, node - 1 : node + 1], variance[:, node]):
+                if energy_factor is None:
+                    content = _step(grid, content, step, *ends)
+                    continue
+                factor = partial(energy_factor, node - 1)
+                begin = _relaxation(grid, content, ends, factor, 0)
+                end = _relaxation(grid, _step(grid, content, step, *ends, begin), ends, factor, 1)
+                content = _step(grid, content, step, *ends, ((begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2))
             marching = node > first
             area[marching, node] = content[marching].sum(axis=1)
         for load in np.flatnonzero(first == node):
             faces = grid.faces * extent[load, node] - barrier[load, node]
-            content[load] = _exact_contents(loads[load], variance[node], faces, bool(has_image[load]))
+            content[load] = _exact_contents(loads[load], variance[load, node], faces, bool(has_image[load]))
     faces = grid.faces * extent[:, -1:] - barrier[:, -1:]
     return March(area, StressDistribution(faces, content / np.diff(faces, axis=1)))
 
@@ -187,14 +214,14 @@ def _divergence(low: FloatArray, high: FloatArray) -> FloatArray:
 
 
 def _pieces(
-    extent: FloatArray, barrier: FloatArray, variance: float
+    extent: FloatArray, barrier: FloatArray, variance: FloatArray
 ) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
     """A step cut so that no barrier jumps by more than LARGEST_JUMP: shares of V, extents and barriers of each piece.
 
     The barrier moves evenly; with a^2 linear in V a piece takes the share of V that it has of the change of a^2.
     """
     jump = np.abs(np.diff(barrier, axis=1))
-    count = int(np.ceil(np.max(jump) / (LARGEST_JUMP * np.sqrt(variance)))) or 1
+    count = int(np.ceil(np.max(jump[:, 0] / (LARGEST_JUMP * np.sqrt(variance))))) or 1
     squares = np.diff(barrier**2, axis=1)
     cuts = [barrier[:, :1] + k / count * np.diff(barrier, axis=1) for k in range(count + 1)]
     sizes = [extent[:, :1] + k / count * np.diff(extent, axis=1) for k in range(count + 1)]
@@ -205,8 +232,33 @@ def _pieces(
     return pieces
 
 
+def _relaxation(
+    grid: _Grid,
+    content: FloatArray,
+    ends: tuple[FloatArray, FloatArray, FloatArray],
+    energy_factor: Callable[[FloatArray], FloatArray],
+    side: int,
+) -> tuple[FloatArray, FloatArray]:
+    """beta = (1 - S) / (2 var) and m at a side of a step, (n_loads, 1) each; no drift before the march begins."""
+    _, extent, barrier = ends
+    centre = (grid.faces[1:] + grid.faces[:-1]) / 2 * extent[:, side, None] - barrier[:, side, None]
+    area = content.sum(axis=1)
+    begun = area > 0
+    norm = np.where(begun, area, 1.0)
+    mean = np.sum(content * centre, axis=1) / norm
+    spread = np.sum(content * (centre - mean[:, None]) ** 2, axis=1) / norm
+    rate = np.where(begun, (1 - energy_factor(area)) / (2 * np.where(begun, spread, 1.0)), 0.0)
+    return rate[:, None], mean[:, None]
+
+
 def _step(
-    grid: _Grid, content: FloatArray, step: float, share: FloatArray, extent: FloatArray, barrier: FloatArray
+    grid: _Grid,
+    content: FloatArray,
+    step: FloatArray,
+    share: FloatArray,
+    extent: FloatArray,
+    barrier: FloatArray,
+    pull: tuple[FloatArray, FloatArray] | None = None,
 ) -> FloatArray:
     """One Runge-Kutta step between extents and barriers (n_loads, 2), in a time tau in which the faces move evenly.
 
@@ -220,10 +272,15 @@ def _step(
         size = extent[:, :1] - part * (extent[:, :1] - extent[:, 1:])
         position = barrier[:, :1] - part * shift
         pace = np.divide(2 * position, sum_of_ends, out=np.ones_like(position), where=sum_of_ends > 0)
+        spread, moved, stretched = share * step * pace, shift, stretch
+        if pull is not None:  # the faces move against the stress that drifts
+            rate, mean = pull
+            moved = shift - rate * spread * (position + mean)
+            stretched = stretch + rate * spread * size
         return np.asarray(
-            grid.diffusion[:, None, :] * (share * step * pace / size**2)
-            + grid.shift[:, None, :] * (shift / size)
-            + grid.stretch[:, None, :] * (stretch / size)
+            grid.diffusion[:, None, :] * (spread / size**2)
+            + grid.shift[:, None, :] * (moved / size)
+            + grid.stretch[:, None, :] * (stretched / size)
         )
 
     slopes: list[FloatArray] = []

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from persson.adhesive import ROUTES, AdhesionProblem, AdhesiveFields, Route, solve_fixed_point
 from persson.area_factor import AREA_FACTORS
 from persson.contact import AdhesiveContact
+from persson.corrected_variance import Correction
 from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.nonadhesive import (
@@ -58,6 +59,7 @@ def solve(
     resolution: float = 1.0,
     with_separation: bool = True,
     max_iterations: int = 80,
+    correction: Correction | None = None,
 ) -> NonadhesiveContact | AdhesiveContact:
     """Contact area, separation, energies, stress distribution and spectra of a rough contact at one load.
 
@@ -82,6 +84,8 @@ def solve(
         False spares the ladder of loads; the separation is then None.
     max_iterations : int
         Of each fixed point; a fixed point not met has status `not_converged`.
+    correction : Correction, optional
+        Of the adhesive theory, with its own detached width; `corrected.solve` is the entry for both.
 
     Raises
     ------
@@ -97,6 +101,13 @@ def solve(
     >>> bool(dry.contact_fraction < wet.contact_fraction), wet.status
     (True, 'converged')
     """
+    if correction is not None:
+        if work_of_adhesion is None or detached_width != 1 or (correction.form == "drift" and route == "volterra"):
+            raise ValueError(
+                "correction: here with work_of_adhesion, its own detached_width and, with a drift, finite volumes; "
+                "without adhesion use corrected.solve"
+            )
+        detached_width = correction.detached_width
     if work_of_adhesion is None:
         return solve_nonadhesive(spectrum, mean_pressure, youngs_modulus=youngs_modulus, poisson_ratio=poisson_ratio)
     modulus = plane_strain_modulus(youngs_modulus, poisson_ratio)
@@ -118,7 +129,7 @@ def solve(
         )
 
     def fields(nodes: MagnificationMesh, loads: FloatArray, guess: FloatArray | None, coarse: bool) -> AdhesiveFields:
-        problem = AdhesionProblem(spectrum, nodes, loads, work_length, factor, detached_width)
+        problem = AdhesionProblem(spectrum, nodes, loads, work_length, factor, detached_width, correction)
         return solve_fixed_point(
             problem,
             problem.nonadhesive_area() if guess is None else guess,
