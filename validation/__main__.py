@@ -29,6 +29,7 @@ from validation.verdict import counts, fails
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REPORT_FILE = "report.json"
+WITH_PEERS = "work-precision"  # the study that puts FFT solvers beside ours
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -187,11 +188,15 @@ def _baseline_update(options: argparse.Namespace) -> int:
 
 def _study(options: argparse.Namespace) -> int:
     """Run a study."""
+    if options.peers and options.name != WITH_PEERS:
+        raise CaseError(f"--peers: study {options.name} has none, {WITH_PEERS} has")
     study = import_module(f"validation.studies.{options.name.replace('-', '_')}")
     if options.name in ON_EXECUTORS:
         return int(study.run(options.out, options.quick, _say, options.jobs, opener_of(options.executor)))
     if options.executor != "local":
         raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs here alone")
+    if options.peers:
+        return int(study.run(options.out, options.quick, _say, peers=True))
     return int(study.run(options.out, options.quick, _say))
 
 
@@ -249,6 +254,7 @@ def _parser() -> argparse.ArgumentParser:
     study.add_argument("--out", type=Path, required=True)
     study.add_argument("--jobs", type=_positive, default=cores, help=f"processes of: {', '.join(ON_EXECUTORS)}")
     study.add_argument("--executor", default="local", help=f"for {', '.join(ON_EXECUTORS)}: local or dask://host:port")
+    study.add_argument("--peers", action="store_true", help=f"{WITH_PEERS} beside FFT solvers only (extra `peers`)")
     study.set_defaults(command=_study)
     return parser
 

@@ -149,6 +149,22 @@ def exit_code(words):
         return error.code
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["cost", "--peers"], "study cost has none"),
+        (["work-precision", "--peers"], "not installed: pip install"),
+        (["work-precision", "--executor", "dask://host:1"], "runs here alone"),
+        (["other"], "invalid choice"),
+    ],
+)
+def test_bad_request_of_a_study_is_told_before_anything_is_written(monkeypatch, tmp_path, capsys, words, message):
+    monkeypatch.setattr("validation.studies.fft_methods.find_spec", lambda name: None)
+    assert exit_code(["study", *words, "--out", str(tmp_path / "out")]) == 2
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_folder_that_is_a_file_is_bad_input(cases, tmp_path, capsys):
     cases(fine="agree")
     (tmp_path / "out").write_text("mine")

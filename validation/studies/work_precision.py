@@ -22,6 +22,7 @@ from typing import Any, TypeVar
 from validation.execution import Ended, Running, run_alone
 from validation.provenance import provenance
 from validation.runner import Note
+from validation.studies import fft_methods
 from validation.studies.answers import Answers, answers_in
 from validation.studies.conclusion import Mark, MethodCurve, sentences
 from validation.studies.plots import Line, Plot, write_svg
@@ -39,6 +40,7 @@ QUICK_SCENES = ("sinusoid", "theory")
 QUICK_PRICES, PRICES = (60, 1), (250, 2)  # harmonics of the rough scene, runs of each effect
 PRICE_COLUMNS = ("effect", "on top of", "cpu/s", "extra/s", "ratio", "evaluations", "digits", "reference")
 REPEATS, SECONDS = (20, 2.0), (2, 0.3)  # most repeats and seconds for them: in full, quick
+
 
 Item = TypeVar("Item")
 Answered = TypeVar("Answered")
@@ -119,6 +121,7 @@ def run(
     methods: Sequence[Method] = METHODS,
     sources: dict[str, tuple[Source, ...]] | None = None,
     with_prices: bool = True,
+    peers: bool = False,
 ) -> int:
     """Run the study, print points, price list and conclusion, write work-precision.json and a figure for each scene.
 
@@ -130,21 +133,35 @@ def run(
     report : callable
         Gets a `Note` for every step.
     methods : sequence of Method
-        Another one is one more entry.
+        Others than those of the study, without the peers.
     sources : dict, optional
         Other references than those of the study, by scene.
     with_prices : bool
         Whether the price list of the effects belongs to it.
+    peers : bool
+        The scenes of the FFT peers only, side by side; else they take part where their extra is installed.
 
     Returns
     -------
     int
         1 when a reference fails, or a method on every setting of a scene, or the price list, or when the bare scene
         loads a module of an effect that it does not have.
+
+    Raises
+    ------
+    PeersError
+        The peers are asked for and not installed.
     """
+    absent = fft_methods.missing()
+    if peers and absent:
+        raise fft_methods.PeersError(f"--peers: {absent}")
+    if methods is METHODS and not absent:
+        methods = (*METHODS, *fft_methods.FFT_METHODS)
     folder.mkdir(parents=True, exist_ok=True)
     known = SOURCES if sources is None else sources
     chosen = {name: posed for name, posed in scenes().items() if not quick or name in QUICK_SCENES}
+    if peers:
+        chosen = {name: posed for name, posed in chosen.items() if name in fft_methods.FFT_METHODS[0].scenes}
     repeats, seconds = SECONDS if quick else REPEATS
     facts, points, failures = provenance(), list[Point](), list[str]()
     answers = answers_in(folder, report)
@@ -162,7 +179,7 @@ def run(
             if all(math.isnan(point.error) for point in points if _is(point, posed.id, method.name)):
                 failures.append(f"{posed.id}, {method.name}: no setting has an answer")
             _write(folder, facts, quick, points, methods, chosen, failures, [])
-    prices, told = _prices(quick, answers, failures) if with_prices else ([], [])
+    prices, told = _prices(quick, answers, failures) if with_prices and not peers else ([], [])
     _write(folder, facts, quick, points, methods, chosen, failures, prices)
     columns = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall/s", "spread", "cpu/s",
                "MB", "repeats", "status"]  # fmt: skip
@@ -172,9 +189,13 @@ def run(
         for scene, reason in method.cannot.items():
             if scene in chosen:
                 print(f"  not run on {scene}: {reason}")
+    if absent:
+        print(f"fft: not run: {absent}")
+    elif compared := fft_methods.peer_table(points):
+        print(text_table(fft_methods.PEER_COLUMNS, compared))
     if prices:
         print(text_table(PRICE_COLUMNS, [_price_row(price) for price in prices]))
-    for line in [*conclusion(points, tuple(chosen)), *told]:
+    for line in [*conclusion(points, tuple(chosen)), *fft_methods.peer_sentences(points), *told]:
         print(line)
     for message in failures:
         print(f"FAILED: {message}")
@@ -362,7 +383,8 @@ def _write(
             for m in methods
         ],
         "points": told,
-        "conclusion": conclusion(points, tuple(chosen)),
+        "peers": fft_methods.missing() or "installed",
+        "conclusion": [*conclusion(points, tuple(chosen)), *fft_methods.peer_sentences(points)],
         "prices": [asdict(price) | {"digits": price.digits} for price in prices],
         "failures": list(failures),
     }  # fmt: skip

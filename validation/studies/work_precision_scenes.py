@@ -22,7 +22,7 @@ from the closed pressures 2 p* cos v sqrt(S - sin^2 v) and sigma_1 cos v / sqrt(
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import brentq
@@ -109,6 +109,8 @@ class Found:
         Evaluations, iterations: what gates could be put on.
     setup, solve, post : float
         Wall seconds of posing, solving and evaluating the answer.
+    details : dict of str to float
+        What else is to be told of the setting.
     """
 
     answer: Answer
@@ -117,6 +119,7 @@ class Found:
     setup: float
     solve: float
     post: float
+    details: dict[str, float] = field(default_factory=dict)
 
 
 def scenes() -> dict[str, Posed]:
