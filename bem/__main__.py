@@ -16,7 +16,7 @@ from typing import Any
 
 from bem.checkpoint import Checkpoint, OutputFolderError, interruptible, stored_result, uninterrupted
 from bem.console import effects_text, reporter, scene_text, summary, summary_line
-from bem.effects import effects_of, predicted_seconds, refuse_unavailable
+from bem.effects import effects_of, predicted_seconds
 from bem.result import FINAL_STATUSES, Progress, Result, write_result
 from bem.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene_rules import Mistake
@@ -76,7 +76,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _check(options: argparse.Namespace) -> int:
-    """Print what a scene amounts to; refuse what cannot be solved."""
+    """Print what a scene amounts to."""
     scene = load_scene(options.scene)
     effects = effects_of(scene)
     if options.json:
@@ -84,14 +84,12 @@ def _check(options: argparse.Namespace) -> int:
         print(json.dumps({"scene": scene.resolved(), "effects": listed, "seconds": predicted_seconds(scene)}))
     else:
         print(f"{scene_text(scene.resolved())}\n\n{effects_text(effects)}")
-    refuse_unavailable(scene)
     return DONE
 
 
 def _run(options: argparse.Namespace) -> int:
     """Solve a scene into a folder."""
     scene = load_scene(options.scene)
-    refuse_unavailable(scene)
     _keep_start(scene, options)
     stored = stored_result(scene, options.out, options.resume, options.overwrite)
     if stored is not None and stored.status in FINAL_STATUSES:

@@ -1,7 +1,6 @@
 """The physical and numerical effects a scene calls for, each with its reason and its predicted cost.
 
-An effect that is not active is a code path never entered.  What the solver cannot do yet is refused by name before
-anything runs (`refuse_unavailable`), never ignored.
+An effect that is not active is a code path never entered.
 
 A layer that changes the compliance of no mode by more than a tenth of accuracy.tolerance is left out; layer.py, which
 knows the compliance, is imported only when the scene has a [layer].
@@ -18,16 +17,13 @@ from importlib import import_module
 
 from bem.result import Effect
 from bem.scaling import Solid
-from bem.scene import Scene, StoredStart
-from bem.scene_rules import Mistake, SceneError
+from bem.scene import Scene
 from bem.targets import unloads
 
 EFFECTS = (
     *("half_space", "layer", "adhesion", "slope_term", "unloading", "load_control"),
     *("shapes", "spectra", "pressure_distribution", "width_distributions"),
 )
-AVAILABLE = frozenset(EFFECTS)
-NOT_YET: frozenset[str] = frozenset()
 
 SWEEP = 10.0, 1.4  # s at 1000 harmonics and exponent: one sweep in one direction, without adhesion
 ADHESIVE_SWEEP = 28.0, 1.15  # the same with adhesion
@@ -46,38 +42,6 @@ def effects_of(scene: Scene) -> tuple[Effect, ...]:
 def predicted_seconds(scene: Scene) -> float:
     """Predicted cost of the scene on one core, s."""
     return sum(effect.seconds for effect in effects_of(scene))
-
-
-def refuse_unavailable(scene: Scene) -> None:
-    """Refuse what is not built yet.
-
-    Raises
-    ------
-    SceneError
-        Naming each effect and each request that is not available yet.
-    """
-    mistakes = [
-        Mistake(f"effect {effect.name}", f"is not available yet ({effect.reason})", ", ".join(sorted(AVAILABLE)))
-        for effect in effects_of(scene)
-        if effect.active and effect.name not in AVAILABLE
-    ]
-    mistakes += [
-        Mistake(name, f"is not available yet ({reason})", remedy)
-        for name, reason, remedy in _requests(scene)
-        if name in NOT_YET
-    ]
-    if mistakes:
-        raise SceneError(mistakes)
-
-
-def _requests(scene: Scene) -> Iterator[tuple[str, str, str]]:
-    """What a scene asks for beyond the named effects: name, reason, remedy."""
-    if scene.adhesion is None:
-        yield "contact without adhesion", "no [adhesion]", "a scene with [adhesion]"
-    if scene.loading.initial == "complete_contact":
-        yield "start from complete contact", 'loading.initial = "complete_contact"', 'initial = "separated"'
-    if isinstance(scene.loading.initial, StoredStart):
-        yield "start from a stored state", "loading.initial names a result", 'initial = "separated"'
 
 
 def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:

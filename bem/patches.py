@@ -83,10 +83,6 @@ class Patches:
         """Patches with one more, inserted in order."""
         return ordered(np.append(self.left, left), np.append(self.right, right))
 
-    def without_patch(self, index: int) -> Patches:
-        """Patches less the one with this index."""
-        return Patches(np.delete(self.left, index), np.delete(self.right, index))
-
     def merged_after(self, index: int) -> Patches:
         """Patches with the gap behind patch `index` closed; ValueError for the only patch."""
         if self.count == 1:

@@ -22,7 +22,7 @@ from threadpoolctl import threadpool_limits
 from bem.complete_contact import CompleteContact, complete_contact
 from bem.convex_path import ContactPoint, ConvexPath
 from bem.crossing import at_load
-from bem.effects import effects_of, refuse_unavailable
+from bem.effects import effects_of
 from bem.flat import flat_states
 from bem.patches import PatchPressure, ordered
 from bem.path import Increments, Path, Point, restart
@@ -76,13 +76,7 @@ def solve(
     Result
         Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt); states before
         a failure are kept.
-
-    Raises
-    ------
-    SceneError
-        The scene calls for an effect that is not available.
     """
-    refuse_unavailable(scene)
     surface = scene.surface()
     if surface.is_flat:
         return _solve_flat(scene, surface)

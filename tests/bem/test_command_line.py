@@ -170,14 +170,6 @@ def test_bad_scene_writes_nothing(scene, tmp_path, solver):
     assert not (tmp_path / "out").exists()
 
 
-def test_effect_that_is_not_available_writes_nothing(scene, tmp_path, solver, monkeypatch, capsys):
-    solver()
-    monkeypatch.setattr("bem.effects.AVAILABLE", frozenset({"half_space", "adhesion"}))
-    assert run(scene, tmp_path / "out") == 2
-    assert "effect shapes is not available yet" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
 def test_existing_folder_is_refused_and_kept(scene, tmp_path, solver, capsys):
     solver()
     run(scene, tmp_path / "out")

@@ -1,13 +1,12 @@
-"""Effects: which ones a scene calls for, why, what they cost, and that missing ones are refused by name."""
+"""Effects: which ones a scene calls for, why, and what they cost."""
 
 import copy
 
 import numpy as np
 import pytest
 
-from bem import effects
-from bem.effects import EFFECTS, effects_of, predicted_seconds, refuse_unavailable
-from bem.scene import SceneError, parse_scene
+from bem.effects import EFFECTS, effects_of, predicted_seconds
+from bem.scene import parse_scene
 
 BASE = {
     "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
@@ -95,35 +94,3 @@ def test_predicted_cost_grows_with_harmonics():
 def test_predicted_cost_of_the_way_back_is_told_apart():
     back = effects_of(scene_with(**loading(targets=[6e-5, 3e-5, 6e-5])))
     assert next(effect.seconds for effect in back if effect.name == "unloading") > 1
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-def test_effect_that_is_not_built_is_refused_by_name(name, monkeypatch):
-    monkeypatch.setattr(effects, "AVAILABLE", frozenset(EFFECTS) - {name})
-    monkeypatch.setattr(effects, "NOT_YET", frozenset())
-    outputs = {"shapes": [2e3], "spectra": True, "pressure_distribution": True, "width_distributions": True}
-    scene = scene_with(
-        layer=None if name == "half_space" else {"thickness": 1e-3},
-        adhesion={"work_of_adhesion": 1.0, "slope_term": True},
-        loading={"control": "mean_pressure", "targets": [2e3, 1e3]},
-        output=outputs,
-    )
-    with pytest.raises(SceneError, match=f"effect {name} is not available yet"):
-        refuse_unavailable(scene)
-
-
-@pytest.mark.parametrize(
-    ("tables", "said"),
-    [
-        ({"adhesion": None}, "contact without adhesion"),
-        (loading(initial="complete_contact"), "start from complete contact"),
-    ],
-)
-def test_request_that_is_not_built_is_refused_by_name(tables, said, monkeypatch):
-    monkeypatch.setattr(effects, "NOT_YET", frozenset({said}))
-    with pytest.raises(SceneError, match=f"{said} is not available yet"):
-        refuse_unavailable(scene_with(**tables))
-
-
-def test_scene_within_what_is_built_passes():
-    assert refuse_unavailable(parse_scene(BASE)) is None
