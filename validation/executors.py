@@ -4,8 +4,8 @@
 `dask://host:port`    the workers of a dask scheduler, by `Client.get_executor` of `distributed` (extra `cluster`)
 
 Work is a function importable by name with arguments that can be pickled.  A dask worker that dies has its work done
-again by another one, at most as often as the scheduler allows; a local one breaks its pool, which execution.py
-mends.
+again by another one, at most as often as the scheduler allows; a scheduler that dies is a ConnectionError; a local
+worker breaks its pool, which execution.py mends.
 """
 
 from __future__ import annotations
@@ -106,6 +106,8 @@ def _dask_workers(address: str, _: int) -> Iterator[Workers]:
         executor = client.get_executor(pure=False)
         try:
             yield Workers(executor, lambda: max(1, sum(client.ncores().values())))
+        except import_module("distributed.comm").CommClosedError as error:
+            raise ConnectionError(f"{address}: the scheduler is gone; what was finished is kept") from error
         finally:
             executor.shutdown(wait=False)
 

@@ -1,5 +1,6 @@
 """Ensembles: stored one by one, computed once, the same on any number of workers, safe from kills and full disks."""
 
+import errno
 import json
 import os
 import resource
@@ -16,7 +17,7 @@ import pytest
 from example_members import here, members
 
 import bem
-from bem.result import FIELDS_FILE, RESULT_FILE
+from bem.result import FIELDS_FILE, RESULT_FILE, CorruptResultError
 from bem.scene import SceneError
 from validation.ensemble import Member, member_seed, read_member, run_ensemble
 from validation.executors import local_processes
@@ -207,6 +208,74 @@ def test_full_disk_is_an_error_and_corrupts_nothing(tmp_path):
     outcome, _ = run(members(2), tmp_path)
     assert outcome.damaged == ()
     assert len(outcome.found) + len(outcome.computed) == 2
+
+
+DYING = """
+import os, signal, sys
+from pathlib import Path
+from example_members import here, members
+from validation.ensemble import run_ensemble
+
+name, count = sys.argv[2], int(sys.argv[3])
+done = getattr(os, name)
+calls = []
+
+def dying(*words):
+    calls.append(words)
+    if len(calls) == count:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return done(*words)
+
+setattr(os, name, dying)
+run_ensemble(members(3), Path(sys.argv[1]), 1, lambda note: None, here)
+"""
+
+
+def killed_at(folder, call, count):
+    """Run the ensemble in a process that kills itself at a call of os.fsync or os.replace: two of each a member."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(SCRIPT.parent), *filter(None, sys.path)])}
+    command = [sys.executable, "-c", DYING, str(folder), call, str(count)]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(("call", "count"), [("fsync", 3), ("replace", 3), ("fsync", 4), ("replace", 4)])
+def test_kill_while_a_member_is_written_loses_this_one_only(tmp_path, call, count):
+    done = killed_at(tmp_path, call, count)
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    before = written(tmp_path)
+    outcome, _ = run(members(3), tmp_path)
+    assert (outcome.found, outcome.damaged) == (("seed-00",), ())
+    assert outcome.computed == ("seed-01", "seed-02")
+    assert before.items() <= written(tmp_path).items()
+
+
+def test_kill_between_the_files_of_a_member_that_is_replaced_is_detected(tmp_path):
+    run(members(1, seed=7), tmp_path)
+    assert killed_at(tmp_path, "replace", 2).returncode == -signal.SIGKILL
+    with pytest.raises(CorruptResultError, match="not the file written with"):
+        read_member(members(1, seed=7)[0], tmp_path)
+    outcome, notes = run(members(1), tmp_path)
+    assert (outcome.damaged, outcome.computed) == (("seed-00",), ("seed-00",))
+    assert "computed again" in notes[0]
+
+
+@pytest.mark.parametrize("count", [3, 4], ids=["fields", "result"])
+def test_disk_that_fills_up_ends_the_run_and_keeps_what_was_stored(tmp_path, monkeypatch, count):
+    sync, calls = os.fsync, []
+
+    def filling(descriptor):
+        calls.append(descriptor)
+        if len(calls) >= count:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", filling)
+    with pytest.raises(OSError, match="No space left"):
+        run(members(3), tmp_path)
+    assert not list(tmp_path.glob("*/.*"))
+    monkeypatch.undo()
+    outcome, _ = run(members(3), tmp_path)
+    assert (outcome.found, outcome.damaged) == (("seed-00",), ())
 
 
 def test_stored_file_is_json_with_its_checksum(stored):

@@ -11,10 +11,11 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from example_members import members
+from example_members import here, members
 from threadpoolctl import threadpool_info
 
 from bem.result import RESULT_FILE
+from validation import __main__ as command_line
 from validation import executors
 from validation.ensemble import read_member, run_ensemble
 from validation.execution import Ended, run_in_processes
@@ -27,6 +28,13 @@ needs_dask = pytest.mark.skipif(find_spec("distributed") is None, reason="the ex
 def test_unknown_executor_is_refused(spec):
     with pytest.raises(ExecutorError, match="neither 'local' nor 'dask://host:port'"):
         opener_of(spec)
+
+
+@pytest.mark.parametrize("words", [["run"], ["replicate"], ["study", "maps"]], ids=["run", "replicate", "maps"])
+def test_processes_of_this_machine_are_the_default(words):
+    options = command_line._parser().parse_args([*words, "--out", "here"])
+    assert opener_of(options.executor) is executors.local_processes
+    assert options.jobs == os.cpu_count()
 
 
 @needs_dask
@@ -76,6 +84,10 @@ class Cluster:
                        "--host", "127.0.0.1")  # fmt: skip
 
     @property
+    def scheduler(self):
+        return self.processes[0]
+
+    @property
     def workers(self):
         return self.processes[1:]
 
@@ -110,6 +122,23 @@ def test_member_of_a_killed_worker_is_neither_lost_nor_counted_twice(cluster, tm
     assert sorted(path.parent.name for path in folder.glob(f"*/{RESULT_FILE}")) == [member.name for member in planned]
     assert [line.split("]")[0] for line in told if line.startswith("[")] == [f"[{k}/6" for k in range(1, 7)]
     assert all(read_member(member, folder).status == "converged" for member in planned)
+
+
+@needs_dask
+@pytest.mark.filterwarnings(r"ignore:\s*Mismatched versions found:Warning")
+def test_killed_scheduler_is_an_error_that_loses_what_was_in_flight_only(cluster, tmp_path):
+    planned, folder = members(5, harmonics=16), tmp_path / "members"
+
+    def killing(note):
+        if note.text.startswith("[1/5]"):
+            cluster.scheduler.send_signal(signal.SIGKILL)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(executors, "PATIENCE", 90.0)
+        with pytest.raises(ConnectionError, match="the scheduler is gone; what was finished is kept"):
+            run_ensemble(planned, folder, 1, killing, opener_of(f"dask://{cluster.address}"))
+    outcome = run_ensemble(planned, folder, 1, lambda note: None, here)
+    assert (len(outcome.found), outcome.damaged, len(outcome.computed)) == (1, (), 4)
 
 
 THREADS = partial(eval, "[pool['num_threads'] for pool in threads()]", {"threads": threadpool_info, "of": np.float64})

@@ -1,8 +1,10 @@
 """The replication: exponents and fits on data with known answers, rows and verdicts, a short form from end to end."""
 
 import csv
+import errno
 import io
 import json
+import os
 import re
 from importlib import import_module
 
@@ -212,6 +214,30 @@ def test_figure_files_are_vectors_and_repeat(tmp_path):
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
     assert b"<image" not in (tmp_path / "a" / "one.svg").read_bytes()
+
+
+def test_full_disk_leaves_the_old_figure_whole(tmp_path, monkeypatch):
+    write_figure(FIGURE, tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def full(_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space left"):
+        write_figure(
+            FIGURE.model_copy(update={"solution": FIGURE.solution.model_copy(update={"xlabel": "z"})}), tmp_path
+        )
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_full_disk_ends_a_replication_with_its_message(tmp_path, monkeypatch, capsys):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(import_module("validation.replicate"), "run_ensemble", full)
+    assert command_line.main(["replicate", "--quick", "--out", str(tmp_path)]) == 1
+    assert "No space left on device" in capsys.readouterr().err
 
 
 def page_of(row):

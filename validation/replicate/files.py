@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
 import matplotlib as mpl
 
 from validation.report.figures import SETTINGS, canvas_of
-from validation.runner import write_atomically
 from validation.schema import Figure
 
 WITHOUT_DATE = {
@@ -46,11 +46,27 @@ def write_figure(figure: Figure, folder: Path) -> None:
         for kind, metadata in WITHOUT_DATE.items():
             stream = io.BytesIO()
             canvas.savefig(stream, format=kind, metadata=metadata)
-            path = folder / f"{figure.id}.{kind}"
-            temporary = path.with_name(path.name + ".part")
-            temporary.write_bytes(stream.getvalue())
-            temporary.replace(path)
-    write_atomically(folder / f"{figure.id}.csv", table_of(figure))
+            replace_file(folder / f"{figure.id}.{kind}", stream.getvalue())
+    replace_file(folder / f"{figure.id}.csv", table_of(figure).encode())
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Write under a temporary name, flush to disk, rename.
+
+    Raises
+    ------
+    OSError
+        Disk full or folder not writable; the old file is left as it was, and nothing beside it.
+    """
+    temporary = path.with_name(path.name + ".part")
+    try:
+        with temporary.open("wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def table_of(figure: Figure) -> str:

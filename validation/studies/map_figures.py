@@ -15,14 +15,10 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from validation.replicate.files import WITHOUT_DATE, replace_file
 from validation.report.figures import SETTINGS
-from validation.runner import write_atomically
 
 DARK = 0.55  # of the colour scale, from where the text is white
-WITHOUT_DATE = {
-    "svg": {"Date": None, "Creator": None},
-    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
-}
 
 
 @dataclass(frozen=True)
@@ -58,11 +54,8 @@ def write_map(found: Map, folder: Path) -> None:
         for kind, metadata in WITHOUT_DATE.items():
             stream = io.BytesIO()
             canvas.savefig(stream, format=kind, metadata=metadata)
-            path = folder / f"{found.name}.{kind}"
-            temporary = path.with_name(path.name + ".part")
-            temporary.write_bytes(stream.getvalue())
-            temporary.replace(path)
-    write_atomically(folder / f"{found.name}.csv", table_of(found))
+            replace_file(folder / f"{found.name}.{kind}", stream.getvalue())
+    replace_file(folder / f"{found.name}.csv", table_of(found).encode())
 
 
 def draw(found: Map) -> Figure:
