@@ -16,7 +16,7 @@ from bem.result import State
 from bem.scene import Scene
 from validation import adapters
 from validation.case import Case, Outcome
-from validation.cases.fft_solver import extrapolated, grid_contact, missing
+from validation.cases.fft_solver import Extrapolated, GridContact, extrapolated, grid_contact, missing
 from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 SEED = 2009
@@ -136,8 +136,40 @@ def _peer(harmonics: int) -> Outcome:
             for share, sequence, limit, state in zip(SHARES, grids, limits, states, strict=True)
         ],
     )
-    figure = _figure(harmonics, states, [limit.separation for limit in limits], posed)
-    return Outcome(rows=rows, figures=(figure,), tables=(table,), counts={"patches": states[-1].n_patches})
+    figures = (
+        _figure(harmonics, states, [limit.separation for limit in limits], posed),
+        _areas(harmonics, states, grids, limits),
+    )
+    return Outcome(rows=rows, figures=figures, tables=(table,), counts={"patches": states[-1].n_patches})
+
+
+def _areas(
+    harmonics: int, states: tuple[State, ...], grids: list[list[GridContact]], limits: list[Extrapolated]
+) -> Figure:
+    """Contact fractions on grids over ours against the spacing, which reach the extrapolation at zero."""
+    series, ratios = [], []
+    for share, state, sequence, limit in zip(SHARES, states, grids, limits, strict=True):
+        spacing = [1 / grid.points for grid in sequence]
+        found = [grid.contact_fraction / state.contact_fraction for grid in sequence]
+        end = limit.contact_fraction / state.contact_fraction
+        series.append(Series(label=f"{share:g} E*, grids", x=list(spacing), y=list(found), style="points"))
+        series.append(
+            Series(label=f"{share:g} E*, extrapolated", x=[0.0, spacing[-2]], y=[end, found[-2]], style="dashed")
+        )
+        ratios.append(end - 1)
+    return Figure(
+        id=f"fft-peer-area-{harmonics}",
+        caption=(
+            f"Contact fraction of an FFT solver over that of the boundary elements, {harmonics} harmonics: a grid "
+            "counts whole points, and its area falls to the extrapolation with the spacing."
+        ),
+        solution=Panel(xlabel="spacing / period", ylabel="contact fraction, FFT over bem", series=series),
+        error=Panel(
+            xlabel="pressure / E*",
+            ylabel="extrapolated FFT over bem, less 1",
+            series=[Series(label="extrapolated", x=list(SHARES), y=list(ratios), style="points")],
+        ),
+    )
 
 
 def _figure(harmonics: int, states: tuple[State, ...], separations: list[float], posed: Scene) -> Figure:
