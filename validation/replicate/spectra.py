@@ -164,8 +164,8 @@ def _high_load_row(one: Realisation, short: str) -> Row:
         ratio,
         error,
         1.0,
-        0.1,
-        measured=0.055,
+        0.02,
+        measured=0.0055,
         where="section 5: C_u tends to C at very high load",
         shortfall=short,
     )
