@@ -177,8 +177,8 @@ def differences(record: CaseRecord, folder: Path = FOLDER) -> list[str]:
         The baseline is malformed.
     """
     baseline = read_baseline(record.id, folder)
-    if baseline is None and record.status == "not run":
-        return []  # nothing was ever pinned; the report counts the case and tells the reason
+    if record.status == "not run":
+        return []  # an extra is absent: the report counts the case and tells the reason
     if baseline is None:
         return [f"{record.id}: no baseline; `baseline update {record.id} --reason TEXT` makes one"]
     if record.status != "run":

@@ -166,7 +166,7 @@ def _areas(
         solution=Panel(xlabel="spacing / period", ylabel="contact fraction, FFT over bem", series=series),
         error=Panel(
             xlabel="pressure / E*",
-            ylabel="extrapolated FFT over bem, less 1",
+            ylabel="extrapolated - 1",
             series=[Series(label="extrapolated", x=list(SHARES), y=list(ratios), style="points")],
         ),
     )
