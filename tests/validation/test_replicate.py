@@ -219,6 +219,7 @@ def test_figure_files_are_vectors_and_repeat(tmp_path):
 def test_full_disk_leaves_the_old_figure_whole(tmp_path, monkeypatch):
     write_figure(FIGURE, tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert len(before) == 3
 
     def full(_):
         raise OSError(errno.ENOSPC, "No space left on device")
