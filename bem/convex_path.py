@@ -1,14 +1,14 @@
 """The path of a contact without adhesion: one solution for each target, no history.
 
-The problem is convex, so the state depends on the target alone; the last solution only serves as a start.  Where
-the iteration does not converge from there, the way is halved, and the halves are counted as rejected increments.
-Dimensionless.
+The problem is convex, so the state depends on the target alone, and so does the way to it: each target is solved from
+its own solution on a grid (grid_contact.py), whatever came before, to the same digits.  Dimensionless.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from bem.assessment import Assessment, assess_contact
 from bem.collocation import Elastic, Evaluation
 from bem.complete_contact import CompleteContact
-from bem.control import Control
-from bem.nonadhesive import Contact, bearing_patches, solve_contact
-from bem.patches import Patches
+from bem.control import Control, LinearControl
+from bem.grid_contact import GridProblem, grid_problem
+from bem.nonadhesive import solve_contact
 from bem.path import Effort, Increments, PathEvent, PathStatus
 
 FloatArray = NDArray[np.float64]
 
-HALVINGS = 8
+LOAD_CONTROL = LinearControl(0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,21 +60,25 @@ class ConvexPath:
     effort: Effort = field(default_factory=Effort)
 
     def advance(self, point: ContactPoint, goal: float) -> Iterator[ContactPoint]:
-        """Yield the points on the way to the goal: as a rule just the one at the goal."""
-        value, halvings = goal, 0
-        while point.value != goal:
-            ahead = self._solved(point, value)
-            if ahead.status in ("not_converged", "ill_conditioned"):
-                self.effort.rejected += 1
-                halvings += 1
-                if halvings > HALVINGS:
-                    yield ahead
-                    return
-                value = (max(point.value, 0.0) + value) / 2
-                continue
+        """Yield the point at the goal."""
+        if point.value == goal:
+            return
+        ahead = self._solved(self.control, goal)
+        if ahead.status in ("not_converged", "ill_conditioned"):
+            self.effort.rejected += 1
+        else:
             self.effort.accepted += 1
-            yield ahead
-            point, value = ahead, goal
+        if ahead.status == "converged" and point.status == "separated":
+            touched = tuple(PathEvent("first_touch", 0.0, 0.0, 0.0, float(crest), 0.0) for crest in self.crests)
+            ahead = replace(ahead, events=touched)
+        yield ahead
+
+    def at_load(self, load: float) -> ContactPoint:
+        """The point at a load, whatever the control: where the path crosses it."""
+        found = self._solved(LOAD_CONTROL, load)
+        if found.state is None:
+            return found
+        return replace(found, value=self.control.value(found.state.penetration, found.state.load))
 
     def polish(self, point: ContactPoint) -> ContactPoint:
         """The point itself: every one is solved to the accuracy of a target."""
@@ -87,41 +91,23 @@ class ConvexPath:
         tolerance = 1e-2 * self.increments.fine_tolerance
         return assess_contact(self.elastic, self.control, point.state, point.value, tolerance)
 
-    def _solved(self, point: ContactPoint, value: float) -> ContactPoint:
-        """The state at a control value."""
+    def _solved(self, control: Control, value: float) -> ContactPoint:
+        """The state at a value of a control."""
         if value <= 0:
             return ContactPoint("separated", value)
-        if value >= self.control.value(self.elastic.profile.max_height, self.complete.least_load):
+        if value >= control.value(self.elastic.profile.max_height, self.complete.least_load):
             return ContactPoint("complete_contact", value)
-        if point.state is not None:
-            solved = self._solved_from(point.state.patches, point.state.penetration, value)
-        else:
-            solved = self._solved_from(self._start(value), 1.0, value)
-        if solved.status == "separated" and point.state is not None:  # far above the plane all of it is in tension
-            solved = self._solved_from(self._start(value), 1.0, value)
-        if solved.status == "separated":
-            return ContactPoint("not_converged", value)  # there is contact at any value above zero
-        if solved.state is None or solved.status != "converged":
-            return ContactPoint(solved.status, value)
-        self.effort.unknowns = max(self.effort.unknowns, solved.state.unknowns)
-        events: tuple[PathEvent, ...] = ()
-        if point.status == "separated":
-            events = tuple(PathEvent("first_touch", 0.0, 0.0, 0.0, float(crest), 0.0) for crest in self.crests)
-        return ContactPoint("converged", value, solved.state, events)
-
-    def _solved_from(self, start: Patches, penetration: float, value: float) -> Contact:
-        """The contact problem at a control value, from these patches; the solution is unique."""
-        inc = self.increments
+        inc, start = self.increments, self._grid.patches(control, value)
+        penetration = self.elastic.profile.max_height / 2
         solved = solve_contact(
-            self.elastic, self.control, start, penetration, value, inc.fine_tolerance, inc.fine_closure, inc.allowed
+            self.elastic, control, start, penetration, value, inc.fine_tolerance, inc.fine_closure, inc.allowed
         )
         self.effort.evaluations += solved.evaluations
-        return solved
+        if solved.state is None or solved.status != "converged":  # there is contact, and a gap, at any value between
+            return ContactPoint("ill_conditioned" if solved.status == "ill_conditioned" else "not_converged", value)
+        self.effort.unknowns = max(self.effort.unknowns, solved.state.unknowns)
+        return ContactPoint("converged", value, solved.state)
 
-    def _start(self, value: float) -> Patches:
-        """Patches to start from when there are none: the bearing area at about the right contact fraction."""
-        if self.control.penetration_weight > 0:
-            return bearing_patches(self.elastic, value)
-        profile = self.elastic.profile
-        share = float(np.clip(0.8 * value / (2 * np.pi * profile.rms_slope), 1e-3, 0.9))
-        return bearing_patches(self.elastic, profile.max_height - float(np.quantile(profile.grid[1], 1 - share)))
+    @cached_property
+    def _grid(self) -> GridProblem:
+        return grid_problem(self.elastic)

@@ -147,24 +147,6 @@ def solve_contact(
     return Contact("not_converged", state, measure, ITERATIONS)
 
 
-def bearing_patches(elastic: Elastic, penetration: float) -> Patches:
-    """Patches where the profile stands above the penetrated plane: a start that needs no solution."""
-    x, height = elastic.profile.grid
-    level = elastic.profile.max_height - penetration
-    inside = height > max(level, float(height.min()) + 0.1 * float(np.ptp(height)))
-    start = np.flatnonzero(inside & ~np.roll(inside, 1))
-    stop = np.flatnonzero(inside & ~np.roll(inside, -1))
-    if start.size == 0:
-        crest = elastic.profile.crests[0][int(np.argmax(elastic.profile.crests[1]))]
-        half = 0.5 * TWO_PI / x.size
-        return ordered(np.array([crest - half]), np.array([crest + half]))
-    half = 0.25 * TWO_PI / x.size
-    left, right = x[start] - half, x[stop] + half
-    if right[0] < left[0]:
-        right = np.roll(right, -1)
-    return ordered(left, np.where(right < left, right + TWO_PI, right))
-
-
 def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:
     """Outward Newton steps on K, edge by edge, within patch width, gap and shortest wavelength, (2 L,)."""
     patches = state.patches

@@ -1,0 +1,204 @@
+"""Where contact is, roughly: the problem without adhesion on a grid, from where the Newton iteration starts.
+
+With S the spectral compliance, the pressure p >= 0 at equidistant points minimises p S p / 2 - p (h - h_max + Delta),
+and the gap g >= 0 minimises g S^-1 g / 2 + g p_c, where p_c is the pressure of complete contact: the same problem
+twice, in the mirror of load and separation.  The first takes few iterations where contact is rare, the second where
+gaps are.  Conjugate gradients live where the unknown is positive; points at which it should be join, those at which it
+would be negative leave.  An iteration costs two pairs of Fourier transforms, a thousandth of an evaluation
+on patches, so that hundreds of contacts that come and go are sorted out here.  Only patches are handed over, to a
+fraction of a grid cell: what is computed from them does not depend on this grid.
+
+Source: Polonsky, Keer, Wear 231 (1999) 206, section 2.  Dimensionless.  Limits: contacts and gaps narrower than a
+cell (a sixteenth of the shortest wavelength) are missed; the search for interpenetration and tension finds them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from bem.collocation import Elastic
+from bem.control import Control
+from bem.patches import TWO_PI, Patches, ordered
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ITERATIONS = 3000
+SETTLED = 1e-4  # relative change of the unknown in an iteration at which the patches are good enough
+DENSE = 0.5  # contact fraction above which gaps are the unknown
+SOFTEST = 1e-12  # least compliance of a mode over that of the first: below is rounding of a layer's series
+LAYER = 1e-4  # accuracy to which the series of a layer is sampled
+POINTS_PER_MODE, MOST_POINTS = 2, 1 << 17
+OFF_POINT = 0.45  # cells between a point and the highest place about it, at most
+WITHIN_CELL = 0.05, 0.95  # where an edge may lie between the last grid point inside and the first one outside
+
+
+@dataclass(frozen=True, eq=False)
+class GridProblem:
+    """Contact of a profile on its grid.
+
+    Attributes
+    ----------
+    height : (n,) array
+        h - h_max.
+    compliance : (n/2 + 1,) array
+        Displacement over pressure, mode by mode; zero for the mean.
+    """
+
+    height: FloatArray
+    compliance: FloatArray
+
+    def patches(self, control: Control, target: float) -> Patches:
+        """Patches at the target of the control, at least one, with at least one gap.
+
+        Parameters
+        ----------
+        control : Control
+        target : float
+            Of a contact that is neither apart nor complete.
+        """
+        pressure = self._pressure(control, target)
+        if np.mean(pressure > 0) < DENSE:
+            return _intervals(pressure, self.height, 2.0)
+        gap = self._gap(control, target, TWO_PI * float(pressure.mean()))
+        gaps = _intervals(gap, -self._complete, 2 / 3)
+        return ordered(gaps.right, np.append(gaps.left[1:], gaps.left[:1] + TWO_PI))
+
+    def _pressure(self, control: Control, target: float) -> FloatArray:
+        """Pressure at the grid points, (n,)."""
+        if control.penetration_weight == 0:
+            level, mean = self.height, target / (TWO_PI * control.load_weight)
+            return _minimiser(self.compliance, level, mean)
+        compliance = self.compliance.copy()
+        compliance[0] = TWO_PI * control.load_weight / control.penetration_weight
+        return _minimiser(compliance, self.height + target / control.penetration_weight, None)
+
+    def _gap(self, control: Control, target: float, load: float) -> FloatArray:
+        """Gap at the grid points, (n,); a load that hardly moves the penetration is taken from the pressure."""
+        alpha, beta = control.penetration_weight, control.load_weight
+        separation = -float(self.height.mean())  # at no penetration: h_max
+        mean = separation - (target - beta * load) / alpha if alpha > TWO_PI * beta else 0.0
+        if mean > 0:
+            return _minimiser(self._stiffness, -self._complete, mean)
+        stiffness = self._stiffness.copy()
+        stiffness[0] = alpha / (TWO_PI * beta)
+        pressed = (target - alpha * separation) / (TWO_PI * beta)
+        return _minimiser(stiffness, -self._complete - pressed, None)
+
+    @property
+    def _stiffness(self) -> FloatArray:
+        """Pressure over displacement, mode by mode, zero for the mean, (n/2 + 1,)."""
+        stiffness = np.zeros(self.compliance.size)
+        stiffness[1:] = 1 / self.compliance[1:]
+        return stiffness
+
+    @property
+    def _complete(self) -> FloatArray:
+        """Pressure of complete contact less its mean, (n,)."""
+        return _filtered(self.height, self._stiffness)
+
+
+def grid_problem(elastic: Elastic) -> GridProblem:
+    """The contact problem of an elastic body on the grid of its profile."""
+    x, height = elastic.profile.grid
+    modes: list[float] = [
+        float(correction.coupled_modes(np.array([TWO_PI]), LAYER)[0]) for correction in elastic.corrections
+    ]
+    finest = min(POINTS_PER_MODE * max(modes, default=0.0), MOST_POINTS)
+    if x.size < finest:
+        size = 1 << int(np.ceil(np.log2(finest)))
+        x = np.arange(size) * (TWO_PI / size)
+        height = elastic.profile.height(x)
+    compliance = np.zeros(x.size // 2 + 1)
+    compliance[1:] = 1 / np.arange(1, compliance.size)
+    for correction in elastic.corrections:
+        series = fft.rfft(correction.field(x, np.zeros(1), np.ones(1)))[1:] * (2 / x.size)
+        compliance[1:] -= series.real
+    compliance[1:] = np.maximum(compliance[1:], SOFTEST * compliance[1])
+    return GridProblem(height - elastic.profile.max_height, compliance)
+
+
+def _filtered(values: FloatArray, factor: FloatArray) -> FloatArray:
+    """Values with every mode multiplied, (n,)."""
+    return np.asarray(fft.irfft(fft.rfft(values) * factor, values.size))
+
+
+def _minimiser(operator: FloatArray, drive: FloatArray, mean: float | None) -> FloatArray:
+    """z >= 0 that minimises z A z / 2 - z drive, of a prescribed mean unless that is None, (n,).
+
+    Parameters
+    ----------
+    operator : (n/2 + 1,) array
+        A, mode by mode.
+    drive : (n,) array
+    mean : float, optional
+    """
+    z = np.where(drive > (0.0 if mean is None else np.quantile(drive, 0.9)), 1.0, 0.0)
+    z[np.argmax(drive)] = 1.0
+    z *= max(float(z @ drive), 0.0) / float(z @ _filtered(z, operator)) if mean is None else mean / z.mean()
+    direction, last, conjugate = np.zeros(z.size), 1.0, False
+    for _ in range(ITERATIONS):
+        inside = z > 0
+        slope = _filtered(z, operator) - drive
+        if mean is not None:
+            slope -= slope[inside].mean()
+        force = np.where(inside, slope, 0.0)
+        size = float(force @ force)
+        direction = np.where(inside, slope + (size / last if conjugate else 0.0) * direction, 0.0)
+        last = size
+        response = _filtered(direction, operator)
+        if mean is not None:
+            response -= response[inside].mean()
+        bend = float(response @ direction)
+        if bend <= 0:
+            break
+        step = float(force @ direction) / bend
+        moved = np.maximum(z - step * direction, 0.0)
+        joining = (moved == 0) & (slope < 0)
+        moved[joining] = -step * slope[joining]
+        conjugate = not np.any(joining)
+        if mean is not None:
+            moved *= mean / moved.mean()
+        change = float(np.abs(moved - z).sum())
+        z = moved
+        if change <= SETTLED * float(z.sum()):
+            break
+    return z
+
+
+def _intervals(values: FloatArray, drive: FloatArray, power: float) -> Patches:
+    """Intervals of the circle where `values` are positive; to this power they vanish linearly at the edges.
+
+    One or two points make an interval about the highest place of `drive`; so does the highest point where none is.
+    """
+    n, cell = values.size, TWO_PI / values.size
+    inside = values > 0
+    inside[np.argmax(drive)] |= not np.any(inside)
+    start = np.flatnonzero(inside & ~np.roll(inside, 1))
+    stop = np.flatnonzero(inside & ~np.roll(inside, -1))
+    if stop[0] < start[0]:
+        stop = np.roll(stop, -1)
+    points = (stop - start) % n + 1
+    linear = np.maximum(values, 0.0) ** power
+    left = start - _reach(linear, start, 1)
+    right = start + points - 1 + _reach(linear, stop, -1)
+    highest = start + (drive[stop] > drive[start])
+    before, here, after = drive[highest - 1], drive[highest % n], drive[(highest + 1) % n]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        vertex = highest + np.clip(0.5 * (after - before) / (2 * here - before - after), -OFF_POINT, OFF_POINT)
+    narrow = (points <= 2) & (2 * here > before + after)
+    return ordered(
+        cell * np.where(narrow, vertex - points / 2, left), cell * np.where(narrow, vertex + points / 2, right)
+    )
+
+
+def _reach(linear: FloatArray, edge: IntArray, inward: int) -> FloatArray:
+    """Distance of the edges outside the last points inside, in cells: a straight line through two points, or half."""
+    last, second = linear[edge], linear[(edge + inward) % linear.size]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        straight = last / (second - last)
+    return np.where(second > last, np.clip(straight, *WITHIN_CELL), 0.5)

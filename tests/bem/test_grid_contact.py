@@ -1,0 +1,80 @@
+"""The grid on which contact without adhesion is looked for first: Westergaard, the mirror of gaps, narrow patches."""
+
+import numpy as np
+import pytest
+
+from bem.collocation import Elastic
+from bem.control import LinearControl, PenetrationControl
+from bem.grid_contact import grid_problem
+from bem.layer import Layer
+from bem.nonadhesive import solve_contact
+from bem.profile import Profile
+from bem.scaling import Solid
+
+FIXED, LOADED = PenetrationControl(), LinearControl(0.0, 1.0)
+BOTH = pytest.mark.parametrize("control", [FIXED, LOADED], ids=["penetration", "load"])
+
+
+def wave_at(fraction, control, phase=0.4):
+    """One wave at Westergaard's contact fraction: the problem and its target."""
+    share = np.sin(np.pi * fraction / 2) ** 2
+    wave = Profile.from_harmonics(2 * np.pi, [1], [1.0], [phase])
+    return Elastic(wave), (share * (1 - np.log(share)) if control is FIXED else 2 * np.pi * share)
+
+
+@BOTH
+@pytest.mark.parametrize("fraction", [0.1, 0.3, 0.45, 0.6, 0.9])
+def test_one_wave_to_a_fraction_of_a_cell(control, fraction):
+    elastic, target = wave_at(fraction, control)
+    patches = grid_problem(elastic).patches(control, target)
+    assert patches.count == 1
+    cells = elastic.profile.grid[0].size
+    # measured 0.18 cells
+    assert abs(patches.contact_fraction - fraction) * cells <= 0.4
+
+
+@BOTH
+@pytest.mark.parametrize("fraction", [1e-6, 1 - 1e-4], ids=["patch", "gap"])
+def test_what_is_narrower_than_a_cell_is_put_in_its_place(control, fraction):
+    elastic, target = wave_at(fraction, control)
+    patches = grid_problem(elastic).patches(control, target)
+    crest, cell = 2 * np.pi - 0.4, 2 * np.pi / elastic.profile.grid[0].size
+    assert patches.count == 1
+    # measured 0.003 cells: the next term of the parabola
+    assert abs((patches.center[0] - crest + np.pi) % (2 * np.pi) - np.pi) <= 0.01 * cell
+
+
+@BOTH
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.9, 0.999])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_rough_contact_needs_few_steps_from_there(control, share, seed):
+    elastic = Elastic(Profile.self_affine(2 * np.pi, 0.7, 1.0, 60, seed).scaled())
+    target = share * (elastic.profile.max_height if control is FIXED else 60.0)
+    start = grid_problem(elastic).patches(control, target)
+    found = solve_contact(elastic, control, start, 1.0, target, tolerance=1e-8, closure=1e-9, allowed=1e-10)
+    assert found.status == "converged"
+    assert found.evaluations <= 24  # measured 12 at most
+    assert abs(start.contact_fraction - found.state.patches.contact_fraction) <= 0.01  # measured 0.004
+
+
+@pytest.mark.parametrize("thickness", [1e-3, 0.02, 1.0], ids=str)
+def test_a_layer_is_seen(thickness):
+    solid, layer = Solid(1.0, 0.5), Layer(thickness * 2 * np.pi)
+    kernel = layer.kernel(solid, 2 * np.pi, 1e-14)
+    elastic = Elastic(Profile.from_harmonics(2 * np.pi, [1, 3], [1.0, 0.2]), (kernel,))
+    problem = grid_problem(elastic)
+    orders = np.array([1.0, 5.0, 20.0])
+    np.testing.assert_allclose(problem.compliance[[1, 5, 20]], kernel.ratio(orders) / orders, atol=1e-9)
+
+
+@pytest.mark.parametrize("control", [LinearControl(1.0, 1e-6), LinearControl(1.0, 0.3), LinearControl(1.0, 50.0)])
+def test_total_displacement_lies_between_penetration_and_load(control):
+    elastic = Elastic(Profile.self_affine(2 * np.pi, 0.7, 1.0, 30, 3).scaled())
+    fixed = solve_contact(
+        elastic, FIXED, grid_problem(elastic).patches(FIXED, 1.3), 1.0, 1.3, tolerance=1e-8, closure=1e-9, allowed=1e-10
+    ).state
+    target = control.value(1.3, fixed.load)
+    start = grid_problem(elastic).patches(control, target)
+    assert (
+        abs(start.contact_fraction - fixed.patches.contact_fraction) <= 0.05
+    )  # measured 0.023 where the mean is softest
