@@ -111,7 +111,7 @@ def grid_problem(elastic: Elastic) -> GridProblem:
     finest = min(POINTS_PER_MODE * max(modes, default=0.0), MOST_POINTS)
     if x.size < finest:
         size = 1 << int(np.ceil(np.log2(finest)))
-        x = np.arange(size) * (TWO_PI / size)
+        x = np.linspace(0.0, TWO_PI, size, endpoint=False)
         height = elastic.profile.height(x)
     compliance = np.zeros(x.size // 2 + 1)
     compliance[1:] = 1 / np.arange(1, compliance.size)
