@@ -16,22 +16,18 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
 from bem.assessment import Assessment, assess_equilibrium
+from bem.branch import misses_energy, symmetry_breaking, tangent, unstable_patches
 from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
-from bem.equilibrium import ENERGY_TRUNCATION, LARGEST_NEWTON_STEP, Balance, System, balance, correct, edge_positions
+from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct
 from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
 from bem.patches import Patches
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-UNBOOKED = 1e-3  # energy that may go missing in an increment, over the work of adhesion that its edges turned over
-SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which they are orthogonal
 
 PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
 
@@ -209,7 +205,7 @@ class Path:
     def afresh(self, point: Point) -> Point:
         """A point from which the path goes on as if it began there, so that a stored state restarts it exactly."""
         self.step = 0.0
-        rate = None if point.balance is None else self.tangent(point.balance)
+        rate = None if point.balance is None else tangent(self.system.control, point.balance)
         return Point(point.status, point.value, point.balance, (), rate)
 
     def polished_at(self, point: Point, value: float) -> Point | None:
@@ -223,7 +219,7 @@ class Path:
         self.effort.evaluations += fine.evaluations
         if fine.balance is None or interpenetration(self.system, fine.balance.state, inc.allowed).position.size:
             return None
-        return Point("converged", value, fine.balance, (), self.tangent(fine.balance))
+        return Point("converged", value, fine.balance, (), tangent(self.system.control, fine.balance))
 
     def _predicted(self, point: Point, value: float) -> FloatArray:
         """Outward motion of the edges from a point to another control value, to second order."""
@@ -319,7 +315,7 @@ class Path:
         if corrected.balance is None:
             return None, None
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
-        rate = self.tangent(corrected.balance)
+        rate = tangent(self.system.control, corrected.balance)
         ahead = Point("converged", value, corrected.balance, (), rate, (rate - point.rate) / (2 * change))
         if self._jumped(point, ahead):
             return None, None
@@ -329,23 +325,19 @@ class Path:
     def _jumped(self, start: Point, end: Point) -> bool:
         """Whether more energy went missing between two points than the forces along one branch account for.
 
-        Newton can step over a short unstable stretch of the path.  Along a branch the potential grows by the integral
-        of its derivative by the target, here by Hermite's rule; what a jump dissipates is missing.
+        Newton can step over a short unstable stretch of the path.  What the coarse evaluations suspect, the accuracy
+        of targets decides: on thin layers the coarse energies are no better than what adhesion adds to them.
         """
         assert start.balance is not None and end.balance is not None and start.rate is not None and end.rate is not None
-        first, last, control = start.balance, end.balance, self.system.control
-        change = end.value - start.value
-        stiffening = control.force_rate(first.state, float(first.load_gradient @ start.rate)) - control.force_rate(
-            last.state, float(last.load_gradient @ end.rate)
+        inc, system, change, rates = self.increments, self.system, end.value - start.value, (start.rate, end.rate)
+        if not misses_energy(system.control, (start.balance, end.balance), rates, change, inc.tolerance):
+            return False
+        self.effort.evaluations += 2
+        first, last = (
+            balance(system, here.state.patches, here.state.penetration, value, inc.fine_tolerance)
+            for here, value in ((start.balance, start.value), (end.balance, end.value))
         )
-        work = change / 2 * (control.force(first.state) + control.force(last.state)) + change**2 / 12 * stiffening
-        missing = first.potential + work - last.potential
-        travel = edge_positions(last.state.patches) - edge_positions(first.state.patches)
-        turned_over = float(last.work @ np.abs((travel + np.pi) % (2 * np.pi) - np.pi))
-        noise = (
-            ENERGY_TRUNCATION * self.increments.tolerance**2 * (first.state.elastic_energy + last.state.elastic_energy)
-        )
-        return missing > UNBOOKED * turned_over + noise
+        return misses_energy(system.control, (first, last), rates, change, inc.fine_tolerance)
 
     def _bracket(self, point: Point, found: GapMinima | None, step: float) -> tuple[float, float]:
         """How far a failed increment went beyond its event at most, and the increment to try instead."""
@@ -403,7 +395,7 @@ class Path:
                 released = before - complete_potential(self.system, self.complete, start.balance.state, value)
             return Point(settled.status, value, None, _events(changes, value, penetration, load, released))
         released = before - settled.balance.potential
-        ahead = Point(settled.status, value, settled.balance, (), self.tangent(settled.balance))
+        ahead = Point(settled.status, value, settled.balance, (), tangent(self.system.control, settled.balance))
         if not settled.changes and not self._jumped(start, ahead):
             return ahead
         return self._point_after(settled, value, (*broken, *settled.changes), released)
@@ -415,44 +407,13 @@ class Path:
         assert settled.balance is not None
         state = settled.balance.state
         events = _events(changes, value, state.penetration, state.load, released)
-        return Point(settled.status, value, settled.balance, events, self.tangent(settled.balance))
-
-    def tangent(self, here: Balance) -> FloatArray:
-        """d(outward motion of the edges) / dtau along the branch, (2 L,)."""
-        room = here.state.patches.edge_room
-        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
-        pull = here.load_gradient * room * self.system.control.rate(here.state)
-        return np.asarray(-room * np.linalg.solve(hessian, pull))
+        return Point(settled.status, value, settled.balance, events, tangent(self.system.control, settled.balance))
 
     def _step_within_reach(self, point: Point) -> float:
         """The increment whose predicted motion uses half of what Newton may travel."""
         assert point.balance is not None and point.rate is not None
         speed = float(np.max(np.abs(point.rate) / point.balance.state.patches.edge_room))
         return 0.5 * LARGEST_NEWTON_STEP / speed if speed > 0 else np.inf
-
-
-def softest_mode(here: Balance) -> FloatArray:
-    """Mode of least stiffness, in units of the room of each edge, (2 L,)."""
-    room = here.state.patches.edge_room
-    hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
-    _, mode = eigh(hessian, subset_by_index=[0, 0])
-    return np.asarray(mode[:, 0])
-
-
-def unstable_patches(here: Balance) -> IntArray:
-    """Patches that move most in the softest mode of the Hessian."""
-    size = np.abs(softest_mode(here))
-    return np.unique(np.flatnonzero(size > 0.3 * size.max()) % here.state.patches.count)
-
-
-def symmetry_breaking(here: Balance) -> tuple[tuple[str, float], ...]:
-    """A bifurcation where the softest mode does no work with the load: it breaks a symmetry that loading keeps."""
-    mode, patches = softest_mode(here), here.state.patches
-    pull = here.load_gradient * patches.edge_room
-    if abs(mode @ pull) > SYMMETRIC * np.linalg.norm(pull):
-        return ()
-    moving = int(np.argmax(np.abs(mode))) % patches.count
-    return (("bifurcation", float(patches.center[moving])),)
 
 
 def restart(path: Path, patches: Patches, penetration: float, value: float) -> Point:
@@ -462,7 +423,7 @@ def restart(path: Path, patches: Patches, penetration: float, value: float) -> P
     path.effort.evaluations += found.evaluations
     if found.balance is None:
         return Point("not_converged", value)
-    return Point("converged", value, found.balance, (), path.tangent(found.balance))
+    return Point("converged", value, found.balance, (), tangent(path.system.control, found.balance))
 
 
 def _events(

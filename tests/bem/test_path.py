@@ -8,6 +8,7 @@ import pytest
 from rough_surfaces import rough_scene
 from scipy.integrate import quad
 
+from bem.branch import tangent
 from bem.complete_contact import complete_contact
 from bem.equilibrium import System
 from bem.path import Increments, Path, Point, restart
@@ -307,9 +308,9 @@ def test_tangent_is_the_motion_of_the_edges(rough_points):
     step = 1e-3
     ahead, back = (path.polished_at(point, point.value + d) for d in (step, -step))
     count = point.state.patches.count
-    for sign, side in ((-1, "left"), (1, "right")):
+    rates = tangent(path.system.control, point.balance)
+    for sign, side, rate in ((-1, "left", rates[:count]), (1, "right", rates[count:])):
         motion = (getattr(ahead.state.patches, side) - getattr(back.state.patches, side)) / (2 * step)
-        rate = path.tangent(point.balance)[:count] if side == "left" else path.tangent(point.balance)[count:]
         np.testing.assert_allclose(sign * motion, rate, rtol=1e-3, atol=1e-4 * np.abs(rate).max())
 
 

@@ -28,7 +28,6 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.collocation", "evaluate", "evaluation, rest"),
     ("bem.sensitivities", "stress_intensity_jacobian", "sensitivities"),
     ("bem.equilibrium", "eigh", "eigenvalues"),
-    ("bem.path", "eigh", "eigenvalues"),
     ("bem.events", "interpenetration", "gap search"),
     ("bem.nonadhesive", "low_minima", "gap search"),
     ("bem.equilibrium", "correct", "Newton, rest"),

@@ -1,0 +1,90 @@
+"""A branch of equilibria near one of its points: tangent, softest mode, and the energy that a jump leaves missing.
+
+Along a branch the edges move by -H^-1 dg/dtau, and the potential grows by the integral of the force that the control
+exerts: less growth than that says that the path left the branch.  Where the softest mode does no work with the load, a
+symmetry breaks.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from bem.control import Control
+from bem.equilibrium import ENERGY_TRUNCATION, Balance, edge_positions
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+UNBOOKED = 1e-3  # energy that may go missing in an increment, over the work of adhesion that its edges turned over
+SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which they are orthogonal
+
+
+def tangent(control: Control, here: Balance) -> FloatArray:
+    """d(outward motion of the edges) / dtau along the branch, (2 L,)."""
+    room = here.state.patches.edge_room
+    hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
+    pull = here.load_gradient * room * control.rate(here.state)
+    return np.asarray(-room * np.linalg.solve(hessian, pull))
+
+
+def misses_energy(
+    control: Control,
+    ends: tuple[Balance, Balance],
+    rates: tuple[FloatArray, FloatArray],
+    change: float,
+    tolerance: float,
+) -> bool:
+    """Whether the potential grew less from one point to another than along a branch.
+
+    The growth along a branch is the integral of `control.force`, by Hermite's rule.  Missing counts what exceeds a
+    thousandth of the work of adhesion that the edges turned over, half of what the curvature adds to the trapezoidal
+    rule, and the accuracy of the energies.
+
+    Parameters
+    ----------
+    control : Control
+    ends : (Balance, Balance)
+        Equilibria with equally many patches, evaluated to `tolerance`.
+    rates : ((2 L,) array, (2 L,) array)
+        Tangents there.
+    change : float
+        Of the target from one to the other.
+    tolerance : float
+    """
+    first, last = ends
+    stiffness = [
+        control.force_rate(here.state, float(here.load_gradient @ rate)) for here, rate in zip(ends, rates, strict=True)
+    ]
+    curved = change**2 / 12 * (stiffness[0] - stiffness[1])
+    grown = change / 2 * (control.force(first.state) + control.force(last.state)) + curved
+    missing = first.potential + grown - last.potential
+    travel = edge_positions(last.state.patches) - edge_positions(first.state.patches)
+    turned_over = float(last.work @ np.abs((travel + np.pi) % (2 * np.pi) - np.pi))
+    noise = ENERGY_TRUNCATION * tolerance**2 * (first.state.elastic_energy + last.state.elastic_energy)
+    return missing > max(UNBOOKED * turned_over, abs(curved) / 2) + noise
+
+
+def softest_mode(here: Balance) -> FloatArray:
+    """Mode of least stiffness, in units of the room of each edge, (2 L,)."""
+    room = here.state.patches.edge_room
+    hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
+    _, mode = eigh(hessian, subset_by_index=[0, 0])
+    return np.asarray(mode[:, 0])
+
+
+def unstable_patches(here: Balance) -> IntArray:
+    """Patches that move most in the softest mode of the Hessian."""
+    size = np.abs(softest_mode(here))
+    return np.unique(np.flatnonzero(size > 0.3 * size.max()) % here.state.patches.count)
+
+
+def symmetry_breaking(here: Balance) -> tuple[tuple[str, float], ...]:
+    """A bifurcation where the softest mode does no work with the load: it breaks a symmetry that loading keeps."""
+    mode, patches = softest_mode(here), here.state.patches
+    pull = here.load_gradient * patches.edge_room
+    if abs(mode @ pull) > SYMMETRIC * np.linalg.norm(pull):
+        return ()
+    moving = int(np.argmax(np.abs(mode))) % patches.count
+    return (("bifurcation", float(patches.center[moving])),)
