@@ -63,7 +63,7 @@ class ConvexPath:
         """Yield the point at the goal."""
         if point.value == goal:
             return
-        ahead = self._solved(self.control, goal)
+        ahead = self.at(goal)
         if ahead.status in ("not_converged", "ill_conditioned"):
             self.effort.rejected += 1
         else:
@@ -73,12 +73,15 @@ class ConvexPath:
             ahead = replace(ahead, events=touched)
         yield ahead
 
+    def at(self, value: float) -> ContactPoint:
+        """The point at a value of the control."""
+        return self._solved(self.control, value)
+
     def at_load(self, load: float) -> ContactPoint:
         """The point at a load, whatever the control: where the path crosses it."""
         found = self._solved(LOAD_CONTROL, load)
-        if found.state is None:
-            return found
-        return replace(found, value=self.control.value(found.state.penetration, found.state.load))
+        penetration = self.elastic.profile.max_height if found.state is None else found.state.penetration
+        return replace(found, value=self.control.value(penetration, load))
 
     def polish(self, point: ContactPoint) -> ContactPoint:
         """The point itself: every one is solved to the accuracy of a target."""

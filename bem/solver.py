@@ -106,7 +106,7 @@ class _Run:
         kind = scene.loading.control
         self.goals = [(target, problem.control_value(target, kind)) for target in scene.loading.targets]
         self.done = 0
-        self.pressures_done = 0
+        self.met: set[float] = set()  # mean pressures asked for that this leg of the path has met
         self.kept = np.inf
         self.branch = "loading"
         self.point = self._start()
@@ -129,16 +129,16 @@ class _Run:
         self.record.fields = dict(result.fields)
         self.record.shapes = sum(name.startswith("x_") for name in result.fields)
         for state in result.states:
+            self._take_branch(state.branch)
             if not state.target:
                 continue
             if self.done < len(self.goals) and self._is_goal(state):
                 self.done += 1
             else:
-                self.pressures_done += 1
+                self.met.add(min(self._asked, key=lambda pressure: abs(pressure - state.mean_pressure)))
         if not result.states:
             return
         last = result.states[-1]
-        self.branch = last.branch
         self.point = self._point_of(last)
 
     def result(self, status: str) -> Result:
@@ -170,7 +170,7 @@ class _Run:
         """Follow the path to one target; None to go on, else the status with which the path ends."""
         goal = self.goals[index][1]
         if goal != self.point.value:
-            self.branch = "loading" if goal > self.point.value else "unloading"
+            self._take_branch("loading" if goal > self.point.value else "unloading")
         if self._out_of_reach(goal):
             return "unreachable"
         for point in self._advance(goal):
@@ -179,8 +179,9 @@ class _Run:
             self._report(index)
             if point.status in ("not_converged", "ill_conditioned"):
                 return "not_converged"
-            if self._pressure_reached(before, point):
-                return "converged"
+            ended = self._pressures_met(before, point)
+            if ended is not None:
+                return ended
             if self._lost_under_load(point, goal):
                 self._keep(point, target=True, status="unreachable")
                 return "unreachable"
@@ -255,30 +256,58 @@ class _Run:
         self.record.evaluations, self.record.cpu = evaluations, cpu
         return cost
 
-    def _pressure_reached(self, before: AnyPoint, after: AnyPoint) -> bool:
-        """Store the states where asked mean pressures are crossed; True when the path is to stop there."""
+    def _take_branch(self, branch: str) -> None:
+        """Turn to loading or unloading; every leg of the path meets the mean pressures asked for anew."""
+        if branch != self.branch:
+            self.met.clear()
+        self.branch = branch
+
+    @property
+    def _asked(self) -> set[float]:
+        """Mean pressures at which a state is asked for."""
         loading = self.scene.loading
         stop = loading.stop_at_mean_pressure
-        if not loading.at_mean_pressures and stop is None:
-            return False
-        touching = isinstance(after, ContactPoint) and before.status == "separated"  # continuous without adhesion
-        if after.state is None or (before.state is None and not touching):
-            return False
-        wanted = list(loading.at_mean_pressures[self.pressures_done :])
-        loads = (0.0 if before.state is None else before.state.load, after.state.load)
-        low, high = sorted(loads)
-        crossed = [p for p in (*wanted, *([] if stop is None else [stop])) if low < self.problem.load_of(p) <= high]
-        for pressure in sorted(set(crossed), reverse=loads[1] < loads[0]):
-            found = at_load(self.path, before, after, self.problem.load_of(pressure))
+        return {*loading.at_mean_pressures, *(() if stop is None else (stop,))}
+
+    def _pressures_met(self, before: AnyPoint, after: AnyPoint) -> str | None:
+        """Store the states where asked mean pressures are crossed; the status of the path where it ends there."""
+        wanted = self._asked - self.met
+        loads = self._load_at(before), self._load_at(after)
+        if not wanted or loads[0] is None or loads[1] is None:
+            return None
+        low, high = min(loads[0], loads[1]), max(loads[0], loads[1])
+        crossed = [pressure for pressure in wanted if low < self.problem.load_of(pressure) <= high]
+        for pressure in sorted(crossed, reverse=loads[1] < loads[0]):
+            found = self._crossing(before, after, self.problem.load_of(pressure))
             if found is None:
                 continue
+            if found.status in ("not_converged", "ill_conditioned"):
+                return "not_converged"
+            self.met.add(pressure)
             self._keep(found, target=True)
-            if pressure in wanted:
-                self.pressures_done += 1
-            if pressure == stop:
+            if pressure == self.scene.loading.stop_at_mean_pressure:
                 self.point = found
-                return True
-        return False
+                return "converged"
+        return None
+
+    def _crossing(self, before: AnyPoint, after: AnyPoint, load: float) -> AnyPoint | None:
+        """The state at a load between two points; None where the path jumps over it."""
+        if isinstance(self.path, Path):
+            return at_load(self.path, before, after, load)
+        return self.path.at_load(load)
+
+    def _load_at(self, point: AnyPoint) -> float | None:
+        """Load at a point; None where surfaces are apart or fully joined, unless loads lead there continuously."""
+        if point.state is not None:
+            return point.state.load
+        if isinstance(point, Point):
+            return None
+        control = self.problem.control
+        if point.status == "separated":
+            return 0.0
+        if control.load_weight == 0:
+            return self.complete.least_load
+        return (point.value - control.penetration_weight * self.problem.profile.max_height) / control.load_weight
 
     def _target_of(self, point: AnyPoint) -> float:
         """The controlled quantity of a point, SI."""
@@ -368,8 +397,7 @@ class _Run:
         patches = ordered(edges[:, 0], edges[:, 1])
         if isinstance(self.path, Path):
             return restart(self.path, patches, penetration, value)
-        solved = ContactPoint("separated", value)
-        return next(iter(self.path.advance(solved, value)), solved)
+        return self.path.at(value)
 
 
 def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyPath:

@@ -1,5 +1,7 @@
 """The path without adhesion: one solution for each target, whatever came before, at any size of increment."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rough_surfaces import rough_scene
@@ -92,3 +94,54 @@ def test_increments_do_not_matter(largest):
     changed = rough_scene([60e-6, 25e-6], 30, 2, None, accuracy={"max_increment": largest})
     usual = solve(rough_scene([60e-6, 25e-6], 30, 2, None)).targets
     assert [state.mean_pressure for state in solve(changed).targets] == [state.mean_pressure for state in usual]
+
+
+# Mean pressures on the way: the same curve forth and back
+
+
+def met(targets, pressures, **changes):
+    loading = {"control": "separation", "targets": targets, "at_mean_pressures": pressures} | changes
+    return solve(rough_scene([], 30, 2, None, loading=loading))
+
+
+@pytest.mark.parametrize("last", [60e-6, 1.0], ids=["still in contact", "apart"])
+def test_pressures_are_met_on_the_way_back_in_the_same_states(last):
+    states = met([25e-6, last], [6000.0, 3000.0]).targets
+    pressures, branches = zip(*((state.mean_pressure, state.branch) for state in states), strict=True)
+    assert pressures[:2] == pytest.approx((3000.0, 6000.0), rel=1e-12)
+    assert pressures[3:5] == pytest.approx((6000.0, 3000.0), rel=1e-12)
+    assert branches == ("loading",) * 3 + ("unloading",) * 3
+    forth, back = states[:2], states[3:5][::-1]
+    assert [state.edges for state in forth] == [state.edges for state in back]
+    assert [state.separation for state in forth] == [state.separation for state in back]
+
+
+def test_every_leg_meets_a_pressure_once():
+    states = met([40e-6, 25e-6, 60e-6, 25e-6], [3000.0]).targets
+    assert sum(state.mean_pressure == pytest.approx(3000.0, rel=1e-12) for state in states) == 3
+
+
+def test_pressures_up_to_complete_contact_are_met():
+    """The last state before contact is complete carries next to the least load that completes it."""
+    below = 0.99 * PROBLEM.mean_pressure(_complete().least_load)
+    states = met([25e-6, 0.0, 25e-6], [below]).targets
+    assert [state.status for state in states] == ["converged"] * 2 + ["complete_contact"] + ["converged"] * 2
+    assert states[1].mean_pressure == pytest.approx(below, rel=1e-12)
+    assert states[1].edges == states[3].edges
+
+
+def test_a_resumed_path_touches_once():
+    scene = rough_scene([60e-6, 40e-6, 60e-6], 30, 2, None)
+    whole = solve(scene)
+    half = replace(whole, states=whole.states[:2], status="interrupted")
+    assert solve(scene, resume=half).events == whole.events
+
+
+@pytest.mark.parametrize("kept", [1, 2, 3, 4, 5])
+def test_resumption_knows_which_pressures_were_met(kept):
+    loading = {"control": "separation", "targets": [25e-6, 60e-6], "at_mean_pressures": [3000.0, 6000.0]}
+    scene = rough_scene([], 30, 2, None, loading=loading)
+    whole = solve(scene)
+    half = replace(whole, states=whole.states[:kept], status="interrupted")
+    again = solve(scene, resume=half)
+    assert [state.edges for state in again.states] == [state.edges for state in whole.states]
