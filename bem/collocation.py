@@ -3,7 +3,8 @@
 The equation int log|2 sin((x - x')/2)| sigma(x') dx' = pi (h_max - Delta - h(x)) =: R(x) on the patches is solved in
 Chebyshev series.  What other patches contribute is smooth, so only the lowest p_i modes of a patch couple to
 the rest (a skeleton of p_i nodes); every higher mode obeys the diagonal Q_n = -n C_n / pi, where C_n are the
-coefficients of R.  The negated skeleton matrix is symmetric positive definite; with its Cholesky factor U,
+coefficients of R.  The negated skeleton matrix is symmetric positive definite (where it is large, its modes that only near
+patches share are eliminated first, near_field.py); with its Cholesky factor U,
 Y = U^-T [edge vectors | R on the skeleton | 1] and G = Y^T Y,
 
     q_e = -G_eR - sum_{n >= p} (n/pi) C_n (+-1)^n,   K_e = -q_e sqrt(pi/r),   dK_e/dDelta = -pi G_e1 sqrt(pi/r),
@@ -24,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from bem import chebyshev, half_space
+from bem import chebyshev, half_space, near_field
 from bem.patches import Patches, PatchPressure
 from bem.profile import Profile
 
@@ -213,14 +214,16 @@ def evaluate(
     center, half_width = patches.center, patches.half_width
     series, tail_edge, edge_slope, tail_energy = _right_hand_sides(elastic.profile, patches, penetration, resolution)
 
-    offsets = np.concatenate([[0], np.cumsum(resolution.modes)])
-    unknowns = int(offsets[-1])
+    unknowns = int(np.sum(resolution.modes))
     if unknowns > MOST_UNKNOWNS:
         raise IllConditionedSystemError(f"{unknowns} unknowns needed, at most {MOST_UNKNOWNS} fit: gaps too narrow")
-    x = np.empty(unknowns)
-    rhs = np.zeros((unknowns, 2 * count + 2), order="F")
+    eliminated = _eliminated(elastic, patches, resolution, tolerance)
+    kept = resolution.modes if eliminated is None else eliminated.kept
+    offsets = np.concatenate([[0], np.cumsum(kept)])
+    x = np.empty(int(offsets[-1]))
+    rhs = np.zeros((x.size, 2 * count + 2), order="F")
     rhs[:, -1] = 1.0
-    classes = [(int(modes), np.flatnonzero(resolution.modes == modes)) for modes in np.unique(resolution.modes)]
+    classes = [(int(modes), np.flatnonzero(kept == modes)) for modes in np.unique(kept)]
     for modes, members in classes:
         table = chebyshev.basis(modes)
         rows = offsets[members, None] + np.arange(modes)
@@ -241,17 +244,23 @@ def evaluate(
         matrix += correction.matrix(x)
 
     np.negative(matrix, out=matrix)
+    reduced = None if eliminated is None else eliminated.reduce(matrix, rhs, series)
     factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
     if info != 0:
         raise IllConditionedSystemError(f"skeleton matrix of {unknowns} unknowns is not positive definite")
     solved, _ = lapack.dtrtrs(factor, rhs, lower=0, trans=1, overwrite_b=1)
     gram = solved.T @ solved
     charges, _ = lapack.dtrtrs(factor, solved[:, -2:], lower=0, trans=0)
+    if reduced is not None:
+        gram += reduced.gram
+        charges = reduced.expanded(charges)
     skeleton, skeleton_rate = -charges[:, 0], np.pi * charges[:, 1]
 
     both = np.stack([skeleton, skeleton_rate])
     slopes = np.empty((2, 2 * count))
-    for modes, members in classes:
+    offsets = np.concatenate([[0], np.cumsum(resolution.modes)])
+    for modes in np.unique(resolution.modes).tolist():
+        members = np.flatnonzero(resolution.modes == modes)
         rows = offsets[members, None] + np.arange(modes)
         slopes[:, members] = both[:, rows] @ chebyshev.basis(modes).slopes_at_edges[0]
         slopes[:, count + members] = both[:, rows] @ chebyshev.basis(modes).slopes_at_edges[1]
@@ -276,6 +285,16 @@ def evaluate(
         skeleton=skeleton,
         skeleton_rate=skeleton_rate,
     )
+
+
+def _eliminated(
+    elastic: Elastic, patches: Patches, resolution: Resolution, tolerance: float
+) -> near_field.Elimination | None:
+    """The high modes to be eliminated before the factorisation, where that saves time."""
+    if int(np.sum(resolution.modes)) <= near_field.WORTHWHILE or elastic.corrections or elastic.backgrounds:
+        return None
+    found = near_field.elimination(patches, resolution.modes, tolerance)
+    return found if found.is_worthwhile else None
 
 
 def _right_hand_sides(
