@@ -70,7 +70,12 @@ def test_failed_points_are_left_out_of_words_and_table():
 def test_peers_reach_other_processes_and_have_references_of_another_code(method):
     assert pickle.loads(pickle.dumps(method)).solve.keywords == method.solve.keywords
     assert all(source_for(scene, method).code != method.code for scene in method.scenes)
-    assert method.settings_for("sinusoid", quick=False) == tuple(2**k for k in range(10, 17))
+
+
+@pytest.mark.parametrize("scene", ["sinusoid", "rough"])
+def test_grids_of_1024_to_65536_points_are_tried(scene):
+    tried = {points for method in FFT_METHODS for points in method.settings_for(scene, quick=False)}
+    assert tried == {2**k for k in range(10, 17)}
 
 
 def test_absent_peers_are_named(monkeypatch):
