@@ -3,8 +3,8 @@
 The equation int log|2 sin((x - x')/2)| sigma(x') dx' = pi (h_max - Delta - h(x)) =: R(x) on the patches is solved in
 Chebyshev series.  What other patches contribute is smooth, so only the lowest p_i modes of a patch couple to
 the rest (a skeleton of p_i nodes); every higher mode obeys the diagonal Q_n = -n C_n / pi, where C_n are the
-coefficients of R.  The negated skeleton matrix is symmetric positive definite (where it is large, its modes that only near
-patches share are eliminated first, near_field.py); with its Cholesky factor U,
+coefficients of R.  The negated skeleton matrix is symmetric positive definite (where it is large, the modes that
+only near patches share are eliminated first, near_field.py); with its Cholesky factor U,
 Y = U^-T [edge vectors | R on the skeleton | 1] and G = Y^T Y,
 
     q_e = -G_eR - sum_{n >= p} (n/pi) C_n (+-1)^n,   K_e = -q_e sqrt(pi/r),   dK_e/dDelta = -pi G_e1 sqrt(pi/r),
