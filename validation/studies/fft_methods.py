@@ -140,7 +140,7 @@ def _method(spacings: int, finest: int, finest_rough: int) -> Method:
     )
 
 
-FFT_METHODS: tuple[Method, ...] = (_method(8, 2**14, 2**16), _method(16, 2**16, 2**13))
+FFT_METHODS: tuple[Method, ...] = (_method(8, 2**15, 2**16), _method(16, 2**16, 2**13))
 
 
 def peer_table(points: Sequence[Point]) -> list[list[Any]]:
