@@ -28,7 +28,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 ITERATIONS = 3000
-SETTLED = 1e-4  # relative change of the unknown in an iteration at which the patches are good enough
+SETTLED = 3e-4  # relative change of the unknown in an iteration at which the patches are good enough
 DENSE = 0.5  # contact fraction above which gaps are the unknown
 SOFTEST = 1e-12  # least compliance of a mode over that of the first: below is rounding of a layer's series
 LAYER = 1e-4  # accuracy to which the series of a layer is sampled

@@ -18,6 +18,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from bem import chebyshev
 from bem.collocation import Elastic, Evaluation, IllConditionedSystemError, evaluate
@@ -59,7 +60,8 @@ def edge_closure(state: Evaluation) -> float:
 
 def _mean_intensity(state: Evaluation) -> FloatArray:
     """|K| of flat punches that carry the loads of the patches, (2 L,)."""
-    mean = np.array([abs(charge[0]) for charge in state.pressure().charges])
+    starts = np.concatenate([[0], np.cumsum(state.resolution.modes)[:-1]])
+    mean = np.abs(np.add.reduceat(state.skeleton, starts)) / np.pi
     return np.tile(np.maximum(mean, 1e-300) * np.sqrt(np.pi / state.patches.half_width), 2)
 
 
@@ -200,8 +202,7 @@ def _with_opened_gaps(elastic: Elastic, state: Evaluation) -> Patches | None:
 
 def _lowest_inside(charge: FloatArray) -> tuple[float, float, float]:
     """Position in (-1, 1), value and second derivative of the lowest minimum of a series off its ends."""
-    nodes = chebyshev.basis_nodes(2 * charge.size)[::-1]
-    values = np.polynomial.chebyshev.chebval(nodes, charge)
+    nodes, values = _at_nodes(charge)
     inner = 1 + np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:]))
     if inner.size == 0:
         return 0.0, np.inf, 0.0
@@ -218,6 +219,14 @@ def _lowest_inside(charge: FloatArray) -> tuple[float, float, float]:
     )
 
 
+def _at_nodes(charge: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Twice as many Chebyshev nodes as a series has coefficients, from left to right, and its values there."""
+    halved = np.zeros(2 * charge.size)
+    halved[: charge.size] = charge / 2
+    halved[0] = charge[0]
+    return chebyshev.basis_nodes(halved.size)[::-1], np.asarray(fft.dct(halved, type=3))[::-1]
+
+
 def _without_tension(state: Evaluation) -> Patches | None:
     """Patches less those in tension, split where the pressure inside is tensile; None when none is."""
     patches, pressure = state.patches, state.pressure()
@@ -225,8 +234,7 @@ def _without_tension(state: Evaluation) -> Patches | None:
     right: list[float] = []
     changed = False
     for i, charge in enumerate(pressure.charges):
-        nodes = chebyshev.basis_nodes(2 * charge.size)[::-1]
-        values = np.polynomial.chebyshev.chebval(nodes, charge)
+        nodes, values = _at_nodes(charge)
         if values.max() <= 0:
             changed = True
             continue
