@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from bem.control import Control
-from bem.equilibrium import ENERGY_TRUNCATION, Balance, edge_positions
+from bem.equilibrium import Balance, System, edge_positions, energy_noise
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -30,7 +30,7 @@ def tangent(control: Control, here: Balance) -> FloatArray:
 
 
 def misses_energy(
-    control: Control,
+    system: System,
     ends: tuple[Balance, Balance],
     rates: tuple[FloatArray, FloatArray],
     change: float,
@@ -44,7 +44,7 @@ def misses_energy(
 
     Parameters
     ----------
-    control : Control
+    system : System
     ends : (Balance, Balance)
         Equilibria with equally many patches, evaluated to `tolerance`.
     rates : ((2 L,) array, (2 L,) array)
@@ -53,7 +53,7 @@ def misses_energy(
         Of the target from one to the other.
     tolerance : float
     """
-    first, last = ends
+    (first, last), control = ends, system.control
     stiffness = [
         control.force_rate(here.state, float(here.load_gradient @ rate)) for here, rate in zip(ends, rates, strict=True)
     ]
@@ -62,8 +62,7 @@ def misses_energy(
     missing = first.potential + grown - last.potential
     travel = edge_positions(last.state.patches) - edge_positions(first.state.patches)
     turned_over = float(last.work @ np.abs((travel + np.pi) % (2 * np.pi) - np.pi))
-    noise = ENERGY_TRUNCATION * tolerance**2 * (first.state.elastic_energy + last.state.elastic_energy)
-    return missing > max(UNBOOKED * turned_over, abs(curved) / 2) + noise
+    return missing > max(UNBOOKED * turned_over, abs(curved) / 2) + energy_noise(system, first, last, tolerance)
 
 
 def softest_mode(here: Balance) -> FloatArray:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from bem.collocation import IllConditionedSystemError, Resolution, resolve
-from bem.equilibrium import ENERGY_TRUNCATION, Balance, System, balance
+from bem.equilibrium import Balance, System, balance, energy_noise
 from bem.patches import Patches
 from bem.sensitivities import stress_intensity_jacobian
 
@@ -175,7 +175,7 @@ def descend(
             ahead = balance(system, trial, here.state.penetration, target, tolerance, resolution)
             evaluations += 1
             noise = 1e-13 * (abs(here.potential) + abs(ahead.potential))
-            noise += ENERGY_TRUNCATION * tolerance**2 * (here.state.elastic_energy + ahead.state.elastic_energy)
+            noise += energy_noise(system, here, ahead, tolerance)
             actual = here.potential - ahead.potential
             if predicted < 100 * noise:  # energies cancel: the work of the forces along the step instead
                 actual = -0.5 * float((here.gradient + ahead.gradient) @ (step * room))

@@ -21,13 +21,15 @@ from bem.assessment import Assessment, assess_equilibrium
 from bem.branch import misses_energy, symmetry_breaking, tangent, unstable_patches
 from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
-from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct
+from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct, energy_noise
 from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
 from bem.patches import Patches
 
 FloatArray = NDArray[np.float64]
+
+TOLD = 1e-3  # error of the energy that an event releases, above which it is evaluated more finely
 
 PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
 
@@ -39,7 +41,7 @@ class Increments:
     Parameters
     ----------
     largest, smallest : float
-        Increments; an event is resolved within the smallest.
+        Increments; an event is resolved within the smallest, or less in thin layers.
     tolerance, closure : float
         Of the evaluations, and of max |G/w - 1|, between targets.
     fine_tolerance, fine_closure : float
@@ -156,12 +158,13 @@ class Path:
                 yield point
                 return
             step = min(self.step, self.increments.largest, self._step_within_reach(point))
+            shortest = self._shortest(point)
             if blocked is not None:
                 if direction * (blocked - point.value) <= 0:
                     blocked = None
                 else:
-                    step = min(step, max(abs(blocked - point.value) / 2, self.increments.smallest))
-            step = max(step, self.increments.smallest)
+                    step = min(step, max(abs(blocked - point.value) / 2, shortest))
+            step = max(step, shortest)
             end = min(goal, closing - self.increments.smallest) if goal >= closing else goal
             if step >= abs(end - point.value) * (1 - 1e-12):
                 step, value = abs(end - point.value), end
@@ -175,8 +178,8 @@ class Path:
                 yield point
                 continue
             self.effort.rejected += 1
-            overshoot, shorter = self._bracket(point, found, step)
-            if overshoot > 1.05 * self.increments.smallest:
+            overshoot, shorter = self._bracket(point, found, step, shortest)
+            if overshoot > 1.05 * shortest:
                 if found is None:
                     blocked = value
                 self.step = shorter
@@ -330,19 +333,32 @@ class Path:
         """
         assert start.balance is not None and end.balance is not None and start.rate is not None and end.rate is not None
         inc, system, change, rates = self.increments, self.system, end.value - start.value, (start.rate, end.rate)
-        if not misses_energy(system.control, (start.balance, end.balance), rates, change, inc.tolerance):
+        if not misses_energy(system, (start.balance, end.balance), rates, change, inc.tolerance):
             return False
-        self.effort.evaluations += 2
-        first, last = (
-            balance(system, here.state.patches, here.state.penetration, value, inc.fine_tolerance)
-            for here, value in ((start.balance, start.value), (end.balance, end.value))
-        )
-        return misses_energy(system.control, (first, last), rates, change, inc.fine_tolerance)
+        ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
+        return misses_energy(system, ends, rates, change, inc.fine_tolerance)
 
-    def _bracket(self, point: Point, found: GapMinima | None, step: float) -> tuple[float, float]:
+    def _finer(self, here: Balance, value: float) -> Balance:
+        """The forces on the same edges at the accuracy of a target."""
+        self.effort.evaluations += 1
+        state = here.state
+        return balance(self.system, state.patches, state.penetration, value, self.increments.fine_tolerance)
+
+    def _released(self, before: Balance, start: float, after: Balance, value: float, tolerance: float) -> float:
+        """Potential that a jump sets free, at the accuracy of targets where energies of this tolerance do not tell."""
+        released = self._pushed(before, value - start) - after.potential
+        if energy_noise(self.system, before, after, tolerance) > TOLD * abs(released):
+            released = self._pushed(self._finer(before, start), value - start) - self._finer(after, value).potential
+        return released
+
+    def _pushed(self, here: Balance, change: float) -> float:
+        """The potential after a change of the target at fixed edges."""
+        control = self.system.control
+        return here.potential + change * (control.force(here.state) + change / 2 * control.force_rate(here.state))
+
+    def _bracket(self, point: Point, found: GapMinima | None, step: float, shortest: float) -> tuple[float, float]:
         """How far a failed increment went beyond its event at most, and the increment to try instead."""
         assert point.balance is not None
-        shortest = self.increments.smallest
         if found is None:
             return step, max(step / 4, shortest)
         state = point.balance.state
@@ -379,14 +395,11 @@ class Path:
             self.effort.book(settled)
             if settled.status != "not_converged":
                 break
-        control, change = self.system.control, value - start.value
-        push = control.force(start.balance.state) + change / 2 * control.force_rate(start.balance.state)
-        before = start.balance.potential + change * push
         broken = symmetry_breaking(start.balance) if found is None and settled.changes else ()
         if settled.balance is None:
             changes, load = (*broken, *settled.changes), 0.0
             penetration = self.system.control.guess(start.balance.state.penetration, value)
-            released = np.nan
+            released, before = np.nan, self._pushed(start.balance, value - start.value)
             if settled.status == "separated":
                 changes = (*changes[:-1], ("pull_off", changes[-1][1]))
                 released = before if self.system.control.load_weight == 0 else np.nan  # a dead tension falls for ever
@@ -394,10 +407,10 @@ class Path:
                 penetration, load = self.system.elastic.profile.max_height, start.balance.state.load
                 released = before - complete_potential(self.system, self.complete, start.balance.state, value)
             return Point(settled.status, value, None, _events(changes, value, penetration, load, released))
-        released = before - settled.balance.potential
         ahead = Point(settled.status, value, settled.balance, (), tangent(self.system.control, settled.balance))
         if not settled.changes and not self._jumped(start, ahead):
             return ahead
+        released = self._released(start.balance, start.value, settled.balance, value, tolerance)
         return self._point_after(settled, value, (*broken, *settled.changes), released)
 
     def _point_after(
@@ -408,6 +421,16 @@ class Path:
         state = settled.balance.state
         events = _events(changes, value, state.penetration, state.load, released)
         return Point(settled.status, value, settled.balance, events, tangent(self.system.control, settled.balance))
+
+    def _shortest(self, point: Point) -> float:
+        """The smallest increment; less where within it edges at rest would lose all their stress intensity.
+
+        Thin layers are so stiff that edges would close, and energies before and after an event not be comparable.
+        """
+        assert point.balance is not None
+        here, control = point.balance, self.system.control
+        loss = np.abs(here.state.stress_intensity_rate) * control.rate(here.state) / (2 * np.sqrt(here.work))
+        return min(self.increments.smallest, 1 / float(loss.max()))
 
     def _step_within_reach(self, point: Point) -> float:
         """The increment whose predicted motion uses half of what Newton may travel."""
