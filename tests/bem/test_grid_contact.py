@@ -67,14 +67,16 @@ def test_a_layer_is_seen(thickness):
     np.testing.assert_allclose(problem.compliance[[1, 5, 20]], kernel.ratio(orders) / orders, atol=1e-9)
 
 
-@pytest.mark.parametrize("control", [LinearControl(1.0, 1e-6), LinearControl(1.0, 0.3), LinearControl(1.0, 50.0)])
-def test_total_displacement_lies_between_penetration_and_load(control):
-    elastic = Elastic(Profile.self_affine(2 * np.pi, 0.7, 1.0, 30, 3).scaled())
-    fixed = solve_contact(
-        elastic, FIXED, grid_problem(elastic).patches(FIXED, 1.3), 1.0, 1.3, tolerance=1e-8, closure=1e-9, allowed=1e-10
-    ).state
-    target = control.value(1.3, fixed.load)
+@pytest.mark.parametrize("compliance", [1e-6, 0.3, 5.0, 50.0, 500.0], ids=str)
+def test_few_steps_under_total_displacement(compliance):
+    elastic, control = Elastic(Profile.self_affine(2 * np.pi, 0.7, 1.0, 30, 3).scaled()), LinearControl(1.0, compliance)
+    fixed = reached(elastic, FIXED, 1.3).state
+    found = reached(elastic, control, control.value(1.3, fixed.load))
+    assert found.state.penetration == pytest.approx(1.3, abs=1e-9)
+    assert found.evaluations <= 16  # measured 8, where the start is worst
+
+
+def reached(elastic, control, target):
+    """The contact from its start on the grid."""
     start = grid_problem(elastic).patches(control, target)
-    assert (
-        abs(start.contact_fraction - fixed.patches.contact_fraction) <= 0.05
-    )  # measured 0.023 where the mean is softest
+    return solve_contact(elastic, control, start, 1.0, target, tolerance=1e-8, closure=1e-9, allowed=1e-10)
