@@ -18,8 +18,8 @@ from bem.collocation import Elastic, Evaluation
 from bem.complete_contact import CompleteContact
 from bem.control import Control, LinearControl
 from bem.grid_contact import GridProblem, grid_problem
+from bem.increments import Effort, Increments, PathEvent, PathStatus
 from bem.nonadhesive import solve_contact
-from bem.path import Effort, Increments, PathEvent, PathStatus
 
 FloatArray = NDArray[np.float64]
 

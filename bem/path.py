@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,67 +23,13 @@ from bem.complete_contact import CompleteContact
 from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct, energy_noise
 from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
+from bem.increments import Effort, Increments, PathEvent, PathStatus, path_events
 from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
 from bem.patches import Patches
 
 FloatArray = NDArray[np.float64]
 
 TOLD = 1e-3  # error of the energy that an event releases, above which it is evaluated more finely
-
-PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
-
-
-@dataclass(frozen=True)
-class Increments:
-    """Sizes of the increments in units of the control value, and accuracies.
-
-    Parameters
-    ----------
-    largest, smallest : float
-        Increments; an event is resolved within the smallest, or less in thin layers.
-    tolerance, closure : float
-        Of the evaluations, and of max |G/w - 1|, between targets.
-    fine_tolerance, fine_closure : float
-        The same at targets.
-    allowed : float
-        Interpenetration that is not a contact, in units of the rms height.
-    """
-
-    largest: float
-    smallest: float
-    tolerance: float = 1e-3
-    closure: float = 1e-4
-    fine_tolerance: float = 1e-8
-    fine_closure: float = 1e-9
-    allowed: float = 1e-10
-
-
-@dataclass
-class Effort:
-    """Counts of work along a path."""
-
-    evaluations: int = 0
-    local_evaluations: int = 0
-    unknowns: int = 0
-    accepted: int = 0
-    rejected: int = 0
-
-    def book(self, settled: Settled) -> None:
-        """Add what an event cost."""
-        self.evaluations += settled.evaluations
-        self.local_evaluations += settled.local_evaluations
-
-
-@dataclass(frozen=True)
-class PathEvent:
-    """A discontinuity of the path; the energy of an avalanche is booked on its first event."""
-
-    kind: str
-    value: float
-    penetration: float
-    load: float
-    position: float
-    energy_released: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +193,7 @@ class Path:
         settled = settle(
             self.system, first_contact(self.system, self.crests), touch, touch, inc.tolerance, inc.closure, inc.allowed
         )
-        self.effort.book(settled)
+        self.effort.book(settled.evaluations, settled.local_evaluations)
         if settled.balance is None:
             return Point(settled.status, touch)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
@@ -265,7 +210,7 @@ class Path:
         state = point.balance.state
         middles = state.patches.right + state.patches.gap_after / 2
         changes = tuple(("complete_contact", float(x)) for x in middles)
-        return _events(changes, value, self.system.elastic.profile.max_height, state.load, 0.0)
+        return path_events(changes, value, self.system.elastic.profile.max_height, state.load, 0.0)
 
     def _complete_load(self, value: float) -> float:
         """Load of complete contact at a value of a control that knows the load."""
@@ -290,15 +235,15 @@ class Path:
                 return Point("complete_contact", goal)
             start, at = with_gap(lowest_pressure(self.complete), 1.02 * self.flaw), highest
         settled = settle(system, start, at, value, inc.tolerance, inc.closure, inc.allowed)
-        self.effort.book(settled)
+        self.effort.book(settled.evaluations, settled.local_evaluations)
         opening = (("opening", lowest_pressure(self.complete)),)
         changes = (*opening, *settled.changes)
         if settled.balance is None:
-            opened = _events(opening, value, highest, self._complete_load(value), np.nan)
+            opened = path_events(opening, value, highest, self._complete_load(value), np.nan)
             if settled.status != "separated":
                 return Point(settled.status, value, None, opened)
             pulled = (("pull_off", settled.changes[-1][1]),)
-            return Point(settled.status, value, None, (*opened, *_events(pulled, value, 0.0, 0.0, np.nan)))
+            return Point(settled.status, value, None, (*opened, *path_events(pulled, value, 0.0, 0.0, np.nan)))
         released = 0.0
         if self.flaw is not None and system.control.load_weight > 0:
             flawed = with_gap(lowest_pressure(self.complete), self.flaw)
@@ -392,7 +337,7 @@ class Path:
                 unstable,
                 found,
             )
-            self.effort.book(settled)
+            self.effort.book(settled.evaluations, settled.local_evaluations)
             if settled.status != "not_converged":
                 break
         broken = symmetry_breaking(start.balance) if found is None and settled.changes else ()
@@ -406,7 +351,7 @@ class Path:
             elif settled.status == "complete_contact":
                 penetration, load = self.system.elastic.profile.max_height, start.balance.state.load
                 released = before - complete_potential(self.system, self.complete, start.balance.state, value)
-            return Point(settled.status, value, None, _events(changes, value, penetration, load, released))
+            return Point(settled.status, value, None, path_events(changes, value, penetration, load, released))
         ahead = Point(settled.status, value, settled.balance, (), tangent(self.system.control, settled.balance))
         if not settled.changes and not self._jumped(start, ahead):
             return ahead
@@ -419,7 +364,7 @@ class Path:
         """The equilibrium after an event, with its events."""
         assert settled.balance is not None
         state = settled.balance.state
-        events = _events(changes, value, state.penetration, state.load, released)
+        events = path_events(changes, value, state.penetration, state.load, released)
         return Point(settled.status, value, settled.balance, events, tangent(self.system.control, settled.balance))
 
     def _shortest(self, point: Point) -> float:
@@ -447,14 +392,3 @@ def restart(path: Path, patches: Patches, penetration: float, value: float) -> P
     if found.balance is None:
         return Point("not_converged", value)
     return Point("converged", value, found.balance, (), tangent(path.system.control, found.balance))
-
-
-def _events(
-    changes: tuple[tuple[str, float], ...], value: float, penetration: float, load: float, released: float
-) -> tuple[PathEvent, ...]:
-    """Events of an avalanche; a jump of the edges alone is a (saddle-node) bifurcation."""
-    named = changes or (("bifurcation", np.nan),)
-    return tuple(
-        PathEvent(kind, value, penetration, load, position % (2 * np.pi), released if i == 0 else 0.0)
-        for i, (kind, position) in enumerate(named)
-    )

@@ -24,8 +24,9 @@ from bem.convex_path import ContactPoint, ConvexPath
 from bem.crossing import at_load
 from bem.effects import effects_of
 from bem.flat import flat_states
+from bem.increments import Increments
 from bem.patches import PatchPressure, ordered
-from bem.path import Increments, Path, Point, restart
+from bem.path import Path, Point, restart
 from bem.problem import Problem, pose
 from bem.profile import Profile
 from bem.result import Event, Progress, Result, State, provenance

@@ -13,7 +13,7 @@ from bem.assessment import Assessment, Quantities
 from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
 from bem.flat import FlatState
-from bem.path import PathEvent
+from bem.increments import PathEvent
 from bem.problem import Problem
 from bem.result import Certificate, ErrorEstimate, Event, State
 

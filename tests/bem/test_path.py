@@ -11,7 +11,8 @@ from scipy.integrate import quad
 from bem.branch import tangent
 from bem.complete_contact import complete_contact
 from bem.equilibrium import System
-from bem.path import Increments, Path, Point, restart
+from bem.increments import Increments
+from bem.path import Path, Point, restart
 from bem.problem import pose
 from bem.scene import parse_scene
 from bem.solver import solve
