@@ -7,11 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from example_members import here
+from matplotlib.colors import LogNorm, Normalize
 
 from validation import __main__ as command_line
 from validation.ensemble import Outcome
 from validation.studies import maps, maps_coarse
-from validation.studies.map_figures import Map, table_of, write_map
+from validation.studies.map_figures import Map, draw, table_of, write_map
 
 
 def test_full_study_covers_the_axes():
@@ -99,6 +100,27 @@ MAP = Map(
 def test_csv_says_why_a_value_is_missing():
     lines = list(csv.reader(io.StringIO(table_of(MAP))))
     assert lines[1:] == [["0.3", "10", "2.0", "0.1", ""], ["0.3", "20", "", "", "1 complete contact"]]
+
+
+def map_of(*values, errors=None):
+    missing = [None] * len(values)
+    columns = list("abcdef"[: len(values)])
+    return Map("one", "loop", "H", "theta", ["0.3"], columns, [values], [errors or missing], [[""] * len(values)])
+
+
+@pytest.mark.parametrize(
+    ("values", "scale"),
+    [((1.0, 2.0), Normalize), ((0.0, 0.5, 40.0), LogNorm), ((-1.0, 0.1, 40.0), Normalize), ((3.0, 3.0), Normalize)],
+    ids=["narrow", "wide", "negative", "equal"],
+)
+def test_colours_are_logarithmic_where_values_spread_widely(values, scale):
+    (mesh,) = draw(map_of(*values)).axes[0].collections
+    assert type(mesh.norm) is scale
+
+
+def test_cell_shows_its_standard_error():
+    texts = [text.get_text() for text in draw(map_of(1.0, 2.0, errors=[0.25, None])).axes[0].texts]
+    assert texts == ["1\n± 0.25", "2"]
 
 
 def test_map_files_are_vectors(tmp_path):

@@ -10,7 +10,7 @@ STUDIES: dict[str, str] = {
     "cost": "seconds, memory and counts of the paper's profile against harmonics; path convergence",
     "stability": "the hard cases of all codes: converged, correct and refused counted apart, over a fixed denominator",
     "maps": "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness",
-    "maps-coarse": "the same maps on coarser axes, in tens of minutes",
+    "maps-coarse": "the same maps on coarser axes, in minutes",
     "faults": "would the suite notice: faults put into the running code, what catches them, how small they may be",
 }
 

@@ -1,6 +1,7 @@
 """Maps as figures and tables: coloured cells with their numbers, SVG and PDF, and the numbers as CSV.
 
-A cell without a number says why.  The colour scale runs from the least to the largest value of the map.
+A cell without a number says why; the standard error stands below the mean.  The colour scale runs from the least to
+the largest value of the map, logarithmic where they lie more than a factor `DECADES` apart, zero apart.
 """
 
 from __future__ import annotations
@@ -13,12 +14,15 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from validation.replicate.files import WITHOUT_DATE, replace_file
 from validation.report.figures import SETTINGS
 
 DARK = 0.55  # of the colour scale, from where the text is white
+DECADES = 30.0
 
 
 @dataclass(frozen=True)
@@ -62,16 +66,14 @@ def draw(found: Map) -> Figure:
     """The map as a figure."""
     values = np.array([[np.nan if value is None else value for value in line] for line in found.values])
     with mpl.rc_context({**SETTINGS, "axes.grid": False}):
-        canvas = Figure(figsize=(1.6 + 0.85 * len(found.columns), 1.5 + 0.45 * len(found.rows)), layout="constrained")
+        canvas = Figure(figsize=(1.6 + 0.85 * len(found.columns), 1.5 + 0.5 * len(found.rows)), layout="constrained")
         axes = canvas.subplots()
-        known = values[np.isfinite(values)]
-        low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
-        mesh = axes.pcolormesh(values, cmap="cividis_r", vmin=low, vmax=high if high > low else low + 1.0)
+        norm = _scale(values)
+        mesh = axes.pcolormesh(values, cmap="cividis_r", norm=norm)
         for i, line in enumerate(found.values):
             for j, value in enumerate(line):
-                dark = value is not None and high > low and (value - low) / (high - low) > DARK
-                text = found.notes[i][j].replace(" ", "\n", 2) if value is None else f"{value:.3g}"
-                size = 5.0 if value is None else 7.5
+                dark = value is not None and norm(value) > DARK
+                text, size = _words(value, found.errors[i][j], found.notes[i][j])
                 colour = "white" if dark else "black"
                 axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=size, color=colour)
         axes.set_xticks(np.arange(len(found.columns)) + 0.5, found.columns)
@@ -81,6 +83,23 @@ def draw(found: Map) -> Figure:
         axes.set_title(found.title, fontsize=9.5)
         canvas.colorbar(mesh, ax=axes)
     return canvas
+
+
+def _scale(values: NDArray[np.float64]) -> Normalize:
+    """Colours over the values that are there; zero takes the least colour of a logarithmic scale."""
+    known = values[np.isfinite(values)]
+    positive = known[known > 0]
+    if positive.size and positive.max() > DECADES * positive.min() and known.min() >= 0:
+        return LogNorm(float(positive.min()), float(positive.max()), clip=True)
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+    return Normalize(low, high if high > low else low + 1.0)
+
+
+def _words(value: float | None, error: float | None, note: str) -> tuple[str, float]:
+    """What stands in a cell, and its size."""
+    if value is None:
+        return note.replace(" ", "\n", 2), 5.0
+    return f"{value:.3g}" + ("" if not error else f"\n± {error:.2g}"), 7.0
 
 
 def table_of(found: Map) -> str:
