@@ -1,7 +1,7 @@
-"""The maps of maps.py on coarser axes: every map in seven core minutes instead of a night.
+"""The maps of maps.py on coarser axes: every map in a quarter of an hour instead of a night.
 
 Hurst exponents 0.3 to 0.9 in four steps, 10 to 300 harmonics, adhesion from none to sticky, layers from a hundredth of
-the period; 60 harmonics where the bandwidth does not vary, two realisations a point.  Read as the full study.
+the period; 60 harmonics where the bandwidth does not vary, four realisations a point.  Read as the full study.
 """
 
 from __future__ import annotations
