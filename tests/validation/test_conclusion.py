@@ -25,6 +25,18 @@ def test_cheapest_is_not_the_coarsest_that_will_do_but_the_quickest():
     assert cheapest(curve, 2).setting == "fine"
 
 
+def test_of_times_that_differ_by_noise_the_coarsest_setting_is_named():
+    curve = MethodCurve("a", "exact", (Mark("8", 1e-5, 1.05), Mark("12", 1e-10, 1.0), Mark("16", 1e-14, 1.2)))
+    assert [cheapest(curve, digits).setting for digits in (2, 6)] == ["8", "12"]
+
+
+def test_words_when_two_curves_cross_twice():
+    bent = MethodCurve("bent", "exact", (Mark("", 1e-2, 0.1), Mark("", 1e-4, 9.9), Mark("", 1e-9, 10.0)))
+    even = MethodCurve("even", "exact", (Mark("", 1e-2, 1.0), Mark("", 1e-4, 1.0), Mark("", 1e-9, 1e4)))
+    told = "bent is cheaper than even down to an error of 9.9e-04, from there even down to 5.7e-06; then the other way."
+    assert sentences("scene", [bent, even])[5] == f"scene: {told}"
+
+
 def test_no_digits_beyond_the_reference():
     curve = power("a", 1.0, 0.3, floor=1e-7)
     assert cheapest(curve, 6) is not None

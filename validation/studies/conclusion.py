@@ -1,9 +1,10 @@
 """What the curves of error against CPU time say: the cheapest setting for given digits, and where curves cross.
 
 A point counts for d digits when its error is at most 10^-d and not below what its reference can tell: digits finer
-than the uncertainty of the reference are not claimed, nor any against a reference of the same code.  Two curves cross
-at the error at which the times on their lower envelopes (the least time for at most that error), joined by straight
-lines on logarithmic axes, are equal; a method that is quick at a small error is as quick where less is asked for.
+than the uncertainty of the reference are not claimed, nor any against a reference of the same code.  Of settings whose
+times differ by less than TIE, which is noise, the coarsest is named.  Two curves cross at the error at which the times
+on their lower envelopes (the least time for at most that error), joined by straight lines on logarithmic axes, are
+equal; a method that is quick at a small error is as quick where less is asked for.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass
 from itertools import combinations, pairwise
 
 DIGITS = (2, 4, 6, 8, 10)
+TIE = 0.1  # of the least time
 SAMPLES = 400  # of the error between the ends that two curves share
 
 
@@ -47,7 +49,7 @@ class MethodCurve:
 
 
 def cheapest(curve: MethodCurve, digits: int) -> Mark | None:
-    """The least seconds for an error of at most 10^-digits; None when no point, or no reference, is that good.
+    """The least seconds, within TIE, for an error of at most 10^-digits; None when no point or reference is that good.
 
     Examples
     --------
@@ -59,7 +61,9 @@ def cheapest(curve: MethodCurve, digits: int) -> Mark | None:
     if not curve.independent or curve.floor > limit:
         return None
     good = [mark for mark in curve.marks if mark.error <= limit]
-    return min(good, key=lambda mark: mark.seconds, default=None)
+    least = min((mark.seconds for mark in good), default=0.0)
+    tied = [mark for mark in good if mark.seconds <= (1 + TIE) * least]
+    return max(tied, key=lambda mark: mark.error, default=None)
 
 
 def crossing(first: MethodCurve, second: MethodCurve) -> list[float]:
@@ -141,9 +145,11 @@ def _crossing(scene: str, first: MethodCurve, second: MethodCurve) -> list[str]:
     at = high if _seconds(one, high) != _seconds(other, high) else low
     cheap, dear = (first, second) if _seconds(one, at) < _seconds(other, at) else (second, first)
     if errors:
-        places = ", ".join(f"{error:.1e}" for error in errors)
+        first_place, *others = (f"{error:.1e}" for error in errors)
+        turns = [f", from there {(dear, cheap)[k % 2].method} down to {place}" for k, place in enumerate(others)]
         return [
-            f"{scene}: {cheap.method} is cheaper than {dear.method} down to an error of {places}; then the other way."
+            f"{scene}: {cheap.method} is cheaper than {dear.method} down to an error of {first_place}{''.join(turns)}; "
+            "then the other way."
         ]
     return [f"{scene}: {cheap.method} is cheaper than {dear.method} at every error that both reach."]
 
