@@ -19,8 +19,8 @@ coarse, since jumps are spread over an increment, but independent, and a differe
 Without adhesion the path is reversible and the loop is zero.  A path that jumps into complete contact, or ends
 otherwise, has no loop: its status is shown in place of a number.  In the thinnest layer increments a fifth as large
 change the loop by 5 % (measured).  Cost of `FULL_AXES`: estimated at six hundred core minutes; of `COARSE_AXES`
-(maps_coarse.py): 3.3 a realisation of every point, measured.  Realisations are stored one by one, on any executor (ensemble.py), and a second run
-goes on where the first ended.
+(maps_coarse.py): 3.3 a realisation of every point, measured.  Realisations are stored one by one, on any executor
+(ensemble.py), and a second run goes on where the first ended.
 
 Source of the problem: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601; of the layer:
 Carbone, Mangialardi, J. Mech. Phys. Solids 56 (2008) 684.  Limits: one period, plane strain.
