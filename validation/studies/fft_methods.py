@@ -134,7 +134,7 @@ def _method(spacings: int, finest: int, finest_rough: int) -> Method:
         settings=tuple(points for points in POINTS if points <= finest),
         scenes=("sinusoid", "rough"),
         solve=partial(solve_fft, spacings=spacings),
-        cannot={"layer": "the package has cohesion on half-spaces only in this form"},
+        cannot={"layer": "the package knows layers under areas, not under lines"},
         slow=2,
         other_settings={"rough": tuple(points for points in POINTS if points <= finest_rough)},
     )
