@@ -18,7 +18,7 @@ The loop is also the closed integral of p dDelta, here by the trapezoidal rule o
 coarse, since jumps are spread over an increment, but independent, and a difference beyond `BALANCE` is a failure.
 Without adhesion the path is reversible and the loop is zero.  A path that jumps into complete contact, or ends
 otherwise, has no loop: its status is shown in place of a number.  In the thinnest layer increments a fifth as large
-change the loop by 5 % (measured).  Cost of `FULL_AXES`: estimated at six hundred core minutes; of `COARSE_AXES`
+change the loop by up to 12 % (measured).  Cost of `FULL_AXES`: estimated at six hundred core minutes; of `COARSE_AXES`
 (maps_coarse.py): 3.3 a realisation of every point, measured.  Realisations are stored one by one, on any executor
 (ensemble.py), and a second run goes on where the first ended.
 
