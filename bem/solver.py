@@ -24,7 +24,7 @@ from bem.convex_path import ContactPoint, ConvexPath
 from bem.crossing import at_load
 from bem.effects import effects_of
 from bem.flat import flat_states
-from bem.increments import Increments
+from bem.increments import increments_of
 from bem.patches import PatchPressure, ordered
 from bem.path import Path, Point, restart
 from bem.problem import Problem, pose
@@ -36,10 +36,8 @@ from bem.states import Cost, complete_state, equilibrium_state, event_of, flat_s
 AnyPoint = Point | ContactPoint
 AnyPath = Path | ConvexPath
 
-INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
 OUTPUTS = ("shapes", "spectra", "pressure_distribution", "width_distributions")
 TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
-COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
 
 
 @dataclass
@@ -405,49 +403,13 @@ def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyP
     """The path that the effects of the scene call for."""
     positions, heights = problem.profile.crests
     highest = positions[heights >= heights.max() - TOUCHING]
-    increments = _increments(scene, problem)
+    increments = increments_of(scene, problem)
     if problem.law is None:
         return ConvexPath(problem.elastic, problem.control, increments, complete, highest)
     equilibrium = import_module("bem.equilibrium")
     system = equilibrium.System(problem.elastic, problem.law, problem.control)
     flaw = None if scene.loading.flaw is None else scene.loading.flaw / problem.scales.length
     return Path(system, increments, highest, complete, flaw)
-
-
-def _increments(scene: Scene, problem: Problem) -> Increments:
-    """Increments and accuracies of a scene, in the units of its control."""
-    unit = 1.0
-    if scene.loading.control == "mean_pressure":
-        unit = problem.load_of(1e-2 * problem.surface.rms_slope * problem.scales.plane_strain_modulus)
-    largest = scene.accuracy.max_increment * unit
-    tolerance = scene.accuracy.tolerance
-    fine = min(1e-8, 1e-2 * tolerance)
-    return Increments(
-        largest=largest,
-        tolerance=min(Increments.tolerance, 0.1 * _critical_intensity(problem)),
-        smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
-        fine_tolerance=max(fine, 1e-14),
-        fine_closure=max(1e-1 * fine, 1e-12),
-        allowed=0.5 * max(1e-10, 1e-3 * tolerance),
-    )
-
-
-def _critical_intensity(problem: Problem) -> float:
-    """Least critical K: the coarse evaluation, whose K is off by 3e-2 times its tolerance, must resolve it."""
-    return np.inf if problem.law is None else 2 * float(np.sqrt(problem.law.work_of_adhesion(np.zeros(1))[0]))
-
-
-def _jump_distance(problem: Problem) -> float:
-    """Half the distance a^2 kappa over which a lone contact of the rms curvature jumps in, in rms heights.
-
-    a = (w / (pi kappa^2))^(1/3), Barquins, J. Adhesion 26 (1988) 1: weak adhesion acts over short distances.
-    """
-    if problem.law is None:
-        return np.inf
-    profile = problem.profile
-    work = float(problem.law.work_of_adhesion(np.zeros(1))[0])
-    curvature = float(np.sqrt(np.sum((profile.orders**2 * profile.amplitudes) ** 2) / 2))
-    return 0.5 * float(np.cbrt(work**2 / curvature))
 
 
 def _separated(scene: Scene, value: float) -> AnyPoint:
