@@ -6,7 +6,9 @@ the one calibrated for roughness in one direction (`calibrated`).  Without adhes
     A/A0 = erf(sigma_0 / sqrt(2 tau)),   U_el / (A0 E*) = int (A/A0) S dV / q,   s = s_plain + int (U - U_plain)' d ln p
 
 with the variance tau of the correction (a drift has none: the stress is marched, diffusion.py); with adhesion the
-fixed point of adhesive.py with A S in the energy and the corrected variance, and the correction's own detached width.
+fixed point of adhesive.py with A S in the energy and the corrected variance, and the correction's own detached width;
+or, where the correction has a fringe, its area in place of that without adhesion, the energy and the separation without
+adhesion, and Gaussians that end at the tension where they have that area.
 
 Source: corrected_variance.py; separation: C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20 (2008) 215214.  SI
 units at the edge.  Limits: those of the plain theory; where a correction was found and tested is in its `range`.
@@ -19,9 +21,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
+from scipy.special import erfinv
 
 from persson.contact import AdhesiveContact
-from persson.corrected_variance import Correction, area_at, diffused, scales_of
+from persson.corrected_data import calibrated
+from persson.corrected_variance import Correction, area_at, detachment_stress, diffused, fringed, scales_of
 from persson.diffusion import SAFE, StressDistribution, march
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.nonadhesive import dimensionless_load, energy_length, plane_strain_modulus, separation_length, status_of
@@ -53,7 +57,9 @@ class CorrectedContact:
     status : str
         As of the plain theory; what to do about it is in `advice`.
     variance : float
-        tau of the stress, in units of E*^2; nan with adhesion or a drift, where the distribution is no Gaussian.
+        tau of the stress, in units of E*^2; nan where the distribution is not two Gaussians.
+    barrier : float
+        Tension at which they end, in units of E*.
     adhesive : AdhesiveContact or None
         The whole state, with adhesion.
     """
@@ -67,6 +73,7 @@ class CorrectedContact:
     elastic_energy: float
     status: Status
     variance: float = np.nan
+    barrier: float = 0.0
     adhesive: AdhesiveContact | None = None
     distribution: StressDistribution | None = field(default=None, repr=False)
 
@@ -87,8 +94,9 @@ class CorrectedContact:
             value = PchipInterpolator(points, np.concatenate([[0.0], density]), extrapolate=False)(stress)
             return np.asarray(np.nan_to_num(value, nan=0.0) / modulus)
         direct = np.exp(-((stress - mean) ** 2) / (2 * self.variance))
-        image = -np.expm1(-2 * stress * mean / self.variance)
-        return np.where(stress > 0, direct * image / (np.sqrt(2 * np.pi * self.variance) * modulus), 0.0)
+        beyond = stress + self.barrier
+        image = -np.expm1(-2 * beyond * (mean + self.barrier) / self.variance)
+        return np.where(beyond > 0, direct * image / (np.sqrt(2 * np.pi * self.variance) * modulus), 0.0)
 
 
 def solve(
@@ -97,7 +105,7 @@ def solve(
     *,
     youngs_modulus: float,
     poisson_ratio: float,
-    correction: Correction,
+    correction: Correction | None = None,
     work_of_adhesion: float | None = None,
     with_separation: bool = True,
     resolution: float = 1.0,
@@ -111,8 +119,8 @@ def solve(
         sigma_0 in Pa, > 0.
     youngs_modulus, poisson_ratio : float
         E > 0 in Pa; nu in (-1, 0.5].
-    correction : Correction
-        One of `LITERATURE`, or `calibrated()`.
+    correction : Correction, optional
+        One of `LITERATURE`; None for `corrected_data.calibrated()`.
     work_of_adhesion : float, optional
         gamma in J/m^2, > 0; None for no adhesion.
     with_separation : bool
@@ -135,9 +143,12 @@ def solve(
     >>> round(found.contact_fraction, 4)
     0.0865
     """
+    correction = calibrated() if correction is None else correction
     modulus = plane_strain_modulus(youngs_modulus, poisson_ratio)
     load = dimensionless_load(mean_pressure, modulus)
-    if work_of_adhesion is not None:
+    if work_of_adhesion is not None and not (np.isfinite(work_of_adhesion) and work_of_adhesion > 0):
+        raise ValueError(f"work_of_adhesion: {work_of_adhesion} must be finite and > 0 (J/m^2)")
+    if work_of_adhesion is not None and correction.fringe is None:
         state = solve_plain(
             spectrum,
             mean_pressure,
@@ -179,7 +190,11 @@ def solve(
     if with_separation:
         plain = np.array([float(energy_length(spectrum, float(p), np.array([total]))[0]) for p in loads])
         separation = separation_length(spectrum, load) + adhesive_part(loads, energy - plain)
-    fraction = float(area[0, -1])
+    fraction, barrier = float(area[0, -1]), 0.0
+    if work_of_adhesion is not None:
+        stress = detachment_stress(spectrum, work_of_adhesion / modulus)
+        fraction = float(fringed(correction, area[0, -1], spread[0, -1], total / 4, stress))
+        barrier = float(np.sqrt(2 * spread[0, -1]) * erfinv(fraction)) - load
     return CorrectedContact(
         spectrum=spectrum,
         mean_pressure=mean_pressure,
@@ -190,12 +205,20 @@ def solve(
         elastic_energy=modulus * float(energy[0]),
         status=status_of(spectrum, fraction),
         variance=np.nan if drifts else float(spread[0, -1]),
+        barrier=barrier,
         distribution=distribution,
     )
 
 
-def contact_fractions(spectrum: Spectrum, loads: ArrayLike, correction: Correction) -> FloatArray:
-    """A/A0 without adhesion at loads sigma_0 / E*, (n_loads,), of the form `slower` or `total`.
+def contact_fractions(
+    spectrum: Spectrum, loads: ArrayLike, correction: Correction, work_length: float = 0.0
+) -> FloatArray:
+    """A/A0 at loads sigma_0 / E*, (n_loads,), of the form `slower` or `total`.
+
+    Parameters
+    ----------
+    work_length : float
+        gamma / E* in m, for a correction with a fringe; 0 without adhesion.
 
     Examples
     --------
@@ -206,8 +229,18 @@ def contact_fractions(spectrum: Spectrum, loads: ArrayLike, correction: Correcti
     array([0.0865])
     """
     pressed = np.asarray(loads, dtype=np.float64)
-    mesh = magnification_mesh(spectrum, 4 * (float(pressed.min()) / SAFE) ** 2 * 0.99, 1 + GROWTH)
-    return np.asarray(area_at(pressed, diffused(correction, mesh, pressed)[:, -1]))
+    tau = spread_of(spectrum, pressed, correction)
+    area = area_at(pressed, tau)
+    if work_length == 0:
+        return area
+    total = spectrum.total_slope_variance / 4
+    return fringed(correction, area, tau, total, detachment_stress(spectrum, work_length))
+
+
+def spread_of(spectrum: Spectrum, loads: FloatArray, correction: Correction) -> FloatArray:
+    """tau of all lines without adhesion at loads sigma_0 / E*, (n_loads,), of the form `slower` or `total`."""
+    mesh = magnification_mesh(spectrum, 4 * (float(loads.min()) / SAFE) ** 2 * 0.99, 1 + GROWTH)
+    return np.asarray(diffused(correction, mesh, loads)[:, -1])
 
 
 def _fields(

@@ -19,17 +19,27 @@ The factor, of the contact fraction A, the wavenumber q and the breadth b of the
     window      S times 1 - exp(-k n A / (1 - A)), n = q/q_1: a wave longer than what is in contact, the share A of the
                 longest wave, presses it as a whole and does not spread the stress in it
 
-    yang_persson_2008   slower, f = 0.45 + 0.55 A^2
-    wang_muser_2017     slower, f = 5/9 - 2/9 A^2 + 2/3 A^4, without and with adhesion
-    xu_2024             total,  f = 0.42 + 0.58 A
+With adhesion the corrections of the literature take the theory's own fixed point (adhesive.py).  For roughness in one
+direction that finds far too little: gamma_eff is below zero but for the last lines, while in fact every edge of contact
+is pulled out at once.  Hence, as an alternative,
+
+    fringe      1 - A_wet = (1 - A)^(1 + k_a x),  x = (<a> / sqrt tau) (V / tau)^c,  <a> = <sqrt(2 gamma q / E*)> / pi
+
+    with the tension a of a detached zone at full work of adhesion (adhesive.py), averaged over the slope variance:
+    edges move out in proportion to it and meet in the gaps, whose share falls as if they were placed at random.
+
+    yang_persson_2008   slower, S = 0.45 + 0.55 A^2
+    wang_muser_2017     slower, S = 5/9 - 2/9 A^2 + 2/3 A^4, without and with adhesion
+    xu_2024             total,  S = 0.42 + 0.58 A
 
 Sources: C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20 (2008) 215214; A. Almqvist, C. Campana, N. Prodanov,
 B. N. J. Persson, J. Mech. Phys. Solids 59 (2011) 2355; A. Wang, M. H. Mueser, Tribol. Lett. 65 (2017) 103; all three
-functions as in the code of Y. Xu and others (github.com/xylcsi/PerssonModelFudgeFactor).  That the stress both diffuses
-more slowly and drifts at small stress: W. B. Dapp, N. Prodanov, M. H. Mueser, J. Phys.: Condens. Matter 26 (2014)
-355002.  That the area falls with the breadth of the spectrum: V. A. Yastrebov, G. Anciaux, J.-F. Molinari, J. Mech.
-Phys. Solids 107 (2017) 469, arXiv:1704.05650.  The linear drift, the breadth and the window are ours.  Dimensionless,
-stresses in units of E*.  Limits: published coefficients are for isotropic roughness.
+functions as in the code of Y. Xu and others (github.com/xylcsi/PerssonModelFudgeFactor). That the stress both
+diffuses more slowly and drifts at small stress: W. B. Dapp, N. Prodanov, M. H. Mueser, J. Phys.: Condens. Matter 26
+(2014) 355002. That the area falls with the breadth of the spectrum: V. A. Yastrebov, G. Anciaux, J.-F. Molinari, J.
+Mech. Phys. Solids 107 (2017) 469, arXiv:1704.05650. The linear drift, the breadth, the window and the fringe are
+derived or guessed here, and calibrated. Dimensionless, stresses in units of E*. Limits: published coefficients are
+for isotropic roughness.
 """
 
 from __future__ import annotations
@@ -42,12 +52,14 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from persson.magnification import MagnificationMesh
+from persson.spectrum import DiscreteSpectrum, Spectrum
 
 FloatArray = NDArray[np.float64]
 Form = Literal["slower", "total", "drift"]
 FORMS: tuple[Form, ...] = ("slower", "total", "drift")
 ROUNDING = 1e-12
 BISECTIONS = 60
+TABLE_CELLS = 4000  # of a continuous spectrum
 FULL = 1e-9  # of 1 - A: nearer to full contact the window is 1 to rounding for any k of order one
 
 
@@ -104,6 +116,8 @@ class Correction:
         k > 0; None: no window.
     detached_width : float
         With adhesion: width of the detached zones in half wavelengths, in (0, 1]; 1 in the plain theory.
+    fringe : tuple of two floats, optional
+        k_a > 0 and c of the adhesive fringe (`fringed`), in place of the fixed point of the theory with adhesion.
     source, range : str
         Where it comes from and for what it was found.
 
@@ -119,6 +133,7 @@ class Correction:
     breadth: float | None = None
     window: float | None = None
     detached_width: float = 1.0
+    fringe: tuple[float, float] | None = None
     source: str = ""
     range: str = ""
 
@@ -137,6 +152,8 @@ class Correction:
             raise ValueError("form: 'total' has neither breadth nor window, which change from line to line")
         if not 0 < self.detached_width <= 1:
             raise ValueError(f"detached_width: {self.detached_width} must lie in (0, 1] (half wavelengths)")
+        if self.fringe is not None and (not self.fringe[0] > 0 or self.form == "drift"):
+            raise ValueError(f"fringe: {self.fringe}; its first number must be > 0, and the form not 'drift'")
 
     def factor(self, area: FloatArray, scales: Scales | None = None) -> FloatArray:
         """S, of the shape that the contact fraction A and the scales (of cells, or one cell) broadcast to.
@@ -217,6 +234,33 @@ def diffused(correction: Correction, mesh: MagnificationMesh, loads: FloatArray)
         half = tau[cell] + steps[cell] / 2 * correction.factor(area_at(loads, tau[cell]), here)
         tau[cell + 1] = tau[cell] + steps[cell] * correction.factor(area_at(loads, half), here)
     return np.asarray(tau.T)
+
+
+def detachment_stress(spectrum: Spectrum, work_length: float) -> float:
+    """<a>: sqrt(2 gamma q / E*) / pi averaged over the slope variance, in units of E*; gamma / E* in m.
+
+    Examples
+    --------
+    >>> from persson.spectrum import DiscreteSpectrum
+    >>> round(detachment_stress(DiscreteSpectrum([2.0], [0.1]), 0.01) * np.pi, 12)
+    0.2
+    """
+    if isinstance(spectrum, DiscreteSpectrum):
+        steps, q = spectrum.slope_variance_steps, spectrum.wavenumbers
+    else:
+        nodes = np.linspace(0, spectrum.total_slope_variance, TABLE_CELLS + 1)
+        steps, q = np.diff(nodes), spectrum.wavenumber_at((nodes[1:] + nodes[:-1]) / 2)
+    return float(np.sqrt(2 * work_length) * np.sum(steps * np.sqrt(q)) / np.sum(steps) / np.pi)
+
+
+def fringed(correction: Correction, area: FloatArray, tau: FloatArray, variance: float, stress: float) -> FloatArray:
+    """A/A0 with adhesion from that without, of the shape of both arrays; `stress` is <a>, `variance` V of all lines."""
+    if correction.fringe is None:
+        raise ValueError(f"correction {correction.name!r} has no fringe")
+    strength, power = correction.fringe
+    x = stress / np.sqrt(tau) * (variance / tau) ** power
+    with np.errstate(divide="ignore"):  # contact that is complete stays so
+        return np.asarray(-np.expm1((1 + strength * x) * np.log1p(-area)))
 
 
 def area_at(load: FloatArray, tau: FloatArray) -> FloatArray:

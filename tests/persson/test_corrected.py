@@ -8,7 +8,8 @@ from scipy.special import erf
 import persson
 from persson import corrected
 from persson.adhesive import ROUTES
-from persson.corrected_variance import FORMS, LITERATURE, Correction, scales_of
+from persson.corrected_data import CalibrationError, calibrated, calibration, correction_of
+from persson.corrected_variance import FORMS, LITERATURE, Correction, fringed, scales_of
 from persson.magnification import magnification_mesh
 
 MATERIAL = {"youngs_modulus": 0.75, "poisson_ratio": 0.5}  # E* = 1 Pa
@@ -153,6 +154,8 @@ def test_adhesive_factor_of_one_is_the_plain_theory(form):
         ("window", {"window": 0.0}),
         ("'total'", {"form": "total", "window": 1.0}),
         ("detached_width", {"detached_width": 1.5}),
+        ("fringe", {"fringe": (0.0, 0.3)}),
+        ("fringe", {"fringe": (1.0, 0.3), "form": "drift"}),
     ],
 )
 def test_bad_correction_is_refused(words, given):
@@ -163,3 +166,67 @@ def test_bad_correction_is_refused(words, given):
 def test_correction_without_adhesion_is_sent_to_its_entry():
     with pytest.raises(ValueError, match=r"corrected\.solve"):
         persson.solve(LINES, 0.01, correction=NARROW_AND_WINDOW, **MATERIAL)
+
+
+WORK = 0.03 * LINES.full_contact_energy
+
+
+def test_calibrated_correction_is_the_default_and_lies_in_its_file():
+    values = calibration()["coefficients"]
+    found = corrected.solve(LINES, 0.01, with_separation=False, **MATERIAL)
+    assert found.correction == calibrated()
+    assert found.correction.fringe == (values["k_a"], values["c"])
+    assert found.correction.coefficients == (values["c_0"], 0.0, 1 - values["c_0"])
+
+
+def test_every_coefficient_has_its_uncertainty_and_the_file_its_provenance():
+    content = calibration()
+    assert set(content["standard_errors"]) == set(content["coefficients"])
+    assert all(error > 0 for error in content["standard_errors"].values())
+    assert {"ensembles_made_by_commits", "calibrated_by", "seed_roots", "groups"} <= set(content["provenance"])
+
+
+def test_calibration_of_another_schema_is_refused():
+    with pytest.raises(CalibrationError, match="schema"):
+        correction_of(calibration() | {"schema": "linecontact-maps/1"})
+
+
+def test_fringe_is_its_formula():
+    tau, area = np.array([0.01]), np.array([0.2])
+    law = Correction("one", "slower", (0.5, 0.5), fringe=(2.0, 1.0))
+    found = fringed(law, area, tau, 0.02, 0.03)
+    assert found[0] == pytest.approx(1 - 0.8 ** (1 + 2 * (0.03 / 0.1) * 2), rel=1e-12)
+
+
+def test_adhesion_enlarges_the_area_as_the_root_of_its_work_where_it_is_weak():
+    dry = corrected.contact_fractions(LINES, LOADS, calibrated())
+    one, four = (corrected.contact_fractions(LINES, LOADS, calibrated(), 1e-6 * f * WORK) - dry for f in (1, 4))
+    assert np.all(one > 0)
+    assert four / one == pytest.approx(2.0, rel=1e-2)
+
+
+def test_complete_contact_stays_complete_with_a_fringe():
+    load = 20 * LINES.slope_rms
+    found = corrected.solve(LINES, load, work_of_adhesion=WORK, with_separation=False, **MATERIAL)
+    assert found.contact_fraction == 1.0
+    assert found.status == "complete_contact"
+
+
+def test_distribution_with_a_fringe_carries_the_area_and_reaches_into_tension():
+    found = corrected.solve(LINES, 0.01, work_of_adhesion=WORK, with_separation=False, **MATERIAL)
+    stress = np.linspace(-2 * found.barrier, 9 * LINES.slope_rms / 2 + 0.01, 20001)
+    density = found.pressure_distribution(stress)
+    assert np.trapezoid(density, stress) == pytest.approx(found.contact_fraction, rel=1e-5)
+    assert stress[density > 0][0] < 0
+
+
+def test_continuous_spectrum_is_served():
+    spectrum = persson.ContinuousSpectrum.self_affine(2 * np.pi, 100 * np.pi, 0.7, 1e-3)
+    found = corrected.solve(spectrum, 0.1 * spectrum.slope_rms, work_of_adhesion=WORK, **MATERIAL)
+    assert persson.solve(spectrum, 0.1 * spectrum.slope_rms, **MATERIAL).contact_fraction < found.contact_fraction < 1
+
+
+@pytest.mark.parametrize("work", [0.0, -1.0, np.inf])
+def test_bad_work_of_adhesion_is_refused(work):
+    with pytest.raises(ValueError, match="work_of_adhesion"):
+        corrected.solve(LINES, 0.01, work_of_adhesion=work, **MATERIAL)

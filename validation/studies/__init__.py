@@ -12,6 +12,7 @@ STUDIES: dict[str, str] = {
     "maps": "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness",
     "maps-coarse": "the same maps on coarser axes, in minutes",
     "faults": "would the suite notice: faults put into the running code, what catches them, how small they may be",
+    "theory-correction": "the correction of Persson's area calibrated, judged on a hold-out, and put on a page",
 }
 
-ON_EXECUTORS = ("maps", "maps-coarse")
+ON_EXECUTORS = ("maps", "maps-coarse", "theory-correction")

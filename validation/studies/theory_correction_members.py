@@ -160,7 +160,7 @@ def _fit(quick: bool) -> Iterator[Group]:
     if quick:
         for hurst in (0.5, 0.8):
             for theta in (0.0, 0.03):
-                yield Group("fit", "self-affine", hurst, 16, theta, 2)
+                yield Group("fit", "self-affine", hurst, 12, theta, 4)
         return
     for harmonics, dry, wet in ((30, 16, 8), (100, 8, 6), (300, 6, 2)):
         for hurst in (0.3, 0.5, 0.7, 0.9):
@@ -175,8 +175,8 @@ def _fit(quick: bool) -> Iterator[Group]:
 
 def _hold_out(quick: bool) -> Iterator[Group]:
     if quick:
-        yield Group("hold-out", "lines", np.nan, LINES[-1], 0.0, 2)
-        yield Group("hold-out", "self-affine", 0.6, 20, 0.05, 2)
+        yield Group("hold-out", "lines", np.nan, LINES[-1], 0.0, 4)
+        yield Group("hold-out", "self-affine", 0.6, 16, 0.05, 4)
         return
     for hurst in (0.4, 0.6, 0.8):
         for harmonics, realisations in ((64, 10), (200, 6), (500, 4)):

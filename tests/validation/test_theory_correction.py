@@ -1,0 +1,148 @@
+"""Theory correction: the fit finds what made its data, the hold-out stays out, the judge measures, the page tells."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from example_members import here
+
+import persson
+from persson.corrected_variance import LITERATURE
+from validation.provenance import provenance
+from validation.report.render import render
+from validation.studies import theory_correction
+from validation.studies.theory_correction_data import STRESSES, Observed, mean_of, relative_errors
+from validation.studies.theory_correction_fit import NAMES, areas_of, calibrate, correction_from, lines_of
+from validation.studies.theory_correction_judge import CALIBRATED, PLAIN, judge, rms
+from validation.studies.theory_correction_members import MODULUS, Group
+from validation.studies.theory_correction_page import chosen, separation_error
+
+TRUTH = (0.7, 0.8, 2.0, 1.5, 0.2)
+DRY, WET = Group("hold-out", "self-affine", 0.6, 12, 0.0, 4), Group("hold-out", "self-affine", 0.6, 12, 0.04, 4)
+
+
+def ensemble(group, factor=1.0, noise=0.01):
+    """An ensemble whose mean is the corrected theory with the coefficients `TRUTH`."""
+    areas = areas_of(group, correction_from(TRUTH)) * factor
+    spread = 1 + noise * np.array([-1.0, 1.0, -1.0, 1.0])[:, None]
+    return Observed(
+        group,
+        areas * spread,
+        np.full((4, areas.size), 0.5) * spread,
+        areas[:, None] * np.where(STRESSES < 0.1, 1.0, 0.0) * spread[:, :, None],
+        0,
+        ("abc",),
+    )
+
+
+def fit_groups():
+    return [Group("fit", "self-affine", h, m, t, 4) for h in (0.4, 0.8) for m in (8, 16) for t in (0.0, 0.03)]
+
+
+@pytest.fixture(scope="module")
+def found():
+    return calibrate([ensemble(group) for group in fit_groups()])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_calibration_finds_the_coefficients_that_made_its_data(found, name):
+    # 3e-4 measured, the mesh of the fit being coarser
+    assert found.values[name] == pytest.approx(TRUTH[NAMES.index(name)], abs=2e-3)
+    assert found.errors[name] < 5e-3
+
+
+def test_hold_out_is_refused_by_the_calibration():
+    with pytest.raises(ValueError, match="held out"):
+        calibrate([ensemble(group) for group in [*fit_groups(), DRY]])
+
+
+def test_calibration_needs_both_kinds_of_groups():
+    with pytest.raises(ValueError, match="without and with adhesion"):
+        calibrate([ensemble(group) for group in fit_groups() if group.theta == 0])
+
+
+def test_loads_without_a_state_are_left_out(found):
+    made = [ensemble(group) for group in fit_groups()]
+    holed = made[1].areas.copy()
+    holed[:, 2] = np.nan
+    made[1] = replace(made[1], areas=holed)
+    assert calibrate(made).values["k_a"] == pytest.approx(found.values["k_a"], abs=2e-3)
+
+
+def test_small_groups_take_the_scatter_of_those_like_them():
+    many = ensemble(DRY, noise=0.1)
+    few = replace(ensemble(replace(DRY, harmonics=16)), areas=ensemble(DRY).areas[:1])
+    errors = relative_errors([many, few])
+    own = np.std(many.areas, axis=0, ddof=1) / many.area
+    assert errors[many.group.name] == pytest.approx(own / 2)
+    assert errors[few.group.name] == pytest.approx(own)
+
+
+def test_error_of_a_group_that_stands_alone_is_unknown():
+    one = ensemble(DRY)
+    with pytest.raises(ValueError, match="unknown"):
+        relative_errors([replace(one, areas=one.areas[:1])])
+
+
+def test_mean_passes_over_what_is_missing():
+    assert mean_of(np.array([[1.0, np.nan], [2.0, np.nan]]))[0] == 1.5
+
+
+@pytest.mark.parametrize("group", [DRY, WET], ids=["dry", "wet"])
+def test_judge_finds_the_error_it_is_given(group):
+    made = ensemble(group, factor=1.25)
+    one = judge(replace(made, areas=made.areas[:, :6]), np.full(6, 0.01), correction_from(TRUTH), lambda _: None, True)[
+        3
+    ]
+    assert one.area[CALIBRATED] == pytest.approx(0.8 - 1, abs=1e-3)
+    plain = persson.solve(
+        lines_of(group),
+        one.load * MODULUS,
+        youngs_modulus=1e6,
+        poisson_ratio=0.5,
+        work_of_adhesion=group.work_of_adhesion,
+        resolution=0.4,
+    )
+    assert one.area[PLAIN] == pytest.approx(plain.contact_fraction / one.contact_fraction - 1, rel=1e-9)
+    assert one.separations[PLAIN] == pytest.approx(plain.separation / group.rms_height, rel=1e-9)
+    assert 0 < one.distribution[CALIBRATED] < 1
+
+
+def test_judge_tries_the_corrections_of_the_literature():
+    one = judge(ensemble(DRY), np.full(6, 0.01), correction_from(TRUTH), lambda _: None)[2]
+    assert set(one.area) == {PLAIN, CALIBRATED, *LITERATURE}
+
+
+def test_page_says_what_was_measured(found):
+    made = judge(ensemble(DRY, 1.1), np.full(6, 0.01), correction_from(TRUTH), lambda _: None, True)
+    facts = provenance()
+    content = theory_correction.calibration_content(found, [ensemble(g) for g in fit_groups()], made, facts)
+    report = theory_correction.report_of(content, correction_from(TRUTH), made, 6, facts, short=False)
+    rows = {row.quantity.split(",")[0]: row.computed[0] for row in report.cases[0].rows}
+    assert rows["area without adhesion"] == pytest.approx(1 - 1 / 1.1, rel=1e-3)
+    assert rows["separation without adhesion"] == pytest.approx(rms([separation_error(o, CALIBRATED) for o in made]))
+    page = render(report)
+    assert "Must not be used for" in page and "landing-correction-without-adhesion" in page
+
+
+def test_short_form_judges_nothing(found):
+    made = judge(ensemble(DRY), np.full(6, 0.01), correction_from(TRUTH), lambda _: None, True)
+    facts = provenance()
+    content = theory_correction.calibration_content(found, [ensemble(g) for g in fit_groups()], made, facts)
+    report = theory_correction.report_of(content, correction_from(TRUTH), made, 6, facts, short=True)
+    assert {row.status for row in report.cases[0].rows} == {"not run"}
+    assert len(chosen(made, adhesive=True)) == 0
+
+
+@pytest.mark.slow
+def test_quick_study_runs_and_goes_on_where_it_ended(tmp_path):
+    notes = []
+    assert theory_correction.run(tmp_path, True, notes.append, 1, here) == 0
+    content = json.loads((tmp_path / "calibration.json").read_text("utf-8"))
+    assert set(content["coefficients"]) == set(NAMES)
+    assert (tmp_path / "report.html").is_file()
+    again = []
+    assert theory_correction.run(tmp_path, True, again.append, 1, here) == 0
+    assert "are there already" in again[0].text
+    assert json.loads((tmp_path / "calibration.json").read_text("utf-8"))["coefficients"] == content["coefficients"]

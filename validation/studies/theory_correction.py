@@ -1,0 +1,196 @@
+"""A better estimate of the contact area: the theory's correction calibrated, judged on a hold-out, and put on a page.
+
+1. Boundary-element ensembles (theory_correction_members.py), stored realisation by realisation on any executor; a
+   second run goes on where the first ended.
+2. Calibration on the fit part (theory_correction_fit.py): calibration.json, which copied to persson/ becomes the
+   calibrated correction of the package.
+3. Judgement on the hold-out (theory_correction_judge.py) by that calibration: area, separation and distribution of the
+   plain theory, of the calibrated correction and of those of the literature.
+4. report.json and report.html: the page for engineers (theory_correction_page.py).
+
+Source: persson/corrected_variance.py.  Limits: half-space, plane strain, loading; one hour or two of one core.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from persson.corrected_data import SCHEMA as CALIBRATION_SCHEMA
+from persson.corrected_data import calibration
+from persson.corrected_variance import Correction
+from validation.ensemble import run_ensemble
+from validation.executors import Opener, local_processes
+from validation.provenance import provenance
+from validation.report.render import failures, write_html
+from validation.runner import Note, record_of, write_atomically
+from validation.schema import SCHEMA as REPORT_SCHEMA
+from validation.schema import Report, with_checksum
+from validation.studies.store import text_table, write_json
+from validation.studies.theory_correction_data import Observed, observed, relative_errors
+from validation.studies.theory_correction_fit import Calibration, calibrate, correction_from
+from validation.studies.theory_correction_judge import CALIBRATED, PLAIN, Judged, judge, rms
+from validation.studies.theory_correction_members import FIT_ROOT, HOLD_OUT_ROOT, RMS_SLOPE, Group, groups
+from validation.studies.theory_correction_page import case_of, chosen, outcome, separation_error
+
+SCHEMA = "linecontact-theory-correction-study/1"
+FILE, CALIBRATION = "theory-correction.json", "calibration.json"
+RANGE = (
+    "roughness in one direction, half-space, loading; H 0.3 to 0.9, bandwidth 30 to 3000, p/(E* h'_rms) 0.004 to 0.18, "
+    "theta = gamma / full-contact energy up to 0.1; not below 2 % nor above 50 % contact"
+)
+
+
+def run(
+    folder: Path,
+    quick: bool,
+    report: Callable[[Note], None],
+    jobs: int = 1,
+    opener: Opener = local_processes,
+) -> int:
+    """Run the study; 1 when a realisation failed or is not certified, or a row of the report fails.
+
+    Parameters
+    ----------
+    folder : Path
+        Gets members/, calibration.json, theory-correction.json, report.json and report.html.
+    quick : bool
+        A few small profiles that show that everything runs; calibrates and judges nothing of use.
+    report : callable
+        Gets a `Note` for every step.
+    jobs : int
+        Local processes.
+    opener : callable
+        Opens the executor (executors.py).
+    """
+    facts = provenance()
+    chosen_groups = groups(quick)
+    cheap_first = sorted(chosen_groups, key=lambda group: group.harmonics * (4 if group.theta > 0 else 1))
+    members = [member for group in cheap_first for member in group.members()]
+    done = run_ensemble(members, folder / "members", jobs, report, opener)
+    failed = [f"{name}: {why}" for name, why in done.failed.items()]
+    if failed:
+        for line in failed:
+            report(Note(f"FAILED {line}"))
+        return 1
+    ensembles = [observed(group, folder / "members") for group in chosen_groups]
+    return conclude(folder, ensembles, facts, report, short=quick)
+
+
+def conclude(
+    folder: Path, ensembles: Sequence[Observed], facts: Mapping[str, Any], report: Callable[[Note], None], short: bool
+) -> int:
+    """Calibrate, judge and write, from ensembles that are there."""
+    fit = [one for one in ensembles if one.group.part == "fit"]
+    held = [one for one in ensembles if one.group.part == "hold-out"]
+    report(Note("calibration"))
+    found = calibrate(fit)
+    correction = correction_from(list(found.values.values()))
+    noise = relative_errors(held)
+    judged = [one for group in held for one in judge(group, noise[group.group.name], correction, report)]
+    content = calibration_content(found, fit, judged, facts)
+    write_json(folder / CALIBRATION, content)
+    planned = sum(len(one.group.loads) for one in held)
+    made = report_of(content, correction, judged, planned, facts, short)
+    write_json(folder / FILE, {"schema": SCHEMA, "calibration": content, "judged": [asdict(one) for one in judged]})
+    write_atomically(folder / "report.json", made.model_dump_json(by_alias=True, indent=1) + "\n")
+    write_html(made, folder)
+    wrong = [f"{one.group.name}: {one.not_certified} states not certified" for one in ensembles if one.not_certified]
+    wrong += [f"{case}: {why}" for case, why in failures(made)]
+    for line in wrong:
+        report(Note(f"FAILED {line}"))
+    print(text_table(["adhesion", "theory", "area", "separation", "distribution"], summary(judged)))
+    print(text_table(["coefficient", "found", "error", "in the package"], _compared(found)))
+    print(f"{len(judged)} of {planned} loads judged, {len(wrong)} failures; {folder / 'report.html'}")
+    return 1 if wrong else 0
+
+
+def summary(judged: Sequence[Judged]) -> list[list[Any]]:
+    """Rms errors over the hold-out by adhesion and theory."""
+    lines = []
+    for adhesive in (False, True):
+        some = chosen(judged, adhesive)
+        for name in dict.fromkeys(name for one in some for name in one.area):
+            lines.append(
+                [
+                    "with" if adhesive else "without",
+                    name,
+                    rms([one.area.get(name, float("nan")) for one in some]),
+                    rms([separation_error(one, name) for one in some]),
+                    rms([one.distribution.get(name, float("nan")) for one in some]),
+                ]
+            )
+    return lines
+
+
+def calibration_content(
+    found: Calibration, fit: Sequence[Observed], judged: Sequence[Judged], facts: Mapping[str, Any]
+) -> dict[str, Any]:
+    """What calibration.json holds."""
+    held_out = {}
+    for name, adhesive in (("without adhesion", False), ("with adhesion", True)):
+        some = chosen(judged, adhesive)
+        held_out[name] = {
+            "loads": len(some),
+            "area_rms": {theory: rms([one.area[theory] for one in some]) for theory in (PLAIN, CALIBRATED)},
+            "separation_rms": {t: rms([separation_error(one, t) for one in some]) for t in (PLAIN, CALIBRATED)},
+            "noise_of_the_ensembles_rms": rms([one.area_noise for one in some]),
+        }  # fmt: skip
+    return {
+        "schema": CALIBRATION_SCHEMA,
+        "coefficients": found.values,
+        "standard_errors": found.errors,
+        "standard_errors_by": "jackknife over the Hurst exponents",
+        "range": RANGE,
+        "fit": {"mean_square_over_error": found.chi_square, "area_rms": found.rms},
+        "hold_out": held_out,
+        "provenance": {
+            "ensembles_made_by_commits": sorted({commit for one in fit for commit in one.commits}),
+            "calibrated_by": {name: facts[name] for name in ("commit", "date", "sources_sha256", "python", "numpy")},
+            "seed_roots": {"fit": FIT_ROOT, "hold-out": HOLD_OUT_ROOT},
+            "rms_slope": RMS_SLOPE,
+            "loads_over_E*": list(fit[0].group.loads),
+            "groups": [_described(one.group) for one in fit],
+        },
+    }
+
+
+def report_of(
+    content: Mapping[str, Any],
+    correction: Correction,
+    judged: Sequence[Judged],
+    planned: int,
+    facts: Mapping[str, Any],
+    short: bool,
+) -> Report:
+    """The report of one case: the page."""
+    made = outcome(content, correction, judged, planned, short)
+    form = " --quick" if short else ""
+    return with_checksum(
+        Report(
+            schema_=REPORT_SCHEMA,
+            level="theory correction, short form" if short else "theory correction",
+            command=f"python -m validation study theory-correction{form}",
+            planned=1,
+            provenance=dict(facts),
+            cases=[record_of(case_of(made), made, 0.0)],
+            changes=[],
+        )
+    )
+
+
+def _described(group: Group) -> dict[str, Any]:
+    return {
+        "spectrum": group.kind,
+        "hurst": group.hurst,
+        "harmonics": group.harmonics,
+        "theta": group.theta,
+        "realisations": group.realisations,
+    }
+
+
+def _compared(found: Calibration) -> list[list[Any]]:
+    packaged = calibration()["coefficients"]
+    return [[name, found.values[name], found.errors[name], packaged[name]] for name in found.values]

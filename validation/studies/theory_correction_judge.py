@@ -1,0 +1,201 @@
+"""The theory and its corrections on the hold-out: errors of area, separation and distribution, before and after.
+
+At every load of every group: the ensemble means with their standard errors, the plain theory, the calibrated
+correction, and the corrections of the literature (area alone; with adhesion that of Wang and Mueser alone, the others
+were not made for it).  Raw E, nu, lines, loads and work of adhesion go to the theory, which derives the rest itself.
+
+Distribution: largest distance between the shares of the period at a pressure above sigma, over the contact fraction;
+without adhesion sigma >= 0, with it sigma >= -0.3 E*.  Loads in units of E*, separations in rms heights.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+import persson
+from persson.corrected_variance import LITERATURE, Correction
+from persson.spectrum import DiscreteSpectrum
+from validation.runner import Note
+from validation.studies.theory_correction_data import STRESSES, Observed
+from validation.studies.theory_correction_members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
+
+FloatArray = NDArray[np.float64]
+
+PLAIN, CALIBRATED = "plain", "calibrated"
+WITH_ADHESION = ("wang_muser_2017",)
+COARSE = 0.4  # resolution of the plain theory with adhesion: 1e-3 of the area
+FINE_STRESSES = np.linspace(-0.5, 1.5, 4001)  # of E*
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One load of one group; errors are theory / boundary elements - 1, by name of the theory.
+
+    Parameters
+    ----------
+    area_noise : float
+        Relative standard error of the mean area.
+    separation : float
+        Mean s / h_rms.
+    separation_noise : float
+        Standard error of it.
+    area, separations, distribution : dict of str to float
+        Error of the area; s / h_rms; distance of the distributions.
+    """
+
+    group: str
+    kind: str
+    hurst: float
+    harmonics: int
+    theta: float
+    load: float
+    realisations: int
+    contact_fraction: float
+    area_noise: float
+    separation: float
+    separation_noise: float
+    area: dict[str, float]
+    separations: dict[str, float]
+    distribution: dict[str, float]
+    remark: str = ""
+
+    @property
+    def adhesive(self) -> bool:
+        """With adhesion or without."""
+        return self.theta > 0
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a theory says at one load: A/A0, s / h_rms, shares above `STRESSES`; nan for what was not asked."""
+
+    area: float
+    separation: float = np.nan
+    share: FloatArray | None = None
+    status: str = "converged"
+
+
+def judge(
+    one: Observed, noise: FloatArray, correction: Correction, report: Callable[[Note], None], plain_only: bool = False
+) -> list[Judged]:
+    """All loads of a group at which there is a realisation.
+
+    Parameters
+    ----------
+    one : Observed
+    noise : (n_loads,) array
+        Relative standard errors of the mean area.
+    correction : Correction
+        The calibrated one.
+    report : callable
+    plain_only : bool
+        Leave out the corrections of the literature.
+    """
+    found = []
+    group = one.group
+    lines = DiscreteSpectrum(group.wavenumbers, group.amplitudes)
+    for column, load in enumerate(group.loads):
+        count = int(one.counts[column])
+        if count == 0:
+            continue
+        said = {
+            PLAIN: _plain(lines, load, group.work_of_adhesion, group.rms_height),
+            CALIBRATED: _corrected(lines, load, group.work_of_adhesion, group.rms_height, correction),
+        }
+        if not plain_only:
+            for name, other in LITERATURE.items():
+                if group.theta == 0 or name in WITH_ADHESION:
+                    said[name] = _literature(lines, load, group.work_of_adhesion, other)
+        reached = one.separations[:, column][np.isfinite(one.separations[:, column])]
+        lowest = -1.0 if group.theta > 0 else 0.0
+        kept = lowest <= STRESSES
+        area = float(one.area[column])
+        found.append(
+            Judged(
+                group.name,
+                group.kind,
+                group.hurst,
+                group.harmonics,
+                group.theta,
+                load,
+                count,
+                area,
+                float(noise[column]),
+                float(reached.mean()),
+                float(reached.std(ddof=1) / np.sqrt(count)) if count > 1 else np.nan,
+                {name: value.area / area - 1 for name, value in said.items()},
+                {name: value.separation for name, value in said.items() if np.isfinite(value.separation)},
+                {
+                    name: float(np.max(np.abs(value.share - one.share[column])[kept]) / area)
+                    for name, value in said.items()
+                    if value.share is not None
+                },
+                "; ".join(f"{name}: {v.status}" for name, v in said.items() if v.status != "converged"),
+            )
+        )
+    report(Note(f"{group.name}: {len(found)} loads judged"))
+    return found
+
+
+def rms(values: Sequence[float]) -> float:
+    """Root mean square of what is a number; nan without any.
+
+    Examples
+    --------
+    >>> rms([3.0, 4.0, float("nan")])
+    3.5355339059327378
+    """
+    known = np.array([value for value in values if np.isfinite(value)])
+    return float(np.sqrt(np.mean(known**2))) if known.size else np.nan
+
+
+def _plain(lines: DiscreteSpectrum, load: float, work: float | None, height: float) -> Said:
+    found = persson.solve(
+        lines,
+        load * MODULUS,
+        youngs_modulus=YOUNGS_MODULUS,
+        poisson_ratio=POISSON_RATIO,
+        work_of_adhesion=work,
+        resolution=COARSE,
+    )
+    separation = np.nan if found.separation is None else found.separation / height
+    return Said(found.contact_fraction, separation, _share(found.pressure_distribution), found.status)
+
+
+def _corrected(lines: DiscreteSpectrum, load: float, work: float | None, height: float, correction: Correction) -> Said:
+    found = persson.corrected.solve(
+        lines,
+        load * MODULUS,
+        youngs_modulus=YOUNGS_MODULUS,
+        poisson_ratio=POISSON_RATIO,
+        work_of_adhesion=work,
+        correction=correction,
+    )
+    separation = np.nan if found.separation is None else found.separation / height
+    return Said(found.contact_fraction, separation, _share(found.pressure_distribution), found.status)
+
+
+def _literature(lines: DiscreteSpectrum, load: float, work: float | None, correction: Correction) -> Said:
+    found = persson.corrected.solve(
+        lines,
+        load * MODULUS,
+        youngs_modulus=YOUNGS_MODULUS,
+        poisson_ratio=POISSON_RATIO,
+        work_of_adhesion=work,
+        correction=correction,
+        with_separation=False,
+        resolution=COARSE,
+    )
+    return Said(found.contact_fraction, status=found.status)
+
+
+def _share(density: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Share of the nominal area at a pressure above each of `STRESSES`."""
+    values = density(FINE_STRESSES * MODULUS) * MODULUS
+    steps = (values[1:] + values[:-1]) / 2 * np.diff(FINE_STRESSES)
+    above = np.concatenate([np.cumsum(steps[::-1])[::-1], [0.0]])
+    return np.asarray(np.interp(STRESSES, FINE_STRESSES, above))
