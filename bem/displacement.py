@@ -33,6 +33,9 @@ ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 ROUNDING = 1e-16
 LONGEST_SERIES = 1 << 16  # modes of a layer
+SHORT_SERIES, SHORT_REACH = 24, 0.2  # terms that are enough up to this |zeta|: 0.2^24 = 2e-17
+LARGEST_BLOCK = 1 << 19  # points times patches at a time
+TINY = 1e-300  # keeps sin(y)/y defined at 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,36 +82,47 @@ class DisplacementField:
 
     def in_contact(self, x: FloatArray, owner: IntArray) -> FloatArray:
         """u at the n + 1 extrema of every patch in turn, (n,), with the index of the patch of each point."""
-        total = np.zeros(x.size)
+        total = np.empty(x.size)
+        block = max(1, LARGEST_BLOCK // self.count)
+        for first in range(0, x.size, block):
+            part = slice(first, first + block)
+            distance = self._distance(x[part])
+            excess = np.abs(distance) - self.radius
+            excess[np.arange(excess.shape[0]), owner[part]] = np.inf
+            total[part] = self._outside(distance, excess)
+            for i in range(self.count):
+                total[part] += self._periodic_rest(i, distance[:, i])
         for i in range(self.count):
-            distance = self._distance(i, x)
             first, last = np.searchsorted(owner, [i, i + 1])
-            others = np.r_[:first, last : x.size]
-            total[others] += self._outside(i, distance[others], np.abs(distance[others]) - self.radius[i])
             total[first:last] += self._inside(i)
-            total += self._periodic_rest(i, distance)
         return self._completed(total, x)
 
     def in_gaps(self, points: GapPoints) -> FloatArray:
         """u at points outside contact, (n,); near an edge it needs the distance from it to full precision."""
         x = self.positions(points)
-        total = np.zeros(x.size)
-        for i in range(self.count):
-            distance = self._distance(i, x)
-            excess = np.abs(distance) - self.radius[i]
-            excess = np.where((points.gap == i) & (distance > 0), points.from_left, excess)
-            excess = np.where((points.gap == (i - 1) % self.count) & (distance < 0), points.from_right, excess)
-            total += self._outside(i, distance, excess)
-            total += self._periodic_rest(i, distance)
+        total = np.empty(x.size)
+        block = max(1, LARGEST_BLOCK // self.count)
+        for first in range(0, x.size, block):
+            part = slice(first, first + block)
+            place, gap = np.arange(x[part].size), points.gap[part]
+            distance = self._distance(x[part])
+            excess = np.abs(distance) - self.radius
+            following = (gap + 1) % self.count
+            for patch, known, side in ((gap, points.from_left, 1), (following, points.from_right, -1)):
+                beside = side * distance[place, patch] > 0
+                excess[place[beside], patch[beside]] = known[part][beside]
+            total[part] = self._outside(distance, excess)
+            for i in range(self.count):
+                total[part] += self._periodic_rest(i, distance[:, i])
         return self._completed(total, x)
 
     def positions(self, points: GapPoints) -> FloatArray:
         """x of points in gaps, (n,)."""
         return np.asarray(self.pressure.right[points.gap] + points.from_left)
 
-    def _distance(self, i: int, x: FloatArray) -> FloatArray:
-        """From the center of patch i to the nearest image of each point."""
-        return np.asarray(np.remainder(x - self.center[i] + np.pi, 2 * np.pi) - np.pi)
+    def _distance(self, x: FloatArray) -> FloatArray:
+        """From the center of each patch to the nearest image of each point, (n, L)."""
+        return np.asarray(np.remainder(x[:, None] - self.center + np.pi, 2 * np.pi) - np.pi)
 
     def _completed(self, total: FloatArray, x: FloatArray) -> FloatArray:
         """u from the integral of the half-space kernel."""
@@ -128,17 +142,31 @@ class DisplacementField:
         level = np.log(self.radius[i] / 2) * (np.pi / n) * np.sum(q_ends_halved)
         return np.asarray(folded @ q_ends_halved / 2 + level)
 
-    def _outside(self, i: int, distance: FloatArray, excess: FloatArray) -> FloatArray:
-        """int log|x - x'| sigma dx' at `distance` from the center of patch i, `excess` of it beyond the edge."""
-        beyond = excess / self.radius[i]
+    def _outside(self, distance: FloatArray, excess: FloatArray) -> FloatArray:
+        """Sum over the patches of int log|x - x'| sigma dx' outside them, (n,).
+
+        Parameters
+        ----------
+        distance, excess : (n, L) arrays
+            From the centers, and how much of it lies beyond the edge; infinite for patches to be left out.
+        """
+        beyond = excess / self.radius
         zeta = np.copysign(1 / (1 + beyond + np.sqrt(beyond * (2 + beyond))), distance)
-        charge = self.pressure.charges[i]
-        series = -charge[1:] / np.arange(1, charge.size)
-        near = np.abs(zeta) > 0.2
-        total = _horner(series[:24], zeta)
-        total[near] = _horner(series, zeta[near])
-        total += charge[0] * np.log(self.radius[i] / (2 * np.abs(zeta)))
-        return total * np.pi
+        terms = np.zeros((SHORT_SERIES, self.count))
+        mean = np.empty(self.count)
+        for i, charge in enumerate(self.pressure.charges):
+            low = charge[1 : SHORT_SERIES + 1]
+            mean[i], terms[: low.size, i] = charge[0], -low / np.arange(1, low.size + 1)
+        size = np.abs(zeta)
+        total = _horner(terms, zeta)
+        for i in range(self.count):
+            near = np.flatnonzero(size[:, i] > SHORT_REACH)
+            charge = self.pressure.charges[i]
+            total[near, i] = _horner(-charge[1:] / np.arange(1, charge.size), zeta[near, i])
+        inside = size == 0
+        total += mean * np.log(self.radius / 2 / np.where(inside, self.radius / 2, size))
+        total[inside] = 0.0
+        return np.asarray(total.sum(axis=1) * np.pi)
 
     def _periodic_rest(self, i: int, distance: FloatArray) -> FloatArray:
         """int log sinc((x - x')/2) sigma dx', analytic up to |x - x'| = 2 pi."""
@@ -147,10 +175,9 @@ class DisplacementField:
         angle = (np.arange(modes) + 0.5) * (np.pi / modes)
         low = self.pressure.charges[i][:modes]
         q = np.cos(np.multiply.outer(angle, np.arange(low.size))) @ low
-        total = np.zeros(distance.size)
-        for offset, value in zip(self.radius[i] * np.cos(angle), q * (np.pi / modes), strict=True):
-            total += value * np.log(np.sinc((distance - offset) / (2 * np.pi)))
-        return total
+        half = distance[:, None] / 2 - self.radius[i] / 2 * np.cos(angle)
+        half += TINY
+        return np.asarray(np.log(np.sin(half) / half) @ (q * (np.pi / modes)))
 
     def _layer_modes(self, compliance_ratio: ComplianceRatio) -> ComplexArray:
         """2 (ratio_m - 1)/m sigma_m for m = 1.., up to where the ratio is 1 to rounding."""
@@ -196,7 +223,7 @@ def _kress_weights(n: int) -> FloatArray:
 
 
 def _horner(series: FloatArray, zeta: FloatArray) -> FloatArray:
-    """sum_{n >= 1} series[n - 1] zeta^n, same shape as zeta."""
+    """sum_{n >= 1} series[n - 1] zeta^n, same shape as zeta; coefficients for each column of it, or for all."""
     total = np.zeros(zeta.shape)
     for coefficient in series[::-1]:
         total += coefficient

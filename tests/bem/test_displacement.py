@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from bem import displacement
 from bem.displacement import DisplacementField, GapPoints, regular_part
 from bem.patches import PatchPressure
 
@@ -97,6 +98,15 @@ def test_rotation_by_a_period_changes_nothing():
     moved = DisplacementField(PatchPressure(TWO.left - 2 * np.pi, TWO.right - 2 * np.pi, TWO.charges))
     points = gap_points(TWO, 0, [0.1, 0.6])
     np.testing.assert_allclose(field.in_gaps(points), moved.in_gaps(points), rtol=0, atol=1e-14)
+
+
+def test_points_taken_in_blocks_are_points_taken_together(monkeypatch):
+    points, (x, owner, _) = gap_points(TWO, 0, np.linspace(0.01, 0.99, 30)), at_extrema(TWO)
+    together = DisplacementField(TWO).in_gaps(points), DisplacementField(TWO).in_contact(x, owner)
+    monkeypatch.setattr(displacement, "LARGEST_BLOCK", 14)
+    apart = DisplacementField(TWO).in_gaps(points), DisplacementField(TWO).in_contact(x, owner)
+    for some, all_of_them in zip(apart, together, strict=True):
+        np.testing.assert_allclose(some, all_of_them, rtol=0, atol=1e-15)  # measured 4e-16
 
 
 def test_layer_scales_the_modes_of_the_pressure():
