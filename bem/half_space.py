@@ -7,12 +7,18 @@ Dimensionless (x scaled by 1/q0).
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import zeta
 
-from bem.chebyshev import Basis
+from bem.chebyshev import Basis, basis_nodes
 
 FloatArray = NDArray[np.float64]
+
+TERMS, WIDEST_SERIES = 8, 0.4  # of log sinc; (0.4 / pi)^18 / 9 = 1e-17
+LARGEST_SERIES = 96  # nodes; tables of more are not kept
 
 
 def between_nodes(x: FloatArray) -> FloatArray:
@@ -25,7 +31,26 @@ def between_nodes(x: FloatArray) -> FloatArray:
 
 
 def within_patch(half_width: FloatArray, table: Basis) -> FloatArray:
-    """Kernel blocks of patches that share one basis, acting on nodal charges, (n_patches, n, n)."""
-    difference = np.subtract.outer(table.nodes, table.nodes)
-    smooth = np.log(np.sinc(half_width[:, None, None] * (difference / (2 * np.pi))))
-    return np.asarray(smooth + (np.log(half_width)[:, None, None] + table.log_moments))
+    """Kernel blocks of patches that share one basis, acting on nodal charges, (n_patches, n, n).
+
+    log sinc(r (t - t')/2) is a power series in r^2 for narrow patches, so that all blocks are one matrix product.
+    """
+    size = table.nodes.size
+    if size <= LARGEST_SERIES and half_width.max() <= WIDEST_SERIES:
+        powers = half_width[:, None] ** (2.0 * np.arange(1, TERMS + 1))
+        blocks = powers @ _log_sinc_terms(size)
+    else:
+        difference = np.subtract.outer(table.nodes, table.nodes)
+        blocks = np.log(np.sinc(half_width[:, None] * (difference.ravel() / (2 * np.pi))))
+    blocks += np.log(half_width)[:, None]
+    blocks += table.log_moments.ravel()
+    return np.asarray(blocks.reshape(-1, size, size))
+
+
+@lru_cache(maxsize=64)
+def _log_sinc_terms(size: int) -> FloatArray:
+    """Terms of log(sin y / y) = -sum_k zeta(2 k) (y / pi)^(2 k) / k, y = r (t - t')/2, less r^(2 k): one a row."""
+    nodes = basis_nodes(size)
+    square = (np.subtract.outer(nodes, nodes).ravel() / (2 * np.pi)) ** 2
+    order = np.arange(1, TERMS + 1)
+    return np.asarray(-(zeta(2.0 * order) / order)[:, None] * square ** order[:, None])
