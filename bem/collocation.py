@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -44,6 +45,7 @@ class IllConditionedSystemError(ArithmeticError):
 
 
 MOST_UNKNOWNS = 12_000  # 2.3 GB for matrix and factor
+FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by blocks of rows (measured)
 
 
 class KernelCorrection(Protocol):
@@ -248,9 +250,8 @@ def evaluate(
     factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
     if info != 0:
         raise IllConditionedSystemError(f"skeleton matrix of {unknowns} unknowns is not positive definite")
-    solved, _ = lapack.dtrtrs(factor, rhs, lower=0, trans=1, overwrite_b=1)
-    gram = solved.T @ solved
-    charges, _ = lapack.dtrtrs(factor, solved[:, -2:], lower=0, trans=0)
+    gram, solved = _gram(factor, rhs)
+    charges, _ = lapack.dtrtrs(factor, solved, lower=0, trans=0)
     if reduced is not None:
         gram += reduced.gram
         charges = reduced.expanded(charges)
@@ -295,6 +296,34 @@ def _eliminated(
         return None
     found = near_field.elimination(patches, resolution.modes, tolerance)
     return found if found.is_worthwhile else None
+
+
+def _gram(factor: FloatArray, rhs: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Y^T Y for Y = U^-T rhs, and the last two columns of Y.
+
+    A column of Y is zero above the first entry of its right-hand side, which for an edge are the nodes of its own
+    patch: by blocks of rows, with the columns in the order in which they begin, a third of the work remains.
+    """
+    size = rhs.shape[0]
+    if size < FEWEST_BLOCKED:
+        solved, _ = lapack.dtrtrs(factor, rhs, lower=0, trans=1, overwrite_b=1)
+        return solved.T @ solved, solved[:, -2:]
+    begin = np.argmax(rhs != 0, axis=0)
+    begin[-2:] = -2, -1
+    order = np.argsort(begin)
+    ends = np.linspace(0, size, min(size // BLOCK_ROWS, MOST_BLOCKS) + 1).astype(np.int64)
+    gram = np.zeros((rhs.shape[1], rhs.shape[1]))
+    blocks: list[FloatArray] = []
+    for start, end in pairwise(ends.tolist()):
+        active = int(np.searchsorted(begin[order], end))
+        block = np.asfortranarray(rhs[start:end, order[:active]])
+        for (first, last), done in zip(pairwise(ends.tolist()), blocks, strict=False):
+            block[:, : done.shape[1]] -= factor[first:last, start:end].T @ done
+        block, _ = lapack.dtrtrs(factor[start:end, start:end], block, lower=0, trans=1, overwrite_b=1)
+        gram[:active, :active] += block.T @ block
+        blocks.append(block)
+    back = np.argsort(order)
+    return gram[back[:, None], back], np.concatenate([block[:, :2] for block in blocks])
 
 
 def _right_hand_sides(

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bem import collocation
 from bem.collocation import Elastic, IllConditionedSystemError, Resolution, evaluate, finer, resolve
 from bem.dense import SmoothKernel, evaluate_dense
 from bem.patches import Patches
@@ -107,6 +108,19 @@ def test_error_is_below_the_tolerance(many_patches, tolerance):
     state = evaluate(Elastic(profile), patches, dense.penetration, tolerance)
     error = np.abs(state.stress_intensity - dense.stress_intensity).max() / np.abs(dense.stress_intensity).max()
     assert error <= tolerance  # measured 3e-2 of it; rounding leaves 5e-12
+
+
+def test_substitution_by_blocks_of_rows_changes_nothing(many_patches, monkeypatch):
+    profile, patches, dense = many_patches
+    blocks = evaluate(Elastic(profile), patches, dense.penetration, 1e-6)
+    assert blocks.unknowns > 2 * collocation.FEWEST_BLOCKED
+    monkeypatch.setattr(collocation, "FEWEST_BLOCKED", 10**9)
+    plain = evaluate(Elastic(profile), patches, dense.penetration, 1e-6)
+    largest = np.abs(plain.edge_compliance).max()
+    # measured 2e-15 of the largest, 4e-15 in the charges
+    np.testing.assert_allclose(blocks.edge_compliance, plain.edge_compliance, rtol=0, atol=1e-14 * largest)
+    np.testing.assert_allclose(blocks.skeleton, plain.skeleton, rtol=0, atol=1e-13 * np.abs(plain.skeleton).max())
+    assert blocks.load == pytest.approx(plain.load, rel=1e-13)
 
 
 def test_pressure_series_agree_with_the_dense_reference(rough):
