@@ -24,7 +24,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import erfinv
 
 from persson.contact import AdhesiveContact
-from persson.corrected_data import calibrated
+from persson.corrected_data import calibrated, outside
 from persson.corrected_variance import Correction, area_at, detachment_stress, diffused, fringed, scales_of
 from persson.diffusion import SAFE, StressDistribution, march
 from persson.magnification import MagnificationMesh, magnification_mesh
@@ -56,6 +56,8 @@ class CorrectedContact:
         J/m^2 of nominal area, without the mean compression.
     status : str
         As of the plain theory; what to do about it is in `advice`.
+    work_of_adhesion : float or None
+        J/m^2.
     variance : float
         tau of the stress, in units of E*^2; nan where the distribution is not two Gaussians.
     barrier : float
@@ -72,6 +74,7 @@ class CorrectedContact:
     separation: float | None
     elastic_energy: float
     status: Status
+    work_of_adhesion: float | None = None
     variance: float = np.nan
     barrier: float = 0.0
     adhesive: AdhesiveContact | None = None
@@ -81,6 +84,13 @@ class CorrectedContact:
     def advice(self) -> str:
         """What the status means and what to do."""
         return advice_for(self.status)
+
+    @property
+    def outside_calibration(self) -> tuple[str, ...]:
+        """Where the case lies outside of what the calibrated correction was judged for; empty if nowhere."""
+        modulus = self.plane_strain_modulus
+        load, work = self.mean_pressure / modulus, (self.work_of_adhesion or 0.0) / modulus
+        return outside(self.spectrum, load, self.contact_fraction, work)
 
     def pressure_distribution(self, pressure: ArrayLike) -> FloatArray:
         """P(sigma) per nominal area in 1/Pa at pressures in Pa; its integral is A/A0."""
@@ -169,6 +179,7 @@ def solve(
             separation=state.separation,
             elastic_energy=state.elastic_energy,
             status=state.status,
+            work_of_adhesion=work_of_adhesion,
             adhesive=state,
         )
     if not (np.isfinite(resolution) and resolution > 0):
@@ -204,6 +215,7 @@ def solve(
         separation=separation,
         elastic_energy=modulus * float(energy[0]),
         status=status_of(spectrum, fraction),
+        work_of_adhesion=work_of_adhesion,
         variance=np.nan if drifts else float(spread[0, -1]),
         barrier=barrier,
         distribution=distribution,

@@ -38,9 +38,16 @@ from validation.studies.theory_correction_page import case_of, chosen, outcome, 
 SCHEMA = "linecontact-theory-correction-study/1"
 FILE, CALIBRATION = "theory-correction.json", "calibration.json"
 RANGE = (
-    "roughness in one direction, half-space, loading; H 0.3 to 0.9, bandwidth 30 to 3000, p/(E* h'_rms) 0.004 to 0.18, "
+    "roughness in one direction, half-space, loading; H 0.3 to 0.9, bandwidth 30 to 1000, p/(E* h'_rms) 0.004 to 0.18, "
     "theta = gamma / full-contact energy up to 0.1; not below 2 % nor above 50 % contact"
 )
+
+LIMITS = {
+    "load_over_slope": [0.003, 0.2],
+    "bandwidth": [12, 1000],
+    "theta": [0.0, 0.1],
+    "contact_fraction": [0.02, 0.5],
+}
 
 
 def run(
@@ -144,6 +151,7 @@ def calibration_content(
         "standard_errors": found.errors,
         "standard_errors_by": "jackknife over the Hurst exponents",
         "range": RANGE,
+        "limits": LIMITS,
         "fit": {"mean_square_over_error": found.chi_square, "area_rms": found.rms},
         "hold_out": held_out,
         "provenance": {

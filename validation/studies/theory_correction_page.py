@@ -42,9 +42,11 @@ EQUATIONS = (
     "x = (<a> / sqrt tau) (V / tau)^c, <a> = <sqrt(2 gamma q / E*)> / pi. "
     "Must not be used for: roughness in two directions or isotropic roughness; finite layers; fewer than about six "
     "lines, or one; unloading, pull-off and zero or negative loads (the law has no area at p = 0, adhesion has); "
-    "theta above 0.1, where surfaces jump into contact; loads at which less than about 2 % of the profile "
-    "touches, where single realisations scatter by tens of per cent about any mean; more than half of the profile in "
-    "contact, more than about 3000 wavelengths and slopes beyond linear elasticity: not tested."
+    "theta above 0.1, where surfaces jump into contact; loads at which less than about 2 % of the profile touches, where "
+    "single realisations scatter by tens of per cent about any mean; adhesion at p/(E* h'_rms) below 0.02 with theta "
+    "above 0.05 and H above 0.6, where the area comes out up to 40 % too small; more than half of the profile in "
+    "contact, bandwidths above 500 and slopes beyond linear elasticity: not judged. Tension: the true distribution falls "
+    "as the inverse cube of the tension at the edges, that of the law ends."
 )
 
 
@@ -70,6 +72,7 @@ def outcome(
     tables = (
         _areas(correction),
         _uncertainties(judged),
+        _aims(judged),
         _coefficients(calibration),
         _by_kind(judged),
         _all(judged),
@@ -143,12 +146,12 @@ def _rows(judged: Sequence[Judged], short: bool) -> list[Row]:
 
 # measured on the full hold-out, and what is accepted of another run of it
 TOLERATED: dict[str, tuple[float, float]] = {
-    "area without": (0.056, 0.08),
-    "area with": (0.15, 0.25),
-    "separation without": (0.13, 0.2),
-    "separation with": (0.15, 0.25),
-    "distribution without": (0.085, 0.13),
-    "distribution with": (0.15, 0.3),
+    "area without": (0.058, 0.09),
+    "area with": (0.118, 0.2),
+    "separation without": (0.111, 0.2),
+    "separation with": (0.128, 0.2),
+    "distribution without": (0.082, 0.13),
+    "distribution with": (0.24, 0.4),
 }
 
 
@@ -229,6 +232,33 @@ def _uncertainties(judged: Sequence[Judged]) -> Table:
         ],
         rows=rows,
     )
+
+
+def _aims(judged: Sequence[Judged]) -> Table:
+    rows: list[list[str | float | int | None]] = []
+    for adhesive in (False, True):
+        some = chosen(judged, adhesive)
+        if not some:
+            continue
+        words = "with adhesion" if adhesive else "without adhesion"
+        error = rms([one.area[CALIBRATED] for one in some])
+        within = float(np.mean([abs(one.area[CALIBRATED]) < max(AIM, 2 * one.area_noise) for one in some]))
+        rows.append([f"area {words}: rms error at most {AIM:g}", error, _met(error <= AIM)])
+        rows.append([f"area {words}: share within {AIM:g} or two standard errors of the ensemble", within, ""])
+        for name, low, high in RANGES:
+            part = chosen(judged, adhesive, low, high)
+            if part:
+                error = rms([one.area[CALIBRATED] for one in part])
+                rows.append([f"area {words}, {name} loads: rms error", error, _met(error <= AIM)])
+        before, after = (rms([separation_error(one, name) for one in some]) for name in (PLAIN, CALIBRATED))
+        rows.append([f"separation {words}: rms error no worse than {before:.3f}", after, _met(after <= before)])
+    return Table(
+        caption="What was aimed at, and what came of it on the hold-out.", columns=["aim", "found", ""], rows=rows
+    )
+
+
+def _met(good: bool) -> str:
+    return "met" if good else "not met"
 
 
 def _coefficients(calibration: Mapping[str, Any]) -> Table:
