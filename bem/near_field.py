@@ -125,6 +125,8 @@ class Elimination:
         most = int(padded.max())
         bases, nodes = np.zeros((len(kinds), most, most)), np.zeros((len(kinds), most))
         for k, (p, m) in enumerate(kinds):
+            if p > most:  # in no pair
+                continue
             bases[k, :p, :p] = _basis(int(p), int(m))
             nodes[k, :p] = chebyshev.basis_nodes(int(p))
         x = (patches.center[:, None] + patches.half_width[:, None] * nodes[kind]) / 2

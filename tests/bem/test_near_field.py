@@ -32,7 +32,18 @@ def one_wide_patch():
     return Patches(left, left + np.concatenate([[2.0], np.full(20, 0.05)])), 3.0
 
 
-CASES = {"light": lambda: cut(0.15), "dense": lambda: cut(0.6), "one wide patch": one_wide_patch}
+def fine_without_a_pair():
+    """Ten near patches, and two beside a gap so narrow that they keep all their modes: more than any pair has."""
+    left = np.concatenate([2.0 + 0.1 * np.arange(10), [4.0, 4.505]])
+    return Patches(left, np.concatenate([left[:-2] + 0.08, [4.5, 5.0]])), 3.0
+
+
+CASES = {
+    "light": lambda: cut(0.15),
+    "dense": lambda: cut(0.6),
+    "one wide patch": one_wide_patch,
+    "no pair": fine_without_a_pair,
+}
 
 
 @pytest.fixture
