@@ -42,11 +42,11 @@ EQUATIONS = (
     "x = (<a> / sqrt tau) (V / tau)^c, <a> = <sqrt(2 gamma q / E*)> / pi. "
     "Must not be used for: roughness in two directions or isotropic roughness; finite layers; fewer than about six "
     "lines, or one; unloading, pull-off and zero or negative loads (the law has no area at p = 0, adhesion has); "
-    "theta above 0.1, where surfaces jump into contact; loads at which less than about 2 % of the profile touches, where "
-    "single realisations scatter by tens of per cent about any mean; adhesion at p/(E* h'_rms) below 0.02 with theta "
-    "above 0.05 and H above 0.6, where the area comes out up to 40 % too small; more than half of the profile in "
-    "contact, bandwidths above 500 and slopes beyond linear elasticity: not judged. Tension: the true distribution falls "
-    "as the inverse cube of the tension at the edges, that of the law ends."
+    "loads at which less than about 2 % of the profile touches, where single realisations scatter by tens of per cent "
+    "about any mean; adhesion at p/(E* h'_rms) below 0.02 with theta above 0.05 and H above 0.6, where the area comes "
+    "out up to 40 % too small. Not judged: theta above 0.1, more than half of the profile in contact, bandwidths above "
+    "500, slopes beyond linear elasticity. Tension: the true distribution falls as the inverse cube of the tension at "
+    "the edges, that of the law ends."
 )
 
 
