@@ -37,6 +37,7 @@ CLOSED_GAP = 1e-4  # of the shortest wavelength, or of NARROW times the narrower
 NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs thousands of modes
 COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too early is opened then
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
+LEFT_OVER = 0.01  # of the closure and the contact: what the edges may still have to move, for invariances to 1e-10
 DAMPED_AFTER = 15  # iterations after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
@@ -130,7 +131,7 @@ def solve_contact(
                 accuracy = max(tolerance, COARSE)
             elif _closed(state, control, closure):
                 before, remaining = remaining, _remaining(state)
-                if remaining <= TWO_PI * closure or remaining > 0.5 * before:
+                if remaining <= LEFT_OVER * closure * np.sum(patches.width) or remaining > 0.5 * before:
                     return Contact("converged", state, measure, count)
         if changed is None:
             sign = np.sign(state.stress_intensity)
