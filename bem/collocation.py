@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Protocol
 
@@ -225,10 +226,9 @@ def evaluate(
     x = np.empty(int(offsets[-1]))
     rhs = np.zeros((x.size, 2 * count + 2), order="F")
     rhs[:, -1] = 1.0
-    classes = [(int(modes), np.flatnonzero(kept == modes)) for modes in np.unique(kept)]
-    for modes, members in classes:
+    classes = [(modes, members, offsets[members, None] + np.arange(modes)) for modes, members in _by_size(kept)]
+    for modes, members, rows in classes:
         table = chebyshev.basis(modes)
-        rows = offsets[members, None] + np.arange(modes)
         x[rows] = center[members, None] + half_width[members, None] * table.nodes
         rhs[rows, members[:, None]] = table.at_edges[0]
         rhs[rows, count + members[:, None]] = table.at_edges[1]
@@ -238,8 +238,7 @@ def evaluate(
         rhs[:, -2] -= background(x)
 
     matrix = half_space.between_nodes(x)
-    for modes, members in classes:
-        rows = offsets[members, None] + np.arange(modes)
+    for modes, members, rows in classes:
         block = half_space.within_patch(half_width[members], chebyshev.basis(modes))
         matrix[rows[:, :, None], rows[:, None, :]] = block
     for correction in elastic.corrections:
@@ -260,8 +259,7 @@ def evaluate(
     both = np.stack([skeleton, skeleton_rate])
     slopes = np.empty((2, 2 * count))
     offsets = np.concatenate([[0], np.cumsum(resolution.modes)])
-    for modes in np.unique(resolution.modes).tolist():
-        members = np.flatnonzero(resolution.modes == modes)
+    for modes, members in _by_size(resolution.modes):
         rows = offsets[members, None] + np.arange(modes)
         slopes[:, members] = both[:, rows] @ chebyshev.basis(modes).slopes_at_edges[0]
         slopes[:, count + members] = both[:, rows] @ chebyshev.basis(modes).slopes_at_edges[1]
@@ -334,7 +332,7 @@ def _right_hand_sides(
     The sums over n >= p are (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2 L,) each, and n C_n^2.
     """
     center, half_width, count = patches.center, patches.half_width, patches.count
-    classes = [(int(size), np.flatnonzero(resolution.nodes == size)) for size in np.unique(resolution.nodes)]
+    classes = _by_size(resolution.nodes)
     positions = [center[who, None] + half_width[who, None] * chebyshev.basis_nodes(size) for size, who in classes]
     heights = profile.height(np.concatenate([x.ravel() for x in positions]))
     splits = np.split(heights, np.cumsum([x.size for x in positions])[:-1])
@@ -343,13 +341,29 @@ def _right_hand_sides(
     for (size, who), x, height in zip(classes, positions, splits, strict=True):
         rows = chebyshev.coefficients(-np.pi * height.reshape(x.shape))
         rows[:, 0] += np.pi * (profile.max_height - penetration)
-        order = np.arange(size, dtype=np.float64)
+        order, sums = _edge_sums(size)
         term = rows * np.where(order >= resolution.modes[who, None], order, 0.0)
         energy += float(np.vdot(term, rows))
-        signs = np.where(np.arange(size) % 2 == 0, 1.0, -1.0) / np.pi
-        ones = np.full(size, 1 / np.pi)
-        at_edge[who], at_edge[count + who] = term @ signs, term @ ones
-        slope[who], slope[count + who] = -term @ (signs * order**2), -term @ (ones * order**2)
+        at_edge[who], at_edge[count + who], slope[who], slope[count + who] = (term @ sums).T
         for i, row in zip(who, rows, strict=True):
             series[i] = row
     return tuple(series), at_edge, slope, energy
+
+
+def _by_size(sizes: IntArray) -> tuple[tuple[int, IntArray], ...]:
+    """Each size with the indices of the patches that have it, ascending."""
+    return _grouped(sizes.astype(np.int64).tobytes())
+
+
+@lru_cache(maxsize=64)
+def _grouped(sizes: bytes) -> tuple[tuple[int, IntArray], ...]:
+    known = np.frombuffer(sizes, dtype=np.int64)
+    return tuple((int(size), np.flatnonzero(known == size)) for size in np.unique(known))
+
+
+@lru_cache(maxsize=512)
+def _edge_sums(size: int) -> tuple[FloatArray, FloatArray]:
+    """Orders n, (size,), and what takes n C_n to (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n, (size, 4)."""
+    order = np.arange(size, dtype=np.float64)
+    both = np.stack([np.where(order % 2 == 0, 1.0, -1.0), np.ones(size)], axis=1) / np.pi
+    return order, np.concatenate([both, -both * order[:, None] ** 2], axis=1)
