@@ -7,6 +7,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.identities",
     "validation.cases.path_convergence",
     "validation.cases.paper_profile",
+    "validation.cases.hurst_exponents",
     "validation.cases.fem_closed_forms",
     "validation.cases.fem_closure",
     "validation.cases.fem_equilibria",
