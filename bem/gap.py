@@ -31,7 +31,7 @@ POINTS_PER_WAVELENGTH = 10
 REFINEMENTS, REFINEMENT_RATIO = 2, 20.0  # of a minimum: parabolas on ever shorter bases, 1/400 of a grid cell at last
 NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
 GRID_RATIO = 1.2  # steps of the list of grid sizes, so that equal ones are treated together
-LARGEST_MATRIX = 50_000  # entries; longer series are summed by Clenshaw's rule
+LARGEST_MATRIX = 1_000_000  # entries of an interpolation, 8 MB; longer series are summed by Clenshaw's rule
 _TERMS = 8  # of a power series summed at a time
 
 

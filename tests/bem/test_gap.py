@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rough_surfaces import bearing_cut
 
+from bem import gap
 from bem.collocation import Elastic, evaluate
 from bem.gap import gap_field, low_minima
 from bem.patches import Patches
@@ -124,3 +125,16 @@ def test_all_overlaps_of_a_rough_state_are_found():
     assert len(beyond) >= 3
     for run in beyond:
         assert np.any((found.position >= x[run[0]]) & (found.position <= x[run[-1]]))
+
+
+def test_minima_do_not_depend_on_how_the_displacement_is_interpolated(monkeypatch):
+    profile = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 1).scaled()
+    patches, _ = bearing_cut(profile, 0.1)
+    elastic = Elastic(profile)
+    field = gap_field(elastic, evaluate(elastic, patches, 2.5, 1e-12))
+    by_matrix = low_minima(field)
+    monkeypatch.setattr(gap, "LARGEST_MATRIX", 0)
+    by_clenshaw = low_minima(field)
+    assert by_matrix.position.size > 3
+    np.testing.assert_allclose(by_matrix.position, by_clenshaw.position, rtol=0, atol=1e-12)  # measured 0
+    np.testing.assert_allclose(by_matrix.depth, by_clenshaw.depth, rtol=0, atol=1e-12)  # measured 0
