@@ -1,11 +1,11 @@
-"""The state between two points of a path at which the load has a given value.
+"""The state between two points of an adhesive path at which the load has a given value.
 
 On a branch the load is a smooth function of the control value.  With adhesion it is found in two stages, with the
 predictor and Newton of the path: by the Illinois form of the secant at the accuracy between targets, then by Newton
 with the stiffness of the branch at that of a target.  What the first accuracy leaves undecided, the second decides
-by the secant alone.  Without adhesion every state is as accurate as a target, and the secant is all.  Where an event
-lies in between, the branch before it is searched up to its end, then the branch after it, which begins within the
-smallest increment.  Dimensionless.
+by the secant alone.  Where an event lies in between, the branch before it is searched up to its end, then the branch
+after it, which begins within the smallest increment.  Without adhesion load control leads there at once
+(convex_path.py).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
-from bem.convex_path import ContactPoint, ConvexPath
 from bem.path import Path, Point
 
 SECANT_STEPS = 30
@@ -24,28 +23,20 @@ COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
 COARSE_CLOSURE = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
 
 
-def at_load(
-    path: Path | ConvexPath, before: Point | ContactPoint, after: Point | ContactPoint, load: float
-) -> Point | ContactPoint | None:
+def at_load(path: Path, before: Point, after: Point, load: float) -> Point | None:
     """The polished point between two points at which the load is `load`; None when an event jumped over it.
 
     Parameters
     ----------
-    path : Path or ConvexPath
-    before, after : Point or ContactPoint
-        With edges; an event at `after` ends the branch there.  Without adhesion `before` may be apart: one branch leads
-        from first touch to `after`.
+    path : Path
+    before, after : Point
+        With edges; an event at `after` ends the branch there.
     load : float
         Dimensionless load per period.
     """
-    if before.state is None:
-        return _secant(path, after, (0.0, -load), (after.value, _load(after) - load), load, LOAD_ACCURACY)
-    if isinstance(path, Path):
-        found = _between(_tracking(path), before, after, load, COARSE_LOAD_ACCURACY)
-        polished = None if found is None else _polished(path, found, load)
-        if polished is not None:
-            return polished
-    return _between(path, before, after, load, LOAD_ACCURACY)
+    found = _between(_tracking(path), before, after, load, COARSE_LOAD_ACCURACY)
+    polished = None if found is None else _polished(path, found, load)
+    return _between(path, before, after, load, LOAD_ACCURACY) if polished is None else polished
 
 
 def _tracking(path: Path) -> Path:
@@ -55,9 +46,7 @@ def _tracking(path: Path) -> Path:
     return replace(path, increments=coarse)
 
 
-def _between(
-    path: Path | ConvexPath, before: Point | ContactPoint, after: Point | ContactPoint, load: float, accuracy: float
-) -> Point | ContactPoint | None:
+def _between(path: Path, before: Point, after: Point, load: float, accuracy: float) -> Point | None:
     """The point of this load on the branch of either end, to a relative accuracy of the load."""
     forth = [before, *(_branch_to(path, before, after.value) if after.events else [after])]
     back = [after, *(_branch_to(path, after, before.value) if after.events else [])]
@@ -72,18 +61,13 @@ def _between(
 
 
 def _secant(
-    path: Path | ConvexPath,
-    base: Point | ContactPoint,
-    first: tuple[float, float],
-    second: tuple[float, float],
-    load: float,
-    accuracy: float,
-) -> Point | ContactPoint | None:
+    path: Path, base: Point, first: tuple[float, float], second: tuple[float, float], load: float, accuracy: float
+) -> Point | None:
     """The point on the branch of `base` between two control values whose misses of the load differ in sign."""
     (low, low_miss), (high, high_miss) = first, second
     last_side = 0
     for _ in range(SECANT_STEPS):
-        found = _at_value(path, base, low - low_miss * (high - low) / (high_miss - low_miss))
+        found = path.polished_at(base, low - low_miss * (high - low) / (high_miss - low_miss))
         if found is None or found.state is None:
             return None
         miss = found.state.load - load
@@ -100,9 +84,8 @@ def _secant(
     return None
 
 
-def _polished(path: Path, start: Point | ContactPoint, load: float) -> Point | None:
+def _polished(path: Path, start: Point, load: float) -> Point | None:
     """The point of this load at the accuracy of a target, by Newton from one close to it; None where that fails."""
-    assert isinstance(start, Point)
     point, value = start, start.value
     for _ in range(POLISH_STEPS):
         found = path.polished_at(point, value)
@@ -117,11 +100,11 @@ def _polished(path: Path, start: Point | ContactPoint, load: float) -> Point | N
     return None
 
 
-def _branch_to(path: Path | ConvexPath, before: Point | ContactPoint, value: float) -> list[Point | ContactPoint]:
+def _branch_to(path: Path, before: Point, value: float) -> list[Point]:
     """Points on the branch of `before` up to where Newton follows it on the way to an event at `value`."""
     points, beyond, trial = [before], value, value
     for _ in range(BISECTIONS):
-        found = _at_value(path, points[-1], trial)
+        found = path.polished_at(points[-1], trial)
         if found is None:
             beyond = trial
         else:
@@ -132,16 +115,6 @@ def _branch_to(path: Path | ConvexPath, before: Point | ContactPoint, value: flo
     return points[1:]
 
 
-def _load(point: Point | ContactPoint) -> float:
+def _load(point: Point) -> float:
     assert point.state is not None
     return point.state.load
-
-
-def _at_value(path: Path | ConvexPath, before: Point | ContactPoint, value: float) -> Point | ContactPoint | None:
-    """The polished point at a control value on the branch of `before`; None when the branch ends on the way."""
-    if isinstance(path, Path):
-        assert isinstance(before, Point)
-        return path.polished_at(before, value)
-    assert isinstance(before, ContactPoint)
-    *_, last = path.advance(before, value)
-    return last

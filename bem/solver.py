@@ -292,6 +292,7 @@ class _Run:
     def _crossing(self, before: AnyPoint, after: AnyPoint, load: float) -> AnyPoint | None:
         """The state at a load between two points; None where the path jumps over it."""
         if isinstance(self.path, Path):
+            assert isinstance(before, Point) and isinstance(after, Point)
             return at_load(self.path, before, after, load)
         return self.path.at_load(load)
 

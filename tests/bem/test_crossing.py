@@ -75,10 +75,10 @@ def test_what_the_coarse_accuracy_cannot_decide_the_fine_one_does(adhesive, monk
 
 def test_the_load_is_met_without_adhesion():
     path, point = start(None)
-    (before,) = path.advance(point, 0.4)
-    (after,) = path.advance(before, 1.2)
-    load = 0.5 * (before.state.load + after.state.load)
-    assert at_load(path, before, after, load).state.load == pytest.approx(load, rel=1e-10)
+    (there,) = path.advance(point, 1.2)
+    found = path.at_load(0.5 * there.state.load)
+    assert found.state.load == pytest.approx(0.5 * there.state.load, rel=1e-12)
+    assert found.value == found.state.penetration < there.value
 
 
 def test_a_load_outside_is_not_found(adhesive):
