@@ -88,8 +88,8 @@ def _previous_wavenumber(original: Function, size: float) -> Function:
 def _higher_barrier(original: Function, size: float) -> Function:
     """Stress absorbed at a tension too large by sqrt 2."""
 
-    def wrong(loads: Any, variance: Any, barrier: Any, n_cells: int) -> Any:
-        return original(loads, variance, barrier * (1 + size * (np.sqrt(2) - 1)), n_cells)
+    def wrong(loads: Any, variance: Any, barrier: Any, *given: Any, **named: Any) -> Any:
+        return original(loads, variance, barrier * (1 + size * (np.sqrt(2) - 1)), *given, **named)
 
     return wrong
 
