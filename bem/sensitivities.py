@@ -26,17 +26,17 @@ FloatArray = NDArray[np.float64]
 
 def stress_intensity_jacobian(state: Evaluation) -> FloatArray:
     """dK_i / d(outward motion of edge e), (2 L, 2 L), dimensionless."""
-    count = state.patches.count
-    modes = state.resolution.modes
-    radius = np.tile(state.patches.half_width, 2)
-    coupling = -(np.pi**2) * state.edge_compliance
+    count, modes = state.patches.count, state.resolution.modes
+    half_width, intensity = state.patches.half_width, state.stress_intensity
+    root = np.sqrt(np.concatenate([half_width, half_width]))
+    pull = intensity / (2 * root)
+    jacobian = state.edge_compliance * (np.pi**2 * pull)
+    jacobian /= root[:, None]
+    same_edge = modes * (modes - 1.0)
+    other_edge = np.where(modes % 2 == 0, -modes, modes - 1.0) + 0.5
     same = np.arange(2 * count)
-    other = np.roll(same, count)
-    coupling[same, same] += np.tile(modes * (modes - 1.0), 2)
-    alternating = np.where(modes % 2 == 0, -modes / 2, (modes - 1) / 2)
-    coupling[same, other] += np.tile(2 * alternating + 0.5, 2)
-    root = np.sqrt(radius)
-    intensity = state.stress_intensity
-    jacobian = -coupling * (intensity / (2 * root)) / root[:, None]
-    jacobian[same, same] -= intensity / (4 * radius) + np.sqrt(np.pi / radius) * state.edge_slope / 2
+    other = np.concatenate([same[count:], same[:count]])
+    jacobian[same, same] -= np.concatenate([same_edge, same_edge]) * pull / root
+    jacobian[same, other] -= np.concatenate([other_edge, other_edge]) * pull[other] / root
+    jacobian[same, same] -= intensity / (4 * root**2) + np.sqrt(np.pi) / root * state.edge_slope / 2
     return np.asarray(jacobian)
