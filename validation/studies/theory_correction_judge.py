@@ -45,6 +45,8 @@ class Judged:
         Standard error of it.
     area, separations, distribution : dict of str to float
         Error of the area; s / h_rms; distance of the distributions.
+    distribution_noise : float
+        Largest standard error of the mean share, over the area.
     """
 
     group: str
@@ -61,6 +63,7 @@ class Judged:
     area: dict[str, float]
     separations: dict[str, float]
     distribution: dict[str, float]
+    distribution_noise: float
     remark: str = ""
 
     @property
@@ -114,6 +117,8 @@ def judge(
         lowest = -1.0 if group.theta > 0 else 0.0
         kept = lowest <= STRESSES
         area = float(one.area[column])
+        shares = one.shares[np.isfinite(one.areas[:, column]), column][:, kept]
+        scatter = shares.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(int(kept.sum()), np.nan)
         found.append(
             Judged(
                 group.name,
@@ -134,6 +139,7 @@ def judge(
                     for name, value in said.items()
                     if value.share is not None
                 },
+                float(np.max(scatter) / area),
                 "; ".join(f"{name}: {v.status}" for name, v in said.items() if v.status != "converged"),
             )
         )

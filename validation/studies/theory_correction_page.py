@@ -16,7 +16,8 @@ import numpy as np
 from persson.corrected import spread_of
 from persson.corrected_variance import Correction, area_at, detachment_stress, fringed
 from validation.case import Case, Outcome
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.schema import Reference, Row, Table, Tolerance
+from validation.studies.theory_correction_figures import chosen, figures_of, known
 from validation.studies.theory_correction_fit import lines_of
 from validation.studies.theory_correction_judge import CALIBRATED, PLAIN, Judged, rms
 from validation.studies.theory_correction_members import MODULUS, RMS_SLOPE, Group
@@ -78,7 +79,7 @@ def outcome(
         _all(judged),
     )
     counts = {"loads judged": len(judged), "loads planned": planned, "without a state": planned - len(judged)}
-    return Outcome(rows=rows, figures=tuple(_figures(judged)), tables=tables, counts=counts)
+    return Outcome(rows=rows, figures=tuple(figures_of(judged)), tables=tables, counts=counts)
 
 
 def case_of(made: Outcome) -> Case:
@@ -93,11 +94,6 @@ def case_of(made: Outcome) -> Case:
         compute=lambda: made,
         effects=("half_space", "adhesion", "pressure_distribution"),
     )
-
-
-def chosen(judged: Sequence[Judged], adhesive: bool, low: float = 0.0, high: float = 1.0) -> list[Judged]:
-    """Those without or with adhesion at loads in [low, high)."""
-    return [one for one in judged if one.adhesive == adhesive and low <= one.load < high]
 
 
 def separation_error(one: Judged, name: str) -> float:
@@ -284,8 +280,8 @@ def _by_kind(judged: Sequence[Judged]) -> Table:
                     name,
                     len(some),
                     rms([one.area.get(name, np.nan) for one in some]),
-                    _known(rms([separation_error(one, name) for one in some])),
-                    _known(rms([one.distribution.get(name, np.nan) for one in some])),
+                    known(rms([separation_error(one, name) for one in some])),
+                    known(rms([one.distribution.get(name, np.nan) for one in some])),
                     rms([one.area_noise for one in some]),
                 ]
             )
@@ -300,72 +296,16 @@ def _by_kind(judged: Sequence[Judged]) -> Table:
 def _all(judged: Sequence[Judged]) -> Table:
     return Table(
         caption="Every load of the hold-out: means of the ensembles with standard errors, relative errors of the area, "
-        "separations in rms heights.",
+        "separations in rms heights, largest distances of the distributions over the area.",
         columns=["group", "p/E*", "realisations", "A/A0", "standard error", "plain", "calibrated", "s/h_rms",
-                 "standard error of s", "s plain", "s calibrated", "remark"],
+                 "standard error of s", "s plain", "s calibrated", "distance plain", "distance calibrated",
+                 "noise of the distance", "remark"],
         rows=[
             [one.group, one.load, one.realisations, one.contact_fraction, one.contact_fraction * one.area_noise,
-             one.area[PLAIN], one.area[CALIBRATED], one.separation, _known(one.separation_noise),
-             _known(one.separations.get(PLAIN, np.nan)), _known(one.separations.get(CALIBRATED, np.nan)), one.remark]
+             one.area[PLAIN], one.area[CALIBRATED], one.separation, known(one.separation_noise),
+             known(one.separations.get(PLAIN, np.nan)), known(one.separations.get(CALIBRATED, np.nan)),
+             one.distribution[PLAIN], one.distribution[CALIBRATED],
+             known(one.distribution_noise), one.remark]
             for one in judged
         ],
     )  # fmt: skip
-
-
-def _figures(judged: Sequence[Judged]) -> list[Figure]:
-    figures = []
-    for adhesive in (False, True):
-        some = chosen(judged, adhesive)
-        if not some:
-            continue
-        words = "with" if adhesive else "without"
-        at = [one.contact_fraction for one in some]
-        figures.append(
-            Figure(
-                id=f"landing-correction-{words}-adhesion",
-                caption=f"Hold-out {words} adhesion: contact fraction by the plain and the corrected theory against "
-                "that of the ensembles; below the relative errors with two standard errors of the ensembles.",
-                solution=Panel(
-                    xlabel="contact fraction of the ensembles",
-                    ylabel="of the theory",
-                    xscale="log",
-                    yscale="log",
-                    series=[
-                        Series(label="calibrated", x=at, y=_times(some, CALIBRATED), style="points"),
-                        Series(label="plain theory", x=at, y=_times(some, PLAIN), style="points"),
-                        Series(label="equal", x=[min(at), max(at)], y=[min(at), max(at)]),
-                    ],
-                ),
-                error=Panel(
-                    xlabel="contact fraction of the ensembles",
-                    ylabel="relative error",
-                    xscale="log",
-                    series=[
-                        Series(label="calibrated", x=at, y=[one.area[CALIBRATED] for one in some], style="points"),
-                        Series(label="plain theory", x=at, y=[one.area[PLAIN] for one in some], style="points"),
-                        _noise(some),
-                    ],
-                ),
-            )
-        )
-    return figures
-
-
-def _times(some: Sequence[Judged], name: str) -> list[float | None]:
-    return [one.contact_fraction * (1 + one.area[name]) for one in some]
-
-
-def _noise(some: Sequence[Judged]) -> Series:
-    ordered = sorted(some, key=lambda one: one.contact_fraction)
-    noise: list[float | None] = [2 * one.area_noise for one in ordered]
-    return Series(
-        label="two standard errors",
-        x=[one.contact_fraction for one in ordered],
-        y=[None if value is None else -value for value in noise],
-        upper=noise,
-        style="band",
-    )
-
-
-def _known(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
