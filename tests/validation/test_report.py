@@ -259,6 +259,15 @@ def test_infinite_ratio_is_the_worst():
     assert "inf worst error / tolerance" in page.text
 
 
+def test_pair_shown_of_a_band_is_the_one_whose_ratio_is_told():
+    of_two = row(norm="ratio", tolerance=None, band=BAND).model_copy(
+        update={"expected": [1.0, 100.0], "computed": [2.9, 230.0]}
+    )
+    shown = Page(render(report(case("persson", of_two)))).text
+    assert re.search(r"2\.9 worst of 2.*?2\.9", shown, re.DOTALL)
+    assert "230" not in shown
+
+
 def test_known_discrepancy_shows_band_cause_source_and_review():
     text = Page(render(report())).text
     known = text[text.index("Known discrepancies Recorded") :]

@@ -219,11 +219,15 @@ def _line(row: Row) -> Line:
 
 
 def _place_of_worst(row: Row) -> int:
-    """Index of the value that is farthest off."""
-    misses = [
-        math.inf if a is None or b is None or math.isnan(a - b) else abs(a - b)
-        for a, b in zip(row.computed, row.expected, strict=True)
-    ]
+    """Index of the value that the error is of: the farthest off, or the ratio farthest from the middle of its band."""
+    middle = None if row.band is None else (row.band.low + row.band.high) / 2
+
+    def miss(a: float | None, b: float | None) -> float:
+        if a is None or b is None or math.isnan(a - b) or (middle is not None and b == 0):
+            return math.inf
+        return abs(a - b) if middle is None else abs(a / b - middle)
+
+    misses = [miss(a, b) for a, b in zip(row.computed, row.expected, strict=True)]
     return misses.index(max(misses))
 
 
