@@ -185,7 +185,8 @@ def _beside(best: Point, others: Sequence[Point]) -> str:
         good = [point for point in others if point.method == name and max(point.error, point.floor) <= best.error]
         if good:
             quick = min(good, key=lambda point: point.timed.cpu_seconds)
-            told.append(f"{name} {quick.timed.cpu_seconds:.2g} s (error {quick.error:.1e} at {quick.timed.setting})")
+            error = max(quick.error, quick.floor)
+            told.append(f"{name} {quick.timed.cpu_seconds:.2g} s (error {error:.1e} at {quick.timed.setting})")
         else:
             told.append(f"{name} never")
     return (
