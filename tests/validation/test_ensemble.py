@@ -178,14 +178,24 @@ def alive(pid):
         return False
 
 
+def first_worker(process):
+    """Process id of a worker, once one runs."""
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    deadline = time.monotonic() + 20
+    while time.monotonic() < deadline:
+        for pid in children.read_text().split():
+            if alive(pid) and "spawn_main" in Path(f"/proc/{pid}/cmdline").read_text():
+                return int(pid)
+        time.sleep(0.01)
+    raise AssertionError("no worker within 20 s")
+
+
 def test_killed_worker_costs_no_member(tmp_path):
     command = [sys.executable, str(SCRIPT), str(tmp_path), "4", "16"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     process.stdout.readline()
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-    spawned = [pid for pid in children if "spawn_main" in Path(f"/proc/{pid}/cmdline").read_text()]
-    os.kill(int(spawned[0]), signal.SIGKILL)
+    os.kill(first_worker(process), signal.SIGKILL)
     told, _ = process.communicate()
     assert process.returncode == 0
     assert sorted(written(tmp_path)) == [member.name for member in members(4)]

@@ -33,7 +33,8 @@ CLOSED_FORM = 2e-8  # of p* (or of the pressure where larger) and the amplitude;
 DENSE = 1.5e-10  # of the pressure unit, or of the pressure where larger; measured 5.5e-11 at an rms height of 1 nm
 INVARIANCE = 2.5e-11  # of contact fraction and pressure unit; measured 8.8e-12 (last target alone), others 9e-15
 SAME_END = 1e-10  # the same along other increments and after a restart, as asked for; measured 5e-15
-ROUNDINGS, EPS = 8, np.finfo(float).eps  # of the penetration, which in SI is the difference of rounded numbers
+# Of the penetration, which in SI is the difference of rounded numbers, and of heights by expansion; measured 10.
+ROUNDINGS, EPS = 24, np.finfo(float).eps
 HEIGHT_NOISE = 1e-13  # of the rms height, as seen in pressures; 4e-14 measured on a patch of 1e-5 periods
 WITHIN = 2000  # points within a patch, and again about its lowest pressure
 TENSION = 1e-9  # of the mean pressure of a patch: pressure that must not be tensile without adhesion
