@@ -45,4 +45,6 @@ def _member(k, harmonics, seed):
 
 
 if __name__ == "__main__":
-    run_ensemble(members(int(sys.argv[2]), int(sys.argv[3])), Path(sys.argv[1]), 2, lambda note: print(note.text))
+    run_ensemble(
+        members(int(sys.argv[2]), int(sys.argv[3])), Path(sys.argv[1]), 2, lambda note: print(note.text, flush=True)
+    )
