@@ -24,7 +24,7 @@ from validation.registry import CaseError, registry, select
 from validation.report.render import PAGE, ReportError, failures, write_html
 from validation.runner import Note, run_cases, write_atomically
 from validation.schema import SCHEMA, Report, is_intact, with_checksum
-from validation.studies import ON_EXECUTORS, STUDIES
+from validation.studies import IN_PROCESSES, ON_EXECUTORS, STUDIES
 from validation.verdict import counts, fails
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -192,9 +192,12 @@ def _study(options: argparse.Namespace) -> int:
         raise CaseError(f"--peers: study {options.name} has none, {WITH_PEERS} has")
     study = import_module(f"validation.studies.{options.name.replace('-', '_')}")
     if options.name in ON_EXECUTORS:
-        return int(study.run(options.out, options.quick, _say, options.jobs, opener_of(options.executor)))
+        jobs = options.jobs or os.cpu_count() or 1
+        return int(study.run(options.out, options.quick, _say, jobs, opener_of(options.executor)))
     if options.executor != "local":
         raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs here alone")
+    if options.name in IN_PROCESSES:
+        return int(study.run(options.out, options.quick, _say, jobs=options.jobs or 1))
     if options.peers:
         return int(study.run(options.out, options.quick, _say, peers=True))
     return int(study.run(options.out, options.quick, _say))
@@ -252,7 +255,8 @@ def _parser() -> argparse.ArgumentParser:
     study.add_argument("name", choices=STUDIES, help="; ".join(f"{name}: {what}" for name, what in STUDIES.items()))
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
-    study.add_argument("--jobs", type=_positive, default=cores, help=f"processes of: {', '.join(ON_EXECUTORS)}")
+    many, one = ", ".join(ON_EXECUTORS), ", ".join(IN_PROCESSES)
+    study.add_argument("--jobs", type=_positive, help=f"processes of: {many} (default: {cores}), {one} (default: 1)")
     study.add_argument("--executor", default="local", help=f"for {', '.join(ON_EXECUTORS)}: local or dask://host:port")
     study.add_argument("--peers", action="store_true", help=f"{WITH_PEERS} beside FFT solvers only (extra `peers`)")
     study.set_defaults(command=_study)

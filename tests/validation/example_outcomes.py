@@ -1,6 +1,7 @@
 """Measurements for the study of stability that end at once in every way there is; importable by worker processes."""
 
 import os
+import time
 
 from validation.cases.hard_case_run import Outcome
 from validation.studies.stability import Task
@@ -22,3 +23,14 @@ def crash(task: Task) -> Outcome:
 
 def die(task: Task) -> Outcome:
     os._exit(9)
+
+
+def one_dies_one_crashes(task: Task) -> Outcome:
+    """Each code another ending."""
+    return {"bem": die, "fem": crash, "persson": converge}[task.code](task)
+
+
+def one_never_ends(task: Task) -> Outcome:
+    while task.code == "bem":
+        time.sleep(0.1)
+    return outcome()

@@ -34,7 +34,7 @@ def test_unknown_executor_is_refused(spec):
 def test_processes_of_this_machine_are_the_default(words):
     options = command_line._parser().parse_args([*words, "--out", "here"])
     assert opener_of(options.executor) is executors.local_processes
-    assert options.jobs == os.cpu_count()
+    assert options.jobs == (None if words[0] == "study" else os.cpu_count())  # that of a study is its own
 
 
 @needs_dask

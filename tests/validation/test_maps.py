@@ -2,6 +2,7 @@
 
 import csv
 import io
+import os
 from types import SimpleNamespace
 
 import numpy as np
@@ -35,13 +36,16 @@ def test_coarse_study_spans_hurst_adhesion_and_layers_like_the_full_one():
     assert {point.thickness for point in coarse} == {point.thickness for point in fine}
 
 
+@pytest.mark.parametrize(
+    ("words", "jobs"), [(["--jobs", "3"], 3), ([], os.cpu_count())], ids=["three processes", "as many as cores"]
+)
 @pytest.mark.parametrize("name", ["maps", "maps-coarse"])
-def test_study_runs_on_any_executor(name, tmp_path, monkeypatch):
+def test_study_runs_on_any_executor(name, words, jobs, tmp_path, monkeypatch):
     seen = []
     monkeypatch.setattr(maps, "run_over", lambda axes, *rest: seen.append((axes, rest[-2])) or 0)
     monkeypatch.setattr(maps_coarse, "run_over", maps.run_over)
-    assert command_line.main(["study", name, "--jobs", "3", "--out", str(tmp_path)]) == 0
-    assert seen == [(maps.FULL_AXES if name == "maps" else maps.COARSE_AXES, 3)]
+    assert command_line.main(["study", name, *words, "--out", str(tmp_path)]) == 0
+    assert seen == [(maps.FULL_AXES if name == "maps" else maps.COARSE_AXES, jobs)]
 
 
 def test_realisations_of_a_point_differ_in_their_seed_alone():

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from validation import __main__ as command_line
 from validation.cases import stability as registered
 from validation.execution import Ended, Running
 from validation.studies import stability
@@ -119,8 +120,8 @@ def here(monkeypatch):
     return begun
 
 
-def study(folder, measure=None, tasks=TASKS):
-    return stability.run(folder, True, lambda note: None, tasks, measure)
+def study(folder, measure=None, tasks=TASKS, jobs=1):
+    return stability.run(folder, True, lambda note: None, tasks, measure, jobs)
 
 
 def stored(folder):
@@ -188,6 +189,30 @@ def test_time_limit_ends_a_case(examples, tmp_path, monkeypatch):
 def test_dead_process_is_a_crashed_row(examples, tmp_path):
     assert study(tmp_path, examples.die, [FLAT]) == 1
     assert stored(tmp_path)["rows"][0]["message"].startswith("WorkerDiedError")
+
+
+def test_cases_side_by_side_end_as_alone_and_stand_in_order(examples, tmp_path):
+    assert study(tmp_path, examples.one_dies_one_crashes, jobs=2) == 1
+    assert [(row["id"], row["message"].split(":")[0]) for row in stored(tmp_path)["rows"]] == [
+        ("flat", "WorkerDiedError"),
+        ("apart", "ZeroDivisionError"),
+        ("one_line", ""),
+    ]
+
+
+@pytest.mark.slow  # 9 s: the clock is looked at every 5 s
+def test_time_limit_of_a_case_leaves_that_beside_it(examples, tmp_path):
+    tasks = [replace(TASKS[0], limit=1.0), *TASKS[1:]]
+    assert study(tmp_path, examples.one_never_ends, tasks, jobs=2) == 1
+    assert [row["ending"] for row in stored(tmp_path)["rows"]] == ["timed out", "converged", "converged"]
+
+
+@pytest.mark.parametrize(("words", "jobs"), [([], 1), (["--jobs", "2"], 2)], ids=["alone", "side by side"])
+def test_command_line_takes_one_case_at_a_time_unless_asked(words, jobs, tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(stability, "run", lambda *_, jobs: seen.append(jobs) or 0)
+    assert command_line.main(["study", "stability", *words, "--out", str(tmp_path)]) == 0
+    assert seen == [jobs]
 
 
 @pytest.mark.parametrize("task", TASKS, ids=[task.code for task in TASKS])

@@ -1,7 +1,8 @@
 """Studies: longer runs that answer one question about the suite itself.
 
 Each is a module of this package (its name with underscores) with `run(folder, quick, report) -> exit code`; those of
-`ON_EXECUTORS` take the number of processes and the opener of an executor as well.
+`ON_EXECUTORS` take the number of processes and the opener of an executor as well, those of `IN_PROCESSES` the number
+of processes alone.
 """
 
 STUDIES: dict[str, str] = {
@@ -16,3 +17,4 @@ STUDIES: dict[str, str] = {
 }
 
 ON_EXECUTORS = ("maps", "maps-coarse", "theory-correction")
+IN_PROCESSES = ("stability",)  # one at a time unless asked otherwise, so that seconds compare

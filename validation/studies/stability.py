@@ -21,16 +21,17 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, Protocol, get_args
 
 from validation.cases import hard_case_run, hard_fem_cases, hard_persson_cases
 from validation.cases.hard_case_run import Outcome
 from validation.cases.hard_cases import HARD_CASES
-from validation.execution import Ended, Running, run_alone
+from validation.execution import Ended, Running, run_alone, run_in_processes
 from validation.provenance import provenance, sources_digest, versions
 from validation.runner import Note
 from validation.schema import Table
@@ -91,6 +92,7 @@ def run(
     report: Callable[[Note], None],
     tasks: Sequence[Task] | None = None,
     measure: Callable[[Task], Outcome] | None = None,
+    jobs: int = 1,
 ) -> int:
     """Run the study, print its table, write stability.json; 1 when a case fails.
 
@@ -105,6 +107,8 @@ def run(
         Others than those of the study.
     measure : callable, optional
         Another measurement than `measured`, importable by name.
+    jobs : int
+        Cases at a time; rows do not depend on it but for their seconds.
 
     Raises
     ------
@@ -117,10 +121,9 @@ def run(
     if rows:
         report(Note(f"{len(rows)} of {len(planned)} cases are there already"))
     there, begun = {_task(row) for row in rows}, time.monotonic()
-    for task in planned:
-        if _plain(task) in there:
-            continue
-        rows.append(_alone(measure or measured, task, f"[{len(rows) + 1}/{len(planned)}]", report))
+    missing = [task for task in planned if _plain(task) not in there]
+    for row in _rows(measure or measured, missing, jobs, report):
+        rows.append(row)
         elapsed = time.monotonic() - begun
         report(Note(f"[{len(rows)}/{len(planned)}] {_told(rows[-1])}; {elapsed:.0f} s so far"))
         _write(folder, key, facts, rows, len(planned))
@@ -224,9 +227,33 @@ RUNNERS: dict[Code, Callable[[Any, bool], Outcome]] = {
 }
 
 
-def _alone(measure: Callable[[Task], Outcome], task: Task, place: str, report: Callable[[Note], None]) -> Row:
+def _rows(
+    measure: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int, report: Callable[[Note], None]
+) -> Iterator[Row]:
+    """The rows of cases as they end, `jobs` at a time: each of as many processes has one case after the other alone."""
+    if jobs == 1:
+        yield from (_alone(measure, task, report) for task in tasks)
+        return
+    with closing(run_in_processes(partial(_alone, measure), tasks, jobs)) as events:
+        for event in events:
+            if isinstance(event, Ended):
+                yield event.answer if isinstance(event.answer, Row) else row_of(event.item, event.answer)
+            elif isinstance(event, Running):
+                told = (
+                    f"{_name(task)} {passed:.0f} s" for task, passed in zip(event.items, event.seconds, strict=True)
+                )
+                report(Note(", ".join(told)))
+            else:
+                report(Note(f"{_name(event.item)}: started"))
+
+
+def _silent(note: Note) -> None:
+    """Tell nothing: who asked for the case tells of it."""
+
+
+def _alone(measure: Callable[[Task], Outcome], task: Task, report: Callable[[Note], None] = _silent) -> Row:
     """A case in a process of its own, ended at its limit."""
-    name, begun = f"{place} {task.code} {task.id}", time.monotonic()
+    name, begun = _name(task), time.monotonic()
     report(Note(f"{name}: started"))
     answer: Outcome | Exception | None = None
     with closing(run_alone(measure, task)) as events:
@@ -282,6 +309,10 @@ def _tuple(value: Any) -> Any:
 
 def _task(row: Row) -> tuple[str, str, str]:
     return row.code, row.id, row.form
+
+
+def _name(task: Task) -> str:
+    return f"{task.code} {task.id}"
 
 
 def _plain(task: Task) -> tuple[str, str, str]:
