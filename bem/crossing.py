@@ -1,11 +1,10 @@
 """The state between two points of an adhesive path at which the load has a given value.
 
-On a branch the load is a smooth function of the control value.  With adhesion it is found in two stages, with the
-predictor and Newton of the path: by the Illinois form of the secant at the accuracy between targets, then by Newton
-with the stiffness of the branch at that of a target.  What the first accuracy leaves undecided, the second decides
-by the secant alone.  Where an event lies in between, the branch before it is searched up to its end, then the branch
-after it, which begins within the smallest increment.  Without adhesion load control leads there at once
-(convex_path.py).  Dimensionless.
+On a branch the load is a smooth function of the control value.  With adhesion it is found by Newton with the stiffness
+of the branch and the predictor of the path, first at the accuracy between targets, then at that of a target.  Where
+Newton leaves the branch or the two points, the Illinois form of the secant takes its place: where an event lies in
+between, the branch before it is searched up to its end, then the branch after it, which begins within the smallest
+increment.  Without adhesion load control leads there at once (convex_path.py).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from itertools import pairwise
 from bem.path import Path, Point
 
 SECANT_STEPS = 30
-POLISH_STEPS = 6
+NEWTON_STEPS = 6
 BISECTIONS = 8
 LOAD_ACCURACY = 1e-11
 COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
@@ -34,8 +33,11 @@ def at_load(path: Path, before: Point, after: Point, load: float) -> Point | Non
     load : float
         Dimensionless load per period.
     """
-    found = _between(_tracking(path), before, after, load, COARSE_LOAD_ACCURACY)
-    polished = None if found is None else _polished(path, found, load)
+    coarse, ends = _tracking(path), (min(before.value, after.value), max(before.value, after.value))
+    found = _newton(coarse, before, _ahead(path, before, load), load, COARSE_LOAD_ACCURACY, ends)
+    if found is None:
+        found = _between(coarse, before, after, load, COARSE_LOAD_ACCURACY)
+    polished = None if found is None else _newton(path, found, found.value, load, LOAD_ACCURACY, ends)
     return _between(path, before, after, load, LOAD_ACCURACY) if polished is None else polished
 
 
@@ -84,20 +86,26 @@ def _secant(
     return None
 
 
-def _polished(path: Path, start: Point, load: float) -> Point | None:
-    """The point of this load at the accuracy of a target, by Newton from one close to it; None where that fails."""
-    point, value = start, start.value
-    for _ in range(POLISH_STEPS):
-        found = path.polished_at(point, value)
-        if found is None or found.balance is None:
+def _newton(
+    path: Path, point: Point, value: float, load: float, accuracy: float, ends: tuple[float, float]
+) -> Point | None:
+    """The point of this load on the branch of `point`, by Newton from a control value; None where that leaves it."""
+    for _ in range(NEWTON_STEPS):
+        found = path.polished_at(point, value) if ends[0] <= value <= ends[1] else None
+        if found is None or found.state is None:
             return None
-        miss = found.balance.state.load - load
-        if abs(miss) <= LOAD_ACCURACY * max(abs(load), 1e-3):
+        if abs(found.state.load - load) <= accuracy * max(abs(load), 1e-3):
             return found
-        stiffness, control = found.balance.stiffness, path.system.control
-        point = found
-        value = found.value - miss * (control.penetration_weight / stiffness + control.load_weight)
+        point, value = found, _ahead(path, found, load)
     return None
+
+
+def _ahead(path: Path, point: Point, load: float) -> float:
+    """The control value at which the tangent of the branch at a point has this load."""
+    assert point.balance is not None
+    control = path.system.control
+    miss = point.balance.state.load - load
+    return point.value - miss * (control.penetration_weight / point.balance.stiffness + control.load_weight)
 
 
 def _branch_to(path: Path, before: Point, value: float) -> list[Point]:

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
 from bem.collocation import IllConditionedSystemError, Resolution, resolve
 from bem.equilibrium import Balance, System, balance, energy_noise
@@ -77,27 +77,44 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
     >>> trust_region_step(np.array([1.0, 0.0]), np.eye(2), 10.0).tolist()
     [-1.0, 0.0]
     """
+    try:
+        newton = -cho_solve(cho_factor(hessian, check_finite=False), gradient, check_finite=False)
+        if np.linalg.norm(newton) <= radius:
+            return np.asarray(newton)
+    except LinAlgError:  # not positive definite
+        pass
     values, vectors = eigh(hessian)
     force = vectors.T @ gradient
-    if values[0] > 0:
-        newton = -force / values
-        if np.linalg.norm(newton) <= radius:
-            return np.asarray(vectors @ newton)
-    low = max(0.0, -values[0])
-    high = low + np.linalg.norm(gradient) / radius + 1e-300
-    for _ in range(100):
-        shift = (low + high) / 2
-        length = np.linalg.norm(force / (values + shift)) if shift > -values[0] else np.inf
-        low, high = (shift, high) if length > radius else (low, shift)
-        if high - low <= 1e-10 * high:
-            break
+    shift = _shift(values, force, radius)
     with np.errstate(divide="ignore", invalid="ignore"):
-        step = np.where(values + high > 0, -force / (values + high), 0.0)
+        step = np.where(values + shift > 0, -force / (values + shift), 0.0)
     missing = radius**2 - float(step @ step)
     if values[0] < 0 and missing > 1e-3 * radius**2:
         leading = vectors[np.argmax(np.abs(vectors[:, 0])), 0]
         step[0] = np.copysign(np.sqrt(step[0] ** 2 + missing), step[0] if step[0] != 0 else leading)
     return np.asarray(vectors @ step)
+
+
+def _shift(values: FloatArray, force: FloatArray, radius: float) -> float:
+    """The shift of the eigenvalues above the most negative one at which the step is as long as the radius.
+
+    The length falls as the shift grows, and its inverse is nearly linear: Newton on that, within bounds that close in.
+    Where every step is shorter (the hard case) the bounds close in on the most negative eigenvalue.
+    """
+    low = max(0.0, -float(values[0]))
+    high = low + float(np.sqrt(force @ force)) / radius + 1e-300
+    shift = low + 1e-3 * (high - low)
+    while high - low > 1e-10 * high:
+        apart = values + shift
+        step = force / apart
+        square = float(step @ step)
+        excess = np.sqrt(square) / radius - 1
+        if abs(excess) <= 1e-10:
+            return shift
+        low, high = (shift, high) if excess > 0 else (low, shift)
+        newton = shift + excess * square / float(step @ (step / apart))
+        shift = newton if low < newton < high else (low + high) / 2
+    return high
 
 
 def descend(

@@ -194,8 +194,8 @@ def correct(
     """Newton iteration on K = 2 sqrt(w) from edges close to an equilibrium.
 
     K is closer to a linear function of the edges than G = K^2/4, above all where w is small and K changes sign on
-    the way.  Steps must shrink by half each time and stay below 0.3 of the room of an edge, and the end must have
-    K > 0 and a positive definite Hessian; anything else ends the iteration with its reason.
+    the way.  Steps must shrink by half each time and stay below 0.3 of the room of an edge, the end must have K > 0,
+    and once all K > 0 the Hessian must be positive definite; anything else ends the iteration with its reason.
     """
     last = np.inf
     start = patches
@@ -205,12 +205,13 @@ def correct(
         except IllConditionedSystemError:
             return Corrected("ill_conditioned", None, count)
         room = patches.edge_room
-        if here.opening and here.closed(closure):
+        if here.opening:
             try:
                 cho_factor((here.hessian + here.hessian.T) / 2 * np.outer(room, room), check_finite=False)
             except LinAlgError:
                 return Corrected("indefinite", None, count)
-            return Corrected("converged", here, count)
+            if here.closed(closure):
+                return Corrected("converged", here, count)
         step = _newton_step(system, here)
         size = float(np.abs(step).max())
         if not size <= LARGEST_NEWTON_STEP:

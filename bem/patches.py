@@ -8,6 +8,7 @@ direction is -x on the left, +x on the right.  Lengths are dimensionless (scaled
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,27 +35,27 @@ class Patches:
         """Number of patches L."""
         return int(self.left.size)
 
-    @property
+    @cached_property
     def center(self) -> FloatArray:
         """Midpoints, (L,)."""
         return (self.left + self.right) / 2
 
-    @property
+    @cached_property
     def half_width(self) -> FloatArray:
         """Half widths, (L,)."""
         return (self.right - self.left) / 2
 
-    @property
+    @cached_property
     def width(self) -> FloatArray:
         """Widths, (L,)."""
         return self.right - self.left
 
-    @property
+    @cached_property
     def gap_after(self) -> FloatArray:
         """Width of the gap behind each patch, up to the next one on the circle, (L,)."""
         return np.append(self.left[1:], self.left[:1] + TWO_PI) - self.right
 
-    @property
+    @cached_property
     def gap_before(self) -> FloatArray:
         """Width of the gap before each patch, (L,)."""
         return np.roll(self.gap_after, 1)
@@ -64,7 +65,7 @@ class Patches:
         """Projected contact length over the period."""
         return float(np.sum(self.width)) / TWO_PI
 
-    @property
+    @cached_property
     def edge_room(self) -> FloatArray:
         """min(patch width, adjacent gap) of each edge, (2 L,): the length in which an edge may move."""
         return np.concatenate([np.minimum(self.width, self.gap_before), np.minimum(self.width, self.gap_after)])

@@ -67,7 +67,7 @@ def test_what_the_coarse_accuracy_cannot_decide_the_fine_one_does(adhesive, monk
     before, after = smooth_pair(points)
     load = 0.5 * (before.state.load + after.state.load)
     expected = at_load(path, before, after, load)
-    monkeypatch.setattr(crossing, "_polished", lambda *given: None)
+    monkeypatch.setattr(crossing, "_newton", lambda *given: None)
     found = at_load(path, before, after, load)
     assert found.value == pytest.approx(expected.value, abs=1e-10)
     assert found.state.load == pytest.approx(load, rel=1e-10)
