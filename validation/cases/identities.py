@@ -35,15 +35,18 @@ def _energy_release() -> Outcome:
 
     here = state(edges, penetration)
     step = STEP * float(np.min(edges[:, 1] - edges[:, 0]))
-    difference = []
+    difference, curvature = [], []
     for index in range(edges.size):
         moved = np.zeros(edges.size)
         moved[index] = step
         near, far = (
-            [state(edges + sign * times * moved.reshape(edges.shape), penetration).energy for sign in (1, -1)]
+            [state(edges + sign * times * moved.reshape(edges.shape), penetration) for sign in (1, -1)]
             for times in (1, 2)
         )
-        difference.append((8 * (near[0] - near[1]) - (far[0] - far[1])) / (12 * step))
+        rise = 8 * (near[0].energy - near[1].energy) - (far[0].energy - far[1].energy)
+        turn = 8 * (near[0].gradient - near[1].gradient) - (far[0].gradient - far[1].gradient)
+        difference.append(rise / (12 * step))
+        curvature.append(turn.ravel() / (12 * step))
     depth_step = 1e-4 * profile.rms_height
     ahead, back = state(edges, penetration + depth_step), state(edges, penetration - depth_step)
     gradient = here.gradient.ravel()
@@ -60,6 +63,16 @@ def _energy_release() -> Outcome:
             computed=gradient.tolist(),
             scale=scale,
             tolerance=Tolerance(value=MEASURED_GRADIENT * 2.5, measured=MEASURED_GRADIENT),
+        ),
+        Row(
+            quantity="d2U/d(edge)d(edge) at every pair of edges, over the largest",
+            unit="J/m^3",
+            reference=Reference(kind="self", source="central differences of G - w at moved edges"),
+            norm="relative",
+            expected=np.ravel(curvature).tolist(),
+            computed=here.hessian.T.ravel().tolist(),
+            scale=float(np.abs(curvature).max()),
+            tolerance=Tolerance(value=MEASURED_HESSIAN * 2.5, measured=MEASURED_HESSIAN),
         ),
         Row(
             quantity="dU/d(penetration) = load, relative",
@@ -221,6 +234,7 @@ def _work_balance(result: Result) -> tuple[float, float, float]:
     return work, change, loop
 
 
+MEASURED_HESSIAN = 1.2e-10
 MEASURED_GRADIENT, MEASURED_LOAD, MEASURED_GAP, MEASURED_WORK = 9.2e-12, 1.9e-12, 2e-13, 6.3e-5
 MEASURED_LOOP = 3.1e-4  # 9e-5 at half the increments: the quadrature of the load, not the states
 
@@ -229,8 +243,9 @@ CASES = (
         id="energy-release-rate",
         group="identities",
         level="quick",
-        question="Is the derivative of the energy by an edge the energy release rate less the work of adhesion?",
-        equations="dU/db = G - w, dU/da = -(G - w), G = K^2 / 2E*, w = gamma sqrt(1 + h'^2), dU/dDelta = load",
+        question="Are the derivatives of the energy by edges those that the stress intensities and their sensitivities give?",
+        equations="dU/db = G - w, dU/da = -(G - w), G = K^2 / 2E*, w = gamma sqrt(1 + h'^2), dU/dDelta = load;  "
+        "d2U/db de = d(G - w)/de for every edge e",
         sources=("carbone2009",),
         compute=_energy_release,
         effects=("half_space", "adhesion", "slope_term"),
