@@ -243,7 +243,7 @@ CASES = (
         id="energy-release-rate",
         group="identities",
         level="quick",
-        question="Are the derivatives of the energy by edges those that the stress intensities and their sensitivities give?",
+        question="Do stress intensities and their sensitivities give the derivatives of the energy by edges?",
         equations="dU/db = G - w, dU/da = -(G - w), G = K^2 / 2E*, w = gamma sqrt(1 + h'^2), dU/dDelta = load;  "
         "d2U/db de = d(G - w)/de for every edge e",
         sources=("carbone2009",),
