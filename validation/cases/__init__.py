@@ -4,6 +4,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.overview",
     "validation.cases.sinusoid",
     "validation.cases.complete",
+    "validation.cases.merged_crests",
     "validation.cases.identities",
     "validation.cases.path_convergence",
     "validation.cases.paper_profile",
