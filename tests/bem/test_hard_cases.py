@@ -194,6 +194,37 @@ def test_compression_at_the_end_is_seen():
     assert checks.tension_at_the_end(SMALL, parse_scene(SMALL), small_result()) != []
 
 
+@cache
+def nearly_complete():
+    """The last gap of a rough profile, and the scene that opens it from complete contact."""
+    tables = scene(rough(8), "separation", [1e-10], 0.03, True, initial="complete_contact")
+    return tables, solve(parse_scene(tables))
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"),
+    [("mean_pressure", 1 + 1e-5), ("separation", 1 + 1e-5)],
+    ids=["pressure", "separation"],
+)
+def test_lone_crack_sees_what_is_wrong(name, factor):
+    tables, result = nearly_complete()
+    state = result.states[-1]
+    wrong = replace(result, states=(replace(state, **{name: getattr(state, name) * factor}),))
+    assert checks.last_gap(tables, parse_scene(tables), result) == []
+    assert checks.last_gap(tables, parse_scene(tables), wrong) != []
+
+
+def test_lone_crack_sees_a_moved_edge():
+    tables, result = nearly_complete()
+    ((a, b),) = result.states[-1].edges
+    wrong = replace(result, states=(replace(result.states[-1], edges=((a, b + 1e-9 * PERIOD),)),))
+    assert checks.last_gap(tables, parse_scene(tables), wrong) != []
+
+
+def test_several_gaps_are_no_lone_crack():
+    assert checks.last_gap(SMALL, parse_scene(SMALL), small_result()) != []
+
+
 def test_unequal_patches_are_seen():
     wave = scene(waves([2], [50e-6]), "penetration", [1e-5], 0.05)
     result = solve(parse_scene(wave))

@@ -24,6 +24,7 @@ from bem.result import Result, State, write_result
 from bem.scaling import Scales, Solid
 from bem.scene import Scene, parse_scene
 from bem.solver import solve
+from validation.cases.hard_case_crack import crack
 
 Table = dict[str, Any]
 Check = Callable[[Table, Scene, Result], list[str]]
@@ -36,6 +37,9 @@ SAME_END = 1e-10  # the same along other increments and after a restart, as aske
 # Of the penetration, which in SI is the difference of rounded numbers, and of heights by expansion; measured 10.
 ROUNDINGS, EPS = 24, np.finfo(float).eps
 HEIGHT_NOISE = 1e-13  # of the rms height, as seen in pressures; 4e-14 measured on a patch of 1e-5 periods
+# Of the pressure unit, or of the pressure where larger, and of the separation, a difference of rounded heights;
+# measured 6.9e-7 at a separation of 3e-13 m, 1.6e-8 at 1e-11 m.
+LAST_GAP = 2e-6
 WITHIN = 2000  # points within a patch, and again about its lowest pressure
 TENSION = 1e-9  # of the mean pressure of a patch: pressure that must not be tensile without adhesion
 EQUAL = 8e-12  # of the widths of patches; measured 2.9e-12 at 100 Pa, 2e-13 at larger loads
@@ -171,6 +175,21 @@ def tension_at_the_end(tables: Table, scene: Scene, result: Result) -> list[str]
     last = max(states, key=lambda state: state.contact_fraction)
     pressed = any(state.mean_pressure > 0 for state in states)
     return [] if pressed and last.mean_pressure < 0 else [f"mean pressure {last.mean_pressure:.4g} at the end"]
+
+
+def last_gap(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """At the target of largest contact one gap is left; load and separation are those of a lone crack of its width."""
+    state = max(with_edges(result), key=lambda state: state.contact_fraction)
+    if state.n_patches != 1:
+        return [f"{state.n_patches} gaps at the target of largest contact"]
+    surface, ((start, end),) = scene.surface(), state.edges
+    work = tables["adhesion"]["work_of_adhesion"]
+    pressure, separation = crack(surface, plane_strain_modulus(scene), work, end, start + surface.period)
+    error = abs(pressure - state.mean_pressure) / max(pressure_unit(scene), abs(pressure))
+    wider = abs(separation - state.separation) / state.separation
+    if error <= LAST_GAP and wider <= LAST_GAP:
+        return []
+    return [f"crack missed by {error:.1e} of the pressure, {wider:.1e} of the separation at {state.separation:.4g}"]
 
 
 def equal_until_bifurcation(tables: Table, scene: Scene, result: Result) -> list[str]:
@@ -327,7 +346,7 @@ CHECKS: dict[str, Check] = {
     check.__name__: check
     for check in (
         *(westergaard, johnson, dense, doubled, uniform_load, equal_patches, equal_until_bifurcation, shift, mirror),
-        *(compressive, tension_at_the_end),
+        *(compressive, tension_at_the_end, last_gap),
         *(units_up, units_down, plane_strain_only, target_alone, smaller_increments, restart),
     )
 }
