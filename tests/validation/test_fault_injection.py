@@ -1,5 +1,6 @@
 """Patches: they reach every module that holds the name, every kind of target, and count that they were called."""
 
+import signal
 import sys
 import types
 from pathlib import Path
@@ -82,7 +83,34 @@ def test_control_counts_all_targets_and_changes_nothing(example):
     }
 
 
-def test_case_that_hangs_is_cut_off(example, monkeypatch):
-    monkeypatch.setattr(example, "CASES", (example.case("waits", example.example_cases.wait),))
-    answer = examine(Task("example_faults", "off", 1.0, (("waits", 0.2),), ("example_faults",)))
-    assert answer.records[0].message == "TooSlowError: no answer in 0.2 s"
+def spin():
+    while True:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("compute", "message"),
+    [("spin", "no answer in 0.2 s of the processor"), ("wait", "no answer in 2 s")],
+    ids=["works on", "waits"],
+)
+def test_case_without_end_is_cut_off(example, monkeypatch, compute, message):
+    endless = {"spin": spin, "wait": example.example_cases.wait}[compute]
+    monkeypatch.setattr(example, "CASES", (example.case("endless", endless),))
+    answer = examine(Task("example_faults", "off", 1.0, (("endless", 0.2),), ("example_faults",)))
+    assert answer.records[0].message == f"TooSlowError: {message}"
+
+
+def test_seconds_by_the_clock_alone_cut_no_case_off(example, monkeypatch):
+    """On a busy machine a case waits for its turn; here it sleeps through several times its limit."""
+    monkeypatch.setattr(example, "CASES", (example.case("sleeps", example.example_cases.dawdle),))
+    answer = examine(Task("example_faults", "off", 1.0, (("sleeps", 0.5),), ("example_faults",)))
+    assert answer.records[0].status == "run"
+    assert answer.records[0].seconds < 0.5
+
+
+def test_timers_and_handlers_are_as_before(example):
+    timers = ((signal.SIGPROF, signal.ITIMER_PROF), (signal.SIGALRM, signal.ITIMER_REAL))
+    before = [signal.getsignal(number) for number, _ in timers]
+    examine(Task("example_faults", "off", 1.0, (("uses-function", 10.0),), ("example_faults",)))
+    assert [signal.getsignal(number) for number, _ in timers] == before
+    assert [signal.getitimer(timer)[0] for _, timer in timers] == [0.0, 0.0]

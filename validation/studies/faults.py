@@ -38,7 +38,7 @@ FILE, FIGURE = "faults.json", "faults.svg"
 CATALOGUE = "validation.studies.fault_catalogue"
 QUICK_SECONDS, FULL_SECONDS = 1.0, 30.0  # longest case that takes part
 SHOWN_SECONDS = 20.0  # of cases shown a fault, shortest first; the others only if these do not see it
-PATIENCE = (5.0, 3.0)  # a case is cut off after so many times its seconds, and so many more
+PATIENCE = (5.0, 3.0)  # a case is cut off after so many times its seconds of the processor, and so many more
 RETRIED = (1e-1, 1e-2, 1e-3)  # sizes at which a fault is shown again that at size 1 is only refused
 KEEN = 3  # cases that are asked about smaller sizes: those that saw the fault best
 
