@@ -128,7 +128,7 @@ class Profile:
         """Root mean square height, sqrt(sum h_m^2 / 2)."""
         return float(np.sqrt(np.sum(self.amplitudes**2) / 2))
 
-    @property
+    @cached_property
     def rms_slope(self) -> float:
         """Root mean square slope (unit of height per unit of length)."""
         return float(np.sqrt(np.sum((self.q0 * self.orders * self.amplitudes) ** 2) / 2))
