@@ -273,15 +273,13 @@ class Path:
     def _jumped(self, start: Point, end: Point) -> bool:
         """Whether more energy went missing between two points than the forces along one branch account for.
 
-        Newton can step over a short unstable stretch of the path.  On a half-space the coarse energies tell; what they
-        suspect on a layer, the accuracy of targets decides: thin ones are no better than what adhesion adds to them.
+        Newton can step over a short unstable stretch of the path.  What the coarse evaluations suspect, the accuracy
+        of targets decides: coarse energies and tangents may be no better than what adhesion adds to them.
         """
         assert start.balance is not None and end.balance is not None and start.rate is not None and end.rate is not None
         inc, system, change, rates = self.increments, self.system, end.value - start.value, (start.rate, end.rate)
         if not misses_energy(system, (start.balance, end.balance), rates, change, inc.tolerance):
             return False
-        if not system.elastic.corrections:
-            return True
         ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
         return misses_energy(system, ends, rates, change, inc.fine_tolerance)
 

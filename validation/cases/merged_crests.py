@@ -100,10 +100,11 @@ def _merged_crests() -> Outcome:
         for p in MERGED
     ]
     fractions = [[state.contact_fraction for state in result.targets] for result in results]
-    middles, places, closed = [], [], []
+    middles, places, closed, happened = [], [], [], []
     for dip, result in zip(DIPS, results, strict=True):
         met = [event for event in result.events if event.kind == "coalescence"]
         closed.append(float(len(met)))
+        happened.append(float(len(result.events)))
         places.append(_off_dip(met[0].position if met else None, dip))
         for state in result.targets[len(APART) :]:
             middles.append(_off_dip(sum(state.edges[0]) / 2 if state.n_patches == 1 else None, dip))
@@ -142,6 +143,9 @@ def _merged_crests() -> Outcome:
         compared("coalescences", "", crests, [1.0] * len(DIPS), closed, 0.1, 0.0).model_copy(
             update={"pinned": "exact"}
         ),
+        compared(
+            "events: each crest touched once, one coalescence", "", crests, [3.0] * len(DIPS), happened, 0.1, 0.0
+        ).model_copy(update={"pinned": "exact"}),
     )
     counts = {
         "evaluations": sum(state.evaluations for result in results for state in result.states),
