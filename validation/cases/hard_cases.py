@@ -28,8 +28,8 @@ from validation.cases.hard_case_sweeps import swept_cases
 # by hard_case_crack.py the load is tensile below a gap of 1.27e-5 periods, a separation of 6.0e-13 m; with 8 harmonics
 # (Q = 60 kPa) below 7.2e-10 m.
 TENSILE_1000 = 5e-13
-# Harmonics.  Under load every contact that forms or merges is a jump: 460 with 400 harmonics, in 136 s of CPU time.
-# With 1000 they are 910, of three times as many edges: converged and correct as well, in 1180 s.
+# Harmonics.  Under load every contact that forms or merges is a jump: 460 with 400 harmonics, in one or two minutes of
+# CPU time.  With 1000 they are 910, of more edges each: converged and correct as well, in ten times as long.
 BY_LOAD = 400
 
 
