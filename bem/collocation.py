@@ -39,7 +39,7 @@ MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes: modes cost 
 
 ROUNDING = 1e-14  # absolute accuracy of charges of order 1, per node; measured up to 4e-15, at 500 harmonics
 HEIGHT_ROUNDING = 1e-14  # measured absolute accuracy of heights
-POSITION_ROUNDING = 2e-15  # of positions on [0, 2 pi]: heights of steep profiles are no better; measured 1.1e-15
+POSITION_ROUNDING = 2e-15  # absolute, of positions up to 2 pi; slope times it is what heights lack; measured 1.1e-15
 
 
 class IllConditionedSystemError(ArithmeticError):
@@ -116,7 +116,7 @@ class Evaluation:
     skeleton, skeleton_rate : (unknowns,) arrays
         Nodal charges (pi/p) q of the coupled modes, and their derivative by Delta.
     rms_slope : float
-        Of the profile.
+        Of the dimensionless profile.
     """
 
     patches: Patches

@@ -12,6 +12,8 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
+
 from bem.path import Path, Point
 
 SECANT_STEPS = 30
@@ -37,7 +39,7 @@ def at_load(path: Path, before: Point, after: Point, load: float) -> Point | Non
     found = _newton(coarse, before, _ahead(path, before, load), load, COARSE_LOAD_ACCURACY, ends)
     if found is None:
         found = _between(coarse, before, after, load, COARSE_LOAD_ACCURACY)
-    polished = None if found is None else _newton(path, found, found.value, load, LOAD_ACCURACY, ends)
+    polished = None if found is None else _newton(path, found, found.value, load, LOAD_ACCURACY)
     return _between(path, before, after, load, LOAD_ACCURACY) if polished is None else polished
 
 
@@ -87,9 +89,17 @@ def _secant(
 
 
 def _newton(
-    path: Path, point: Point, value: float, load: float, accuracy: float, ends: tuple[float, float]
+    path: Path,
+    point: Point,
+    value: float,
+    load: float,
+    accuracy: float,
+    ends: tuple[float, float] = (-np.inf, np.inf),
 ) -> Point | None:
-    """The point of this load on the branch of `point`, by Newton from a control value; None where that leaves it."""
+    """The point of this load on the branch of `point`, by Newton from a control value; None where that leaves it.
+
+    Points are as accurate as between targets: a finer root next to one of them may lie beyond it.
+    """
     for _ in range(NEWTON_STEPS):
         found = path.polished_at(point, value) if ends[0] <= value <= ends[1] else None
         if found is None or found.state is None:

@@ -67,15 +67,17 @@ class Descent:
 
 
 def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:
-    """Minimiser of the quadratic model in the ball of this radius, by eigendecomposition, (n,).
+    """Minimiser of the quadratic model in a ball, (n,): by Cholesky inside, by eigendecomposition on its surface.
 
     In the hard case (no force along the most negative mode) the step leaves along that mode, in the direction
     in which its largest component is positive.
 
     Examples
     --------
-    >>> trust_region_step(np.array([1.0, 0.0]), np.eye(2), 10.0).tolist()
-    [-1.0, 0.0]
+    >>> trust_region_step(np.array([3.0, 4.0]), np.eye(2), 10.0).round(9).tolist()
+    [-3.0, -4.0]
+    >>> trust_region_step(np.array([3.0, 4.0]), np.eye(2), 1.0).round(9).tolist()
+    [-0.6, -0.8]
     """
     try:
         newton = -cho_solve(cho_factor(hessian, check_finite=False), gradient, check_finite=False)
@@ -101,10 +103,10 @@ def _shift(values: FloatArray, force: FloatArray, radius: float) -> float:
     The length falls as the shift grows, and its inverse is nearly linear: Newton on that, within bounds that close in.
     Where every step is shorter (the hard case) the bounds close in on the most negative eigenvalue.
     """
-    low = max(0.0, -float(values[0]))
-    high = low + float(np.sqrt(force @ force)) / radius + 1e-300
+    low, resolved = max(0.0, -float(values[0])), 1e-15 * float(np.abs(values).max())
+    high = low + float(np.sqrt(force @ force)) / radius
     shift = low + 1e-3 * (high - low)
-    while high - low > 1e-10 * high:
+    while high - low > max(1e-10 * high, resolved):
         apart = values + shift
         step = force / apart
         square = float(step @ step)

@@ -196,6 +196,7 @@ def correct(
     K is closer to a linear function of the edges than G = K^2/4, above all where w is small and K changes sign on
     the way.  Steps must shrink by half each time and stay below 0.3 of the room of an edge, the end must have K > 0,
     and once all K > 0 the Hessian must be positive definite; anything else ends the iteration with its reason.
+    The Hessian is diag(K/2) times the Jacobian of K that Newton inverts: an indefinite one lies beyond a fold.
     """
     last = np.inf
     start = patches

@@ -185,7 +185,10 @@ class _Run:
                 self._keep(point, target=True, status="unreachable")
                 return "unreachable"
             if point.value != goal and abs(point.value - self.kept) >= self._largest_increment():
-                self._keep(point, target=False)
+                between = self._polished(point)
+                if between.status in ("not_converged", "ill_conditioned"):
+                    return "not_converged"
+                self._keep(between, target=False)
         polished = self._polished(self.point)
         if polished.status in ("not_converged", "ill_conditioned"):
             return "not_converged"
@@ -212,8 +215,7 @@ class _Run:
         return point
 
     def _keep(self, point: AnyPoint, target: bool, status: str | None = None) -> None:
-        """Store a point as a state: polished, assessed and certified where it has edges."""
-        point = point if target else self._polished(point)
+        """Store a polished point as a state: assessed and certified where it has edges."""
         state = self._described(point, target, status)
         self.kept = point.value
         self.record.states.append(state)

@@ -196,6 +196,8 @@ def _study(options: argparse.Namespace) -> int:
         return int(study.run(options.out, options.quick, _say, jobs, opener_of(options.executor)))
     if options.executor != "local":
         raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs here alone")
+    if options.jobs is not None and options.name not in IN_PROCESSES:
+        raise ExecutorError(f"--jobs {options.jobs}: study {options.name} does not take it")
     if options.name in IN_PROCESSES:
         return int(study.run(options.out, options.quick, _say, jobs=options.jobs or 1))
     if options.peers:

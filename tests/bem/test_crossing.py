@@ -47,6 +47,16 @@ def test_the_load_is_met_on_a_smooth_branch(adhesive, share):
     assert found.value <= max(before.value, after.value) + 1e-9
 
 
+@pytest.mark.parametrize("share", [1e-9, 1e-5, 1 - 1e-5, 1.0])
+def test_a_load_next_to_a_point_is_met(adhesive, share):
+    """Points are less accurate than the load asked for, which may lie a little beyond them."""
+    path, points = adhesive
+    for before, after in pairwise(points[5:25]):
+        if not after.events:
+            load = (1 - share) * before.state.load + share * after.state.load
+            assert at_load(path, before, after, load).state.load == pytest.approx(load, rel=1e-9)
+
+
 def test_few_evaluations_are_as_fine_as_those_of_a_target(adhesive, monkeypatch):
     path, points = adhesive
     before, after = smooth_pair(points)

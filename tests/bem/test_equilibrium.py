@@ -74,6 +74,12 @@ def test_trust_region_step_stays_in_the_ball_with_hardly_any_force_on_the_soft_m
     assert np.linalg.norm(step) <= 1 + 1e-6
 
 
+@pytest.mark.parametrize("force", [0.1, 0.0])
+def test_trust_region_step_takes_a_mode_without_stiffness_or_force(force):
+    step = trust_region_step(np.array([0.0, force]), np.diag([0.0, 1.0]), 1.0)
+    np.testing.assert_allclose(step, [0.0, -force], atol=1e-9)
+
+
 def test_trust_region_step_leaves_a_saddle_without_force():
     step = trust_region_step(np.zeros(2), np.diag([1.0, -1.0]), 0.5)
     np.testing.assert_allclose(np.abs(step), [0.0, 0.5], atol=1e-6)
@@ -108,8 +114,10 @@ def test_newton_refuses_the_unstable_branch():
     """Below the fold of the penetration the equilibrium is a maximum of the energy."""
     fraction = 0.6 * fold(penetration_of)
     target = float(penetration_of(fraction))
-    found = correct(SYSTEM, patch(fraction), target, target, 1e-12, 1e-10)
-    assert (found.status, found.balance) == ("indefinite", None)
+    for offset in (0.0, 0.03):
+        start = patch(fraction).moved(offset * patch(fraction).edge_room)
+        found = correct(SYSTEM, start, target, target, 1e-12, 1e-10)
+        assert (found.status, found.balance, found.evaluations) == ("indefinite", None, 1)
 
 
 def test_newton_refuses_to_go_far():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
+from bem.path import Path, Point
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
@@ -159,3 +160,17 @@ def test_a_far_way_up_without_adhesion_is_no_separation():
     far = solve(rough_scene([1e-6, 30e-6], adhesion=None, seed=0)).targets
     assert far[0].contact_fraction > 0.75
     assert abs(far[1].contact_fraction - direct.contact_fraction) <= 1e-10
+
+
+def test_a_state_between_targets_that_cannot_be_polished_ends_the_path(monkeypatch):
+    """It would be stored at the accuracy between targets, under the name of a converged one."""
+    polish, asked = Path.polish, []
+
+    def failing(path, point):
+        asked.append(point.value)
+        return polish(path, point) if len(asked) < 3 else Point("not_converged", point.value)
+
+    monkeypatch.setattr(Path, "polish", failing)
+    found = solve(rough_scene(TARGETS))
+    assert found.status == "not_converged"
+    assert (len(asked), len(found.states)) == (3, 2)

@@ -155,6 +155,7 @@ def exit_code(words):
         (["cost", "--peers"], "study cost has none"),
         (["work-precision", "--peers"], "not installed: pip install"),
         (["work-precision", "--executor", "dask://host:1"], "runs here alone"),
+        (["cost", "--jobs", "2"], "study cost does not take it"),
         (["other"], "invalid choice"),
     ],
 )

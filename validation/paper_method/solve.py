@@ -106,7 +106,7 @@ def solve(
     Examples
     --------
     >>> wave = Surface(1e6, 0.5, 0.01, [1], [1e-4], [0.0], work_of_adhesion=0.3)
-    >>> state = solve(wave, 1e-4, [[-0.0025, 0.0025]], 12)
+    >>> state = solve(wave, 5e-5, [[-0.0025, 0.0025]], 12)
     >>> state.status, state.tension
     ('converged', True)
     """

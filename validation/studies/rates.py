@@ -72,7 +72,7 @@ def geometric(sizes: Sequence[float], errors: Sequence[float]) -> Rate:
 
     Examples
     --------
-    >>> found = geometric([2, 4, 6, 8, 10], [1e-2, 1e-4, 1e-6, 1e-16, 1e-16])
+    >>> found = geometric([4, 6, 8, 10, 12], [1e-4, 1e-6, 1e-8, 1e-16, 1e-16])
     >>> round(found.value, 12), found.used, found.plateau
     (10.0, (0, 1, 2), 1e-16)
     """

@@ -108,7 +108,7 @@ def run(
     measure : callable, optional
         Another measurement than `measured`, importable by name.
     jobs : int
-        Cases at a time; rows do not depend on it but for their seconds.
+        Cases at a time; rows depend on it by their seconds only, as long as none reaches its limit by the clock.
 
     Raises
     ------
@@ -230,7 +230,7 @@ RUNNERS: dict[Code, Callable[[Any, bool], Outcome]] = {
 def _rows(
     measure: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int, report: Callable[[Note], None]
 ) -> Iterator[Row]:
-    """The rows of cases as they end, `jobs` at a time: each of as many processes has one case after the other alone."""
+    """The rows of cases as they end, up to `jobs` at a time, each in a process of its own."""
     if jobs == 1:
         yield from (_alone(measure, task, report) for task in tasks)
         return

@@ -1,0 +1,27 @@
+"""The examples in docstrings give what they say."""
+
+import doctest
+from importlib import import_module
+from pkgutil import walk_packages
+
+import pytest
+
+PACKAGES = ("bem", "fem_reference", "persson", "validation")
+
+
+def modules():
+    for package in map(import_module, PACKAGES):
+        yield package.__name__
+        found = walk_packages(package.__path__, f"{package.__name__}.")
+        yield from (module.name for module in found if not module.name.endswith("__main__"))
+
+
+@pytest.mark.parametrize("name", tuple(modules()))
+def test_the_examples_of_a_module_hold(name):
+    outcome = doctest.testmod(import_module(name))
+    assert outcome.failed == 0
+
+
+def test_there_are_examples():
+    finder = doctest.DocTestFinder(exclude_empty=True)
+    assert sum(bool(found.examples) for name in modules() for found in finder.find(import_module(name))) > 90
