@@ -19,8 +19,6 @@ Limits: symmetric profiles, one patch; where patches merge is the solver's own.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.polynomial.legendre import legval
 from scipy.optimize import brentq
@@ -32,6 +30,7 @@ from validation.case import Case, Outcome
 from validation.cases.fault_gaps import compared
 from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
 
+# of the scene merged_crests; SI units
 PERIOD, YOUNGS_MODULUS, POISSON_RATIO = 0.01, 1e6, 0.5
 AMPLITUDE, SECOND, WORK = 1e-4, 0.5, 0.003
 MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
@@ -71,17 +70,7 @@ def one_patch_mean_pressure(angle: float, harmonics: list[float], work: float) -
 
 def _loaded(dip: float) -> Result:
     shift = 2 * np.pi * dip
-    changes: dict[str, Any] = {
-        "profile": {
-            "orders": [1, 2],
-            "amplitudes": [AMPLITUDE, SECOND * AMPLITUDE],
-            "phases": [-shift, np.pi - 2 * shift],
-        },
-        "adhesion": {"work_of_adhesion": WORK},
-        "loading": {"control": "mean_pressure", "targets": [*APART, *MERGED]},
-        "accuracy": {"tolerance": 1e-10, "max_increment": 0.5},
-    }
-    return bem.solve(adapters.scene("sinusoid", changes))
+    return bem.solve(adapters.scene("merged_crests", {"profile": {"phases": [-shift, np.pi - 2 * shift]}}))
 
 
 def _off_dip(x: float | None, dip: float) -> float | None:
@@ -217,9 +206,9 @@ CASES = (
         question="Do two patches that merge across the end of the period become the one patch of the closed form?",
         equations="p = Q(y) / sqrt((cos y - cos a) / 2),  Q(a) = -sqrt(E* w q sin a / (2 pi)),  "
         "mean pressure = sum c_k L_k(cos a)",
-        sources=("westergaard1939", "johnson1995"),
+        sources=("westergaard1939", "johnson1995", "muskhelishvili1953"),
         compute=_merged_crests,
         effects=("half_space", "adhesion"),
-        scene=adapters.scene_text("sinusoid"),
+        scene=adapters.scene_text("merged_crests"),
     ),
 )

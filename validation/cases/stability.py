@@ -60,7 +60,11 @@ def _ended(task: Task) -> stability.Row:
 
 
 NAMES: dict[Code, tuple[str, str, tuple[str, ...]]] = {
-    "bem": ("boundary-elements", "the boundary element solver", ("carbone2009", "johnson1995", "westergaard1939")),
+    "bem": (
+        "boundary-elements",
+        "the boundary element solver",
+        ("carbone2009", "johnson1995", "westergaard1939", "tada2000"),
+    ),
     "fem": ("finite-elements", "the finite element reference", ("carbone2008", "johnson1995", "westergaard1939")),
     "persson": ("theory", "Persson's theory", ("carbone2009", "persson2001")),
 }
