@@ -1,4 +1,6 @@
-"""Options shared by all tests: slow tests on demand, reproducible property tests, pinned BLAS threads."""
+"""Options shared by all tests: slow tests on demand, reproducible property tests, pinned BLAS threads, interrupts."""
+
+import signal
 
 import pytest
 from hypothesis import settings
@@ -25,3 +27,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def one_blas_thread():
     with threadpool_limits(limits=1):
         yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def interrupts_are_heard():
+    """A shell starts what runs in the background with SIGINT ignored, and programs under test would inherit that."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
