@@ -24,9 +24,8 @@ SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which 
 def tangent(control: Control, here: Balance) -> FloatArray:
     """d(outward motion of the edges) / dtau along the branch, (2 L,)."""
     room = here.state.patches.edge_room
-    hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
     pull = here.load_gradient * room * control.rate(here.state)
-    return np.asarray(-room * np.linalg.solve(hessian, pull))
+    return np.asarray(-room * np.linalg.solve(here.hessian_by_room, pull))
 
 
 def misses_energy(
@@ -67,9 +66,7 @@ def misses_energy(
 
 def softest_mode(here: Balance) -> FloatArray:
     """Mode of least stiffness, in units of the room of each edge, (2 L,)."""
-    room = here.state.patches.edge_room
-    hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
-    _, mode = eigh(hessian, subset_by_index=[0, 0])
+    _, mode = eigh(here.hessian_by_room, subset_by_index=[0, 0])
     return np.asarray(mode[:, 0])
 
 

@@ -178,7 +178,7 @@ def descend(
                 radius = largest_step / 2
                 continue
             room = patches.edge_room
-            hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
+            hessian = here.hessian_by_room
             gradient = here.gradient * room
             step = trust_region_step(gradient, hessian, radius)
             if here.closed(closure) and np.linalg.norm(step) < 0.9 * radius:

@@ -105,6 +105,12 @@ class Balance:
         return bool(np.all(self.state.stress_intensity > 0))
 
     @property
+    def hessian_by_room(self) -> FloatArray:
+        """Symmetric part of the Hessian with every edge in units of its room, (2 L, 2 L)."""
+        room = self.state.patches.edge_room
+        return np.asarray((self.hessian + self.hessian.T) / 2 * np.outer(room, room))
+
+    @property
     def stable_at_fixed_load(self) -> bool:
         """Whether the Hessian bordered with Delta, of U - load Delta, is positive definite."""
         soft = self.fixed_penetration_hessian - np.outer(self.load_gradient, self.load_gradient) / self.state.load_rate
@@ -208,7 +214,7 @@ def correct(
         room = patches.edge_room
         if here.opening:
             try:
-                cho_factor((here.hessian + here.hessian.T) / 2 * np.outer(room, room), check_finite=False)
+                cho_factor(here.hessian_by_room, check_finite=False)
             except LinAlgError:
                 return Corrected("indefinite", None, count)
             if here.closed(closure):
