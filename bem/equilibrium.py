@@ -65,6 +65,8 @@ class Balance:
         w at the edges.
     gradient : (2 L,) array
         dU / d(outward motion) = G - w.
+    jacobian : (2 L, 2 L) array
+        dK / d(outward motion) at fixed penetration.
     hessian : (2 L, 2 L) array
         Of the potential under control.
     fixed_penetration_hessian : (2 L, 2 L) array
@@ -82,6 +84,7 @@ class Balance:
     state: Evaluation
     work: FloatArray
     gradient: FloatArray
+    jacobian: FloatArray
     hessian: FloatArray
     fixed_penetration_hessian: FloatArray
     load_gradient: FloatArray
@@ -167,6 +170,7 @@ def balance(
         state=state,
         work=work,
         gradient=intensity**2 / 4 - work,
+        jacobian=jacobian,
         hessian=system.control.stiffen(hessian, load_gradient, state),
         fixed_penetration_hessian=hessian,
         load_gradient=load_gradient,
@@ -202,7 +206,8 @@ def correct(
     K is closer to a linear function of the edges than G = K^2/4, above all where w is small and K changes sign on
     the way.  Steps must shrink by half each time and stay below 0.3 of the room of an edge, the end must have K > 0,
     and once all K > 0 the Hessian must be positive definite; anything else ends the iteration with its reason.
-    The Hessian is diag(K/2) times the Jacobian of K that Newton inverts: an indefinite one lies beyond a fold.
+    The Hessian is diag(K/2) times the Jacobian that Newton inverts (exactly so at equilibrium, or where w is uniform):
+    an indefinite one lies beyond a fold.
     """
     last = np.inf
     start = patches
@@ -239,7 +244,7 @@ def _newton_step(system: System, here: Balance) -> FloatArray:
     state, control = here.state, system.control
     edges = edge_positions(state.patches)
     outward = np.repeat([-1.0, 1.0], state.patches.count)
-    jacobian = stress_intensity_jacobian(state)
+    jacobian = here.jacobian.copy()
     if control.load_weight > 0:
         jacobian -= (
             control.load_weight * control.rate(state) * np.outer(state.stress_intensity_rate, here.load_gradient)
