@@ -3,9 +3,8 @@
 The equation int log|2 sin((x - x')/2)| sigma(x') dx' = pi (h_max - Delta - h(x)) =: R(x) on the patches is solved in
 Chebyshev series.  What other patches contribute is smooth, so only the lowest p_i modes of a patch couple to
 the rest (a skeleton of p_i nodes); every higher mode obeys the diagonal Q_n = -n C_n / pi, where C_n are the
-coefficients of R.  The negated skeleton matrix is symmetric positive definite (where it is large, the modes that
-only near patches share are eliminated first, near_field.py); with its Cholesky factor U,
-Y = U^-T [edge vectors | R on the skeleton | 1] and G = Y^T Y,
+coefficients of R.  The negated skeleton matrix A is symmetric positive definite; with b = [edge vectors | R on the
+skeleton | 1] and G = b^T A^-1 b (hierarchical.py),
 
     q_e = -G_eR - sum_{n >= p} (n/pi) C_n (+-1)^n,   K_e = -q_e sqrt(pi/r),   dK_e/dDelta = -pi G_e1 sqrt(pi/r),
     load = -G_R1,   dload/dDelta = pi G_11,   U_el = (G_RR + 1/2 sum_{n >= p} n C_n^2) / (2 pi).
@@ -20,14 +19,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
 
-from bem import chebyshev, half_space, near_field
+from bem import chebyshev, half_space
+from bem.hierarchical import IllConditionedSystemError, KernelCorrection, Skeleton, solve
 from bem.patches import Patches, PatchPressure
 from bem.profile import Profile
 
@@ -35,35 +32,13 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Field = Callable[[FloatArray], FloatArray]
 
-MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes: modes cost as their cube, nodes hardly anything
+MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes
+MOST_UNKNOWNS = 12_000  # of one factorisation: 2.3 GB for matrix and factor
+FAR_SHARE, FINEST_FAR = 1e-5, 1e-14  # accuracy of the kernel between clusters over the tolerance, and at least
 
 ROUNDING = 1e-14  # absolute accuracy of charges of order 1, per node; measured up to 4e-15, at 500 harmonics
 HEIGHT_ROUNDING = 1e-14  # measured absolute accuracy of heights
 POSITION_ROUNDING = 2e-15  # absolute, of positions up to 2 pi; slope times it is what heights lack; measured 1.1e-15
-
-
-class IllConditionedSystemError(ArithmeticError):
-    """The skeleton matrix is too large, or not positive definite to rounding: contact almost complete."""
-
-
-MOST_UNKNOWNS = 12_000  # 2.3 GB for matrix and factor
-FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by blocks of rows (measured)
-
-
-class KernelCorrection(Protocol):
-    """A smooth periodic function of x - x' to be added to log|2 sin((x - x')/2)|."""
-
-    def matrix(self, x: FloatArray) -> FloatArray:
-        """Values between all pairs of x, (n, n)."""
-        ...
-
-    def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
-        """Sum over the sources of value times charge, at x, (n,)."""
-        ...
-
-    def coupled_modes(self, width: FloatArray, tolerance: float) -> FloatArray:
-        """Chebyshev modes of patches of these widths that feel it to `tolerance`, (L,)."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,59 +189,25 @@ def evaluate(
     Raises
     ------
     IllConditionedSystemError
-        The skeleton matrix is not positive definite.
+        The skeleton matrix is not positive definite, or a factor of it has more than `MOST_UNKNOWNS`.
     """
     resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
-    count = patches.count
-    center, half_width = patches.center, patches.half_width
+    count, half_width, modes = patches.count, patches.half_width, resolution.modes
+    largest = int(np.sum(modes) if elastic.corrections else np.max(modes))
+    if largest > MOST_UNKNOWNS:
+        raise IllConditionedSystemError(f"{largest} unknowns needed, at most {MOST_UNKNOWNS} fit: gaps too narrow")
     series, tail_edge, edge_slope, tail_energy = _right_hand_sides(elastic.profile, patches, penetration, resolution)
+    skeleton = _skeleton(elastic, patches, resolution, series)
+    solution = solve(skeleton, max(FAR_SHARE * tolerance, FINEST_FAR))
+    gram = solution.gram
+    charges, charge_rate = -solution.charges[:, 0], np.pi * solution.charges[:, 1]
 
-    unknowns = int(np.sum(resolution.modes))
-    if unknowns > MOST_UNKNOWNS:
-        raise IllConditionedSystemError(f"{unknowns} unknowns needed, at most {MOST_UNKNOWNS} fit: gaps too narrow")
-    eliminated = _eliminated(elastic, patches, resolution, tolerance)
-    kept = resolution.modes if eliminated is None else eliminated.kept
-    offsets = np.concatenate([[0], np.cumsum(kept)])
-    x = np.empty(int(offsets[-1]))
-    rhs = np.zeros((x.size, 2 * count + 2), order="F")
-    rhs[:, -1] = 1.0
-    classes = [(modes, members, offsets[members, None] + np.arange(modes)) for modes, members in _by_size(kept)]
-    for modes, members, rows in classes:
-        table = chebyshev.basis(modes)
-        x[rows] = center[members, None] + half_width[members, None] * table.nodes
-        rhs[rows, members[:, None]] = table.at_edges[0]
-        rhs[rows, count + members[:, None]] = table.at_edges[1]
-        rhs[rows, -2] = np.stack([series[i][:modes] for i in members]) @ table.values.T
-
-    for background in elastic.backgrounds:
-        rhs[:, -2] -= background(x)
-
-    matrix = half_space.between_nodes(x)
-    for modes, members, rows in classes:
-        block = half_space.within_patch(half_width[members], chebyshev.basis(modes))
-        matrix[rows[:, :, None], rows[:, None, :]] = block
-    for correction in elastic.corrections:
-        matrix += correction.matrix(x)
-
-    np.negative(matrix, out=matrix)
-    reduced = None if eliminated is None else eliminated.reduce(matrix, rhs, series)
-    factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
-    if info != 0:
-        raise IllConditionedSystemError(f"skeleton matrix of {unknowns} unknowns is not positive definite")
-    gram, solved = _gram(factor, rhs)
-    charges, _ = lapack.dtrtrs(factor, solved, lower=0, trans=0)
-    if reduced is not None:
-        gram += reduced.gram
-        charges = reduced.expanded(charges)
-    skeleton, skeleton_rate = -charges[:, 0], np.pi * charges[:, 1]
-
-    both = np.stack([skeleton, skeleton_rate])
+    both = np.stack([charges, charge_rate])
     slopes = np.empty((2, 2 * count))
-    offsets = np.concatenate([[0], np.cumsum(resolution.modes)])
-    for modes, members in _by_size(resolution.modes):
-        rows = offsets[members, None] + np.arange(modes)
-        slopes[:, members] = both[:, rows] @ chebyshev.basis(modes).slopes_at_edges[0]
-        slopes[:, count + members] = both[:, rows] @ chebyshev.basis(modes).slopes_at_edges[1]
+    for size, members in _by_size(modes):
+        rows = skeleton.starts[members, None] + np.arange(size)
+        slopes[:, members] = both[:, rows] @ chebyshev.basis(size).slopes_at_edges[0]
+        slopes[:, count + members] = both[:, rows] @ chebyshev.basis(size).slopes_at_edges[1]
     edge_slope += slopes[0]
     radius = np.concatenate([half_width, half_width])
     to_intensity = np.sqrt(np.pi / radius)
@@ -283,50 +224,29 @@ def evaluate(
         edge_slope=edge_slope / radius,
         edge_slope_rate=slopes[1] / radius,
         resolution=resolution,
-        unknowns=unknowns,
+        unknowns=skeleton.x.size,
         series=series,
-        skeleton=skeleton,
-        skeleton_rate=skeleton_rate,
+        skeleton=charges,
+        skeleton_rate=charge_rate,
         rms_slope=elastic.profile.rms_slope,
     )
 
 
-def _eliminated(
-    elastic: Elastic, patches: Patches, resolution: Resolution, tolerance: float
-) -> near_field.Elimination | None:
-    """The high modes to be eliminated before the factorisation, where that saves time."""
-    if int(np.sum(resolution.modes)) <= near_field.WORTHWHILE or elastic.corrections or elastic.backgrounds:
-        return None
-    found = near_field.elimination(patches, resolution.modes, tolerance)
-    return found if found.is_worthwhile else None
-
-
-def _gram(factor: FloatArray, rhs: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Y^T Y for Y = U^-T rhs, and the last two columns of Y.
-
-    A column of Y is zero above the first entry of its right-hand side, which for an edge are the nodes of its own
-    patch: by blocks of rows, with the columns in the order in which they begin, a third of the work remains.
-    """
-    size = rhs.shape[0]
-    if size < FEWEST_BLOCKED:
-        solved, _ = lapack.dtrtrs(factor, rhs, lower=0, trans=1, overwrite_b=1)
-        return solved.T @ solved, solved[:, -2:]
-    begin = np.argmax(rhs != 0, axis=0)
-    begin[-2:] = -2, -1
-    order = np.argsort(begin)
-    ends = np.linspace(0, size, min(size // BLOCK_ROWS, MOST_BLOCKS) + 1).astype(np.int64)
-    gram = np.zeros((rhs.shape[1], rhs.shape[1]))
-    blocks: list[FloatArray] = []
-    for start, end in pairwise(ends.tolist()):
-        active = int(np.searchsorted(begin[order], end))
-        block = np.asfortranarray(rhs[start:end, order[:active]])
-        for (first, last), done in zip(pairwise(ends.tolist()), blocks, strict=False):
-            block[:, : done.shape[1]] -= factor[first:last, start:end].T @ done
-        block, _ = lapack.dtrtrs(factor[start:end, start:end], block, lower=0, trans=1, overwrite_b=1)
-        gram[:active, :active] += block.T @ block
-        blocks.append(block)
-    back = np.argsort(order)
-    return gram[back[:, None], back], np.concatenate([block[:, :2] for block in blocks])
+def _skeleton(elastic: Elastic, patches: Patches, resolution: Resolution, series: tuple[FloatArray, ...]) -> Skeleton:
+    """Nodes, right-hand side and kernel of the coupled modes of every patch."""
+    starts = np.concatenate([[0], np.cumsum(resolution.modes)])
+    x, force, at_edges = np.empty(starts[-1]), np.empty(starts[-1]), np.empty((starts[-1], 2))
+    within: list[FloatArray] = [np.empty((0, 0))] * patches.count
+    for modes, members in _by_size(resolution.modes):
+        table, rows = chebyshev.basis(modes), starts[members, None] + np.arange(modes)
+        x[rows] = patches.center[members, None] + patches.half_width[members, None] * table.nodes
+        at_edges[rows] = table.at_edges.T
+        force[rows] = np.stack([series[i][:modes] for i in members]) @ table.values.T
+        for i, block in zip(members, half_space.within_patch(patches.half_width[members], table), strict=True):
+            within[i] = block
+    for background in elastic.backgrounds:
+        force -= background(x)
+    return Skeleton(patches, starts, x, at_edges, force, within, elastic.corrections)
 
 
 def _right_hand_sides(

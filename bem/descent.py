@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
-from bem.collocation import IllConditionedSystemError, Resolution, resolve
+from bem.collocation import Resolution, resolve
 from bem.equilibrium import Balance, System, balance, energy_noise
+from bem.hierarchical import IllConditionedSystemError
 from bem.patches import Patches
 
 FloatArray = NDArray[np.float64]

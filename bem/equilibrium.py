@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, eigh
 
-from bem.collocation import Elastic, Evaluation, IllConditionedSystemError, Resolution, evaluate
+from bem.collocation import Elastic, Evaluation, Resolution, evaluate
 from bem.control import Control
+from bem.hierarchical import IllConditionedSystemError
 from bem.patches import Patches
 from bem.sensitivities import stress_intensity_jacobian
 

@@ -14,11 +14,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Evaluation, IllConditionedSystemError, Resolution, evaluate, resolve
+from bem.collocation import Evaluation, Resolution, evaluate, resolve
 from bem.control import PenetrationControl
 from bem.descent import Change, descend, pull_off_half_width
 from bem.equilibrium import Balance, System
 from bem.gap import GapMinima, gap_field, low_minima
+from bem.hierarchical import IllConditionedSystemError
 from bem.patches import TWO_PI, Patches, ordered
 
 FloatArray = NDArray[np.float64]

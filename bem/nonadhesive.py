@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from bem import chebyshev
-from bem.collocation import Elastic, Evaluation, IllConditionedSystemError, evaluate
+from bem.collocation import Elastic, Evaluation, evaluate
 from bem.control import Control
 from bem.gap import gap_field, low_minima
+from bem.hierarchical import IllConditionedSystemError
 from bem.patches import TWO_PI, Patches, ordered
 from bem.sensitivities import stress_intensity_jacobian
 

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem import collocation
-from bem.collocation import Elastic, IllConditionedSystemError, Resolution, evaluate, finer, resolve
+from bem import hierarchical
+from bem.collocation import Elastic, Resolution, evaluate, finer, resolve
 from bem.dense import SmoothKernel, evaluate_dense
+from bem.hierarchical import IllConditionedSystemError
 from bem.patches import Patches
 from bem.profile import Profile
 
@@ -111,10 +112,11 @@ def test_error_is_below_the_tolerance(many_patches, tolerance):
 
 
 def test_substitution_by_blocks_of_rows_changes_nothing(many_patches, monkeypatch):
+    monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 10**9)
     profile, patches, dense = many_patches
     blocks = evaluate(Elastic(profile), patches, dense.penetration, 1e-6)
-    assert blocks.unknowns > 2 * collocation.FEWEST_BLOCKED
-    monkeypatch.setattr(collocation, "FEWEST_BLOCKED", 10**9)
+    assert blocks.unknowns > 2 * hierarchical.FEWEST_BLOCKED
+    monkeypatch.setattr(hierarchical, "FEWEST_BLOCKED", 10**9)
     plain = evaluate(Elastic(profile), patches, dense.penetration, 1e-6)
     largest = np.abs(plain.edge_compliance).max()
     # measured 2e-15 of the largest, 4e-15 in the charges

@@ -99,6 +99,18 @@ def _open_kernel(original: Function, size: float) -> Function:
     return wrong
 
 
+def _forgotten_constant(original: Function, size: float) -> Function:
+    """The addition theorem without its factor 2."""
+
+    def wrong(x: Any, beta: float, delta: float, accuracy: float) -> Any:
+        kernel = original(x, beta, delta, accuracy)
+        columns = kernel.columns.copy()
+        columns[:, 0] -= size * np.log(2) / 2
+        return replace(kernel, columns=columns)
+
+    return wrong
+
+
 def _every_second_point(original: Function, size: float) -> Function:
     """The gap is looked at in every second point of the grid, and nowhere between."""
 
@@ -285,6 +297,13 @@ BEM_FAULTS: tuple[Fault, ...] = (
         "bem.half_space:between_nodes",
         scaled(1.0),
         "kernel doubled",
+    ),
+    Fault(
+        "bem-kernel-between-clusters",
+        "a constant of the kernel between clusters of patches forgotten",
+        "bem.separated_kernel:separated_kernel",
+        _forgotten_constant,
+        "log 2 absent",
     ),
     Fault(
         "bem-kernel-open",

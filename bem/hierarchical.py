@@ -1,0 +1,277 @@
+"""The symmetric positive definite system of all patches, solved cluster by cluster.
+
+Let A be the negated kernel between the nodes of a cluster of patches and b the columns that it must serve.  Wanted are
+the Gram matrix b^T A^-1 b and, of few columns, the charges A^-1 b.  A small cluster is a leaf: Cholesky, A = U^T U and
+Y = U^-T b.  A large one is split into two, between which the kernel is a short sum of products P C Q^T
+(separated_kernel.py).  Each half serves its share of the columns, and those of P or Q besides; with
+X_1 = P^T A_1^-1 P, X_2 = Q^T A_2^-1 Q, V = [P^T A_1^-1 b; Q^T A_2^-1 b] and H = C X_2 C, block elimination gives
+
+    b^T A^-1 b = b_1^T A_1^-1 b_1 + b_2^T A_2^-1 b_2 - V^T M V,
+    M = [ -(H + H E H)     C + H E C ]      E = R (1 - R^T H R)^-1 R^T,   X_1 = R R^T,
+        [   C + C E H     -C E C     ],
+
+and A is positive definite exactly where both halves and 1 - R^T H R are.  Edge vectors live on their own patch, so that
+the work grows in proportion to the number of nodes.  Source of such factorisations: Martinsson and Rokhlin,
+J. Comput. Phys. 205 (2005) 1.  Dimensionless.  Limits: corrections of the kernel need a single leaf.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh, lapack
+
+from bem.half_space import between_nodes
+from bem.patches import TWO_PI, Patches
+from bem.separated_kernel import separated_kernel
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+LARGEST_LEAF = 250  # unknowns, above which a cluster of several patches is split (measured)
+FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by blocks of rows (measured)
+
+
+class IllConditionedSystemError(ArithmeticError):
+    """The skeleton matrix is too large, or not positive definite to rounding: contact almost complete."""
+
+
+class KernelCorrection(Protocol):
+    """A smooth periodic function of x - x' to be added to log|2 sin((x - x')/2)|."""
+
+    def matrix(self, x: FloatArray) -> FloatArray:
+        """Values between all pairs of x, (n, n)."""
+        ...
+
+    def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
+        """Sum over the sources of value times charge, at x, (n,)."""
+        ...
+
+    def coupled_modes(self, width: FloatArray, tolerance: float) -> FloatArray:
+        """Chebyshev modes of patches of these widths that feel it to `tolerance`, (L,)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """The nodes of all patches, in their order.
+
+    Attributes
+    ----------
+    patches : Patches
+    starts : (L + 1,) int array
+        First node of each patch, and the number of all.
+    x : (n,) array
+        Positions.
+    at_edges : (n, 2) array
+        What takes nodal charges to q at the left and right edge of their patch.
+    force : (n,) array
+        Right-hand side.
+    within : sequence of L (p_i, p_i) arrays
+        Kernel within each patch.
+    corrections : tuple of KernelCorrection
+    """
+
+    patches: Patches
+    starts: IntArray
+    x: FloatArray
+    at_edges: FloatArray
+    force: FloatArray
+    within: list[FloatArray]
+    corrections: tuple[KernelCorrection, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What the system of all patches gives.
+
+    Attributes
+    ----------
+    gram : (2 L + 2, 2 L + 2) array
+        b^T A^-1 b for b = [left edges | right edges | force | 1].
+    charges : (n, 2) array
+        A^-1 [force | 1].
+    """
+
+    gram: FloatArray
+    charges: FloatArray
+
+
+class Cluster(Protocol):
+    """Solved patches; the columns are those shared by all clusters above, then the edges, patch by patch."""
+
+    @property
+    def gram(self) -> FloatArray:
+        """b^T A^-1 b of all columns."""
+        ...
+
+    def charges(self, amounts: FloatArray) -> FloatArray:
+        """A^-1 b of the shared columns in these amounts, (n_shared, k) to (n, k)."""
+        ...
+
+
+def solve(skeleton: Skeleton, accuracy: float) -> Solution:
+    """Solve the system of all patches.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    accuracy : float
+        Absolute, of the kernel between clusters.
+
+    Raises
+    ------
+    IllConditionedSystemError
+        The matrix is not positive definite.
+    """
+    count = skeleton.patches.count
+    shared = np.stack([skeleton.force, np.ones(skeleton.x.size)], axis=1)
+    whole = _cluster(skeleton, 0, count, shared, accuracy)
+    left = 2 + 2 * np.arange(count)
+    order = np.concatenate([left, left + 1, [0, 1]])
+    return Solution(whole.gram[order[:, None], order], whole.charges(np.eye(2)))
+
+
+def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, accuracy: float) -> Cluster:
+    """Patches from `first` to before `last`, with the shared columns at their nodes."""
+    starts, patches = skeleton.starts, skeleton.patches
+    if last - first == 1 or starts[last] - starts[first] <= LARGEST_LEAF or skeleton.corrections:
+        return _leaf(skeleton, first, last, shared)
+    middle = first + 1 + int(np.argmin(np.abs(starts[first + 1 : last] - (starts[first] + starts[last]) / 2)))
+    behind = (patches.left[first] - patches.right[last - 1]) % TWO_PI
+    kernel = separated_kernel(
+        skeleton.x[starts[first] : starts[last]],
+        patches.right[middle - 1] + patches.gap_after[middle - 1] / 2,
+        patches.right[last - 1] + behind / 2,
+        accuracy,
+    )
+    wider = np.concatenate([shared, kernel.columns], axis=1)
+    split = int(starts[middle] - starts[first])
+    halves = (
+        _cluster(skeleton, first, middle, wider[:split], accuracy),
+        _cluster(skeleton, middle, last, wider[split:], accuracy),
+    )
+    return _joined(halves, -kernel.core, shared.shape[1])
+
+
+@dataclass(frozen=True, eq=False)
+class _Leaf:
+    """A cluster solved by Cholesky: U, and Y of the shared columns."""
+
+    gram: FloatArray
+    factor: FloatArray
+    solved: FloatArray
+
+    def charges(self, amounts: FloatArray) -> FloatArray:
+        found, _ = lapack.dtrtrs(self.factor, self.solved @ amounts, lower=0, trans=0)
+        return np.asarray(found)
+
+
+def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray) -> _Leaf:
+    nodes = slice(int(skeleton.starts[first]), int(skeleton.starts[last]))
+    starts = skeleton.starts[first : last + 1] - nodes.start
+    x, size = skeleton.x[nodes], int(starts[-1])
+    matrix = between_nodes(x)
+    for (start, end), block in zip(pairwise(starts.tolist()), skeleton.within[first:last], strict=True):
+        matrix[start:end, start:end] = block
+    for correction in skeleton.corrections:
+        matrix += correction.matrix(x)
+    np.negative(matrix, out=matrix)
+    factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
+    if info != 0:
+        raise IllConditionedSystemError(f"skeleton matrix of {size} unknowns is not positive definite")
+    count, row = shared.shape[1], np.arange(size)
+    rhs = np.zeros((size, count + 2 * (last - first)), order="F")
+    rhs[:, :count] = shared
+    left = count + 2 * np.repeat(np.arange(last - first), np.diff(starts))
+    rhs[row, left], rhs[row, left + 1] = skeleton.at_edges[nodes].T
+    begin = np.concatenate([np.zeros(count, dtype=np.int64), np.repeat(starts[:-1], 2)])
+    gram, solved = _gram(factor, rhs, begin, count)
+    return _Leaf(gram, factor, solved)
+
+
+def _gram(factor: FloatArray, rhs: FloatArray, begin: IntArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """Y^T Y for Y = U^-T rhs, and the first columns of Y.
+
+    A column of Y is zero above the first entry of its right-hand side, and the columns begin one after the other: by
+    blocks of rows a third of the work remains.
+    """
+    size = rhs.shape[0]
+    if size < FEWEST_BLOCKED:
+        solved, _ = lapack.dtrtrs(factor, rhs, lower=0, trans=1, overwrite_b=1)
+        return solved.T @ solved, solved[:, :count]
+    ends = np.linspace(0, size, min(size // BLOCK_ROWS, MOST_BLOCKS) + 1).astype(np.int64)
+    gram = np.zeros((rhs.shape[1], rhs.shape[1]))
+    blocks: list[FloatArray] = []
+    for start, end in pairwise(ends.tolist()):
+        active = int(np.searchsorted(begin, end))
+        block = np.asfortranarray(rhs[start:end, :active])
+        for (first, last), done in zip(pairwise(ends.tolist()), blocks, strict=False):
+            block[:, : done.shape[1]] -= factor[first:last, start:end].T @ done
+        block, _ = lapack.dtrtrs(factor[start:end, start:end], block, lower=0, trans=1, overwrite_b=1)
+        gram[:active, :active] += block.T @ block
+        blocks.append(block)
+    return gram, np.concatenate([block[:, :count] for block in blocks])
+
+
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """A cluster of two: M V of the shared columns, which go to the columns of the kernel between the halves."""
+
+    gram: FloatArray
+    halves: tuple[Cluster, Cluster]
+    response: FloatArray
+
+    def charges(self, amounts: FloatArray) -> FloatArray:
+        into = -self.response @ amounts
+        rank = into.shape[0] // 2
+        parts = [
+            half.charges(np.concatenate([amounts, part]))
+            for half, part in zip(self.halves, (into[:rank], into[rank:]), strict=True)
+        ]
+        return np.concatenate(parts)
+
+
+def _joined(halves: tuple[Cluster, Cluster], core: FloatArray, count: int) -> _Pair:
+    """Two clusters with the kernel P C Q^T between them; `count` columns are shared from above."""
+    rank = core.shape[0]
+    own = slice(count, count + rank)
+    first, second = (half.gram for half in halves)
+    edges = slice(count, first.shape[0] - rank), slice(first.shape[0] - rank, None)
+    size = first.shape[0] + second.shape[0] - 2 * rank - count
+    gram, seen = np.zeros((size, size)), np.zeros((2 * rank, size))
+    for part, place, rows in zip((first, second), edges, (slice(0, rank), slice(rank, None)), strict=True):
+        above, beyond = slice(0, count), slice(count + rank, None)
+        gram[above, above] += part[above, above]
+        gram[above, place] = part[above, beyond]
+        gram[place, above] = part[beyond, above]
+        gram[place, place] = part[beyond, beyond]
+        seen[rows, above] = part[own, above]
+        seen[rows, place] = part[own, beyond]
+    response = _middle(first[own, own], second[own, own], core) @ seen
+    gram -= seen.T @ response
+    return _Pair(gram, halves, response[:, :count])
+
+
+def _middle(first: FloatArray, second: FloatArray, core: FloatArray) -> FloatArray:
+    """M of two halves from X_1, X_2 and C."""
+    rank = core.shape[0]
+    values, vectors = eigh(first, check_finite=False)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    turned = core @ second @ core
+    factor, info = lapack.dpotrf(np.eye(rank) - root.T @ turned @ root, lower=1)
+    if info != 0:
+        raise IllConditionedSystemError("the skeleton matrix of two clusters is not positive definite")
+    scaled, _ = lapack.dtrtrs(factor, root.T, lower=1)
+    inner = scaled.T @ scaled
+    through = turned @ inner
+    middle = np.empty((2 * rank, 2 * rank))
+    middle[:rank, :rank] = -(turned + through @ turned)
+    middle[:rank, rank:] = core + through @ core
+    middle[rank:, :rank] = middle[:rank, rank:].T
+    middle[rank:, rank:] = -core @ inner @ core
+    return middle

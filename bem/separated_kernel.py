@@ -1,0 +1,103 @@
+"""The half-space kernel between two arcs of the period as a short sum of products.
+
+Two disjoint arcs are parted by two points beta and delta.  On either arc let u = log|sin((x - beta)/2) /
+sin((x - delta)/2)| and m = log sqrt|sin((x - beta)/2) sin((x - delta)/2)|.  For x on the one and x' on the other,
+
+    log|2 sin((x - x')/2)| = m(x) + m(x') + log 2 - log|sin((delta - beta)/2)| + log(2 cosh((u - u')/2)).
+
+The last term is analytic in |Im u| < pi however close the arcs come to beta and delta, which only widens the interval
+[-U, U] of u by the logarithm of the clearance.  It is a double Chebyshev series there, and its symmetric matrix of
+coefficients has eigenvalues that fall like exp(-pi^2 k / (2 U)): the sum of products sign_k phi_k(u) phi_k(u') is as
+short as it can be.  Addition theorem: of the sine.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.chebyshev import basis_nodes, coefficients
+
+FloatArray = NDArray[np.float64]
+
+RANGE_STEP = 1.15  # ratio of the half ranges U for which there are tables
+
+
+@dataclass(frozen=True, eq=False)
+class SeparatedKernel:
+    """log|2 sin((x - x')/2)| = columns(x) core columns(x')^T for x and x' on different arcs.
+
+    Attributes
+    ----------
+    columns : (n, q) array
+        At the points of both arcs.
+    core : (q, q) array
+        Symmetric and its own inverse.
+    """
+
+    columns: FloatArray
+    core: FloatArray
+
+
+def separated_kernel(x: FloatArray, beta: float, delta: float, accuracy: float) -> SeparatedKernel:
+    """The kernel between points of two arcs.
+
+    Parameters
+    ----------
+    x : (n,) array
+        Points of both arcs, not at beta or delta.
+    beta, delta : float
+        Points that part the arcs.
+    accuracy : float
+        Absolute, of the kernel.
+
+    Examples
+    --------
+    >>> x = np.array([0.2, 0.9, 2.1, 4.0])
+    >>> kernel = separated_kernel(x, 1.0, -0.1, 1e-12)
+    >>> here, there = kernel.columns[:2], kernel.columns[2:]
+    >>> error = here @ kernel.core @ there.T - np.log(np.abs(2 * np.sin(np.subtract.outer(x[:2], x[2:]) / 2)))
+    >>> bool(np.abs(error).max() < 3e-12)
+    True
+    """
+    from_beta = np.log(np.abs(np.sin((x - beta) / 2)))
+    from_delta = np.log(np.abs(np.sin((x - delta) / 2)))
+    u = from_beta - from_delta
+    low, high = float(u.min()), float(u.max())
+    steps = int(np.ceil(np.log((high - low) / 2) / np.log(RANGE_STEP)))
+    modes, core = _modes(steps, accuracy)
+    columns = np.empty((x.size, 2 + modes.shape[1]))
+    constant = np.log(2) - np.log(np.abs(np.sin((delta - beta) / 2)))
+    columns[:, 0] = (from_beta + from_delta + constant) / 2
+    columns[:, 1] = 1.0
+    np.matmul(_polynomials((u - (low + high) / 2) / RANGE_STEP**steps, modes.shape[0]).T, modes, out=columns[:, 2:])
+    return SeparatedKernel(columns, core)
+
+
+def _polynomials(t: FloatArray, count: int) -> FloatArray:
+    """T_0 to T_(count - 1) at points of [-1, 1], (count, n): real parts of the powers of exp(i arccos t)."""
+    powers = np.empty((count, t.size), dtype=np.complex128)
+    powers[0] = 1.0
+    powers[1:] = t + 1j * np.sqrt(np.maximum(1 - t * t, 0.0))
+    np.multiply.accumulate(powers, axis=0, out=powers)
+    return powers.real
+
+
+@lru_cache(maxsize=256)
+def _modes(steps: int, accuracy: float) -> tuple[FloatArray, FloatArray]:
+    """Chebyshev coefficients of the phi_k on [-U, U], U = RANGE_STEP^steps, (m, q - 2), and the core, (q, q)."""
+    half_range = RANGE_STEP**steps
+    pole = np.pi / half_range
+    decay = np.log(pole + np.hypot(1.0, pole))
+    count = int(np.ceil(-np.log(accuracy) / decay)) + 8
+    nodes = half_range * basis_nodes(count)
+    difference = np.abs(np.subtract.outer(nodes, nodes))
+    series = coefficients(coefficients(difference / 2 + np.log1p(np.exp(-difference))).T)
+    values, vectors = np.linalg.eigh((series + series.T) / 2)
+    kept = np.abs(values) > accuracy
+    core = np.diag(np.concatenate([[0.0, 0.0], np.sign(values[kept])]))
+    core[0, 1] = core[1, 0] = 1.0
+    return vectors[:, kept] * np.sqrt(np.abs(values[kept])), core
