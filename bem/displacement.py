@@ -6,9 +6,10 @@ u = -(1/pi) int log|2 sin((x - x')/2)| sigma dx' takes the logarithm apart into
 - log|x - x'| inside the patch: log(r/2) and half of log 4 sin^2 of half the difference and the sum of the angles, by
   the product rule of Martensen and Kussmaul on 2 n equidistant angles (Kress, Linear Integral Equations, 3rd ed. 2014,
   section 12.3),
-- log|x - x'| outside it: int T_n(t) log|z - t| / sqrt(1 - t^2) dt = -(pi/n) zeta^n, zeta = z - sgn(z) sqrt(z^2 - 1)
-  (n = 0: -pi log|2 zeta|), all n where zeta is not small,
-- the periodic rest log sinc((x - x')/2), smooth, by the midpoint rule in theta.
+- log|x - x'| of patches near by: int T_n(t) log|z - t| / sqrt(1 - t^2) dt = -(pi/n) zeta^n,
+  zeta = z - sgn(z) sqrt(z^2 - 1) (n = 0: -pi log|2 zeta|), as many n as the powers of zeta are worth,
+- the rest, smooth over the boxes into which the circle is cut: patches far from a box, and what the period adds to
+  those near it, by the midpoint rule in theta at Chebyshev nodes of every box, and from there by interpolation.
 
 A layer adds (ratio_m - 1) sigma_m / m to mode m.  Nothing is taken from the collocation or the gap search.
 Dimensionless (scaling.py), mean-free.  Limits: double precision, 1e-15 of the largest u; contact not complete.
@@ -33,9 +34,11 @@ ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 ROUNDING = 1e-16
 LONGEST_SERIES = 1 << 16  # modes of a layer
-SHORT_SERIES, SHORT_REACH = 24, 0.2  # terms that are enough up to this |zeta|: 0.2^24 = 2e-17
-LARGEST_BLOCK = 1 << 19  # points times patches at a time
+LARGEST_BLOCK = 1 << 19  # pairs of points and patches at a time
 TINY = 1e-300  # keeps sin(y)/y defined at 0
+LEAST_BOXES, BOXES_PER_ROOT = 8, 4.0  # boxes of the circle, over the root of the number of patches (measured)
+CLEAR = 3.0  # half boxes, and then a width of the patch, from the center of a box to that of the nearest far patch
+TERMS = 4  # of a power series at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +48,60 @@ class GapPoints:
     gap: IntArray
     from_left: FloatArray
     from_right: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Points with the images of the patches near them: index of the point, of the patch, and distance from its center.
+
+    All (n_pairs,); the image is the one from whose center the signed distance is counted.
+    """
+
+    point: IntArray
+    patch: IntArray
+    distance: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """The circle in equal boxes: images of patches near each, and the rest of the field as Chebyshev series.
+
+    Attributes
+    ----------
+    half : float
+        Half their width.
+    start : (n_boxes + 1,) int array
+        Where the near images of each begin.
+    patch, center : (n_near,) arrays
+        Near images, box by box.
+    series : (n_terms, n_boxes) array
+        int log|2 sin| sigma dx' less log|x - x'| of the near images.
+    """
+
+    half: float
+    start: IntArray
+    patch: IntArray
+    center: FloatArray
+    series: FloatArray
+
+    def of(self, x: FloatArray) -> IntArray:
+        """Box of each point of [0, 2 pi], (n,)."""
+        return np.minimum((x / (2 * self.half)).astype(np.int64), self.start.size - 2)
+
+    def pairs(self, x: FloatArray, box: IntArray) -> Pairs:
+        """Points with their near images."""
+        count = np.diff(self.start)[box]
+        point = np.repeat(np.arange(x.size), count)
+        at = np.arange(point.size) + np.repeat(self.start[box] - np.cumsum(count) + count, count)
+        return Pairs(point, self.patch[at], x[point] - self.center[at])
+
+    def rest(self, x: FloatArray, box: IntArray) -> FloatArray:
+        """The smooth rest at points of boxes, by Clenshaw's rule, (n,)."""
+        t = x / self.half - (2 * box + 1)
+        now, before = np.zeros((2, x.size))
+        for terms in self.series[:0:-1]:
+            now, before = terms[box] + 2 * t * now - before, now
+        return np.asarray(self.series[0, box] + t * now - before)
 
 
 class DisplacementField:
@@ -78,106 +135,150 @@ class DisplacementField:
         self.count = pressure.left.size
         self.center = (pressure.left + pressure.right) / 2
         self.radius = (pressure.right - pressure.left) / 2
+        self._size = np.array([charge.size for charge in pressure.charges])
+        self._powers = np.zeros((int(self._size.max(initial=1)) + TERMS, self.count))  # factors of zeta^n, n >= 1
+        for i, charge in enumerate(pressure.charges):
+            self._powers[: charge.size - 1, i] = charge[1:] / -np.arange(1, charge.size)
+        self._mean = np.array([charge[0] for charge in pressure.charges])
+        self._boxes = self._in_boxes(max(LEAST_BOXES, int(np.ceil(BOXES_PER_ROOT * np.sqrt(self.count)))))
         self._layer = None if compliance_ratio is None else self._layer_modes(compliance_ratio)
 
     def in_contact(self, x: FloatArray, owner: IntArray) -> FloatArray:
         """u at the n + 1 extrema of every patch in turn, (n,), with the index of the patch of each point."""
-        total = np.empty(x.size)
-        block = max(1, LARGEST_BLOCK // self.count)
-        for first in range(0, x.size, block):
-            part = slice(first, first + block)
-            distance = self._distance(x[part])
-            excess = np.abs(distance) - self.radius
-            excess[np.arange(excess.shape[0]), owner[part]] = np.inf
-            total[part] = self._outside(distance, excess)
-            for i in range(self.count):
-                total[part] += self._periodic_rest(i, distance[:, i])
-        for i in range(self.count):
-            first, last = np.searchsorted(owner, [i, i + 1])
-            total[first:last] += self._inside(i)
+
+        def beyond_edge(pairs: Pairs, part: slice) -> FloatArray:
+            size = np.abs(pairs.distance)
+            own = (pairs.patch == owner[part][pairs.point]) & (size < np.pi)
+            return np.where(own, np.inf, size - self.radius[pairs.patch])
+
+        total = self._from_others(x, beyond_edge)
+        first = np.searchsorted(owner, np.arange(self.count))
+        for n in np.unique(self._size):
+            who = np.flatnonzero(self._size == n)
+            total[first[who, None] + np.arange(n + 1)] += self._inside(who, int(n))
         return self._completed(total, x)
 
     def in_gaps(self, points: GapPoints) -> FloatArray:
         """u at points outside contact, (n,); near an edge it needs the distance from it to full precision."""
-        x = self.positions(points)
-        total = np.empty(x.size)
-        block = max(1, LARGEST_BLOCK // self.count)
-        for first in range(0, x.size, block):
-            part = slice(first, first + block)
-            place, gap = np.arange(x[part].size), points.gap[part]
-            distance = self._distance(x[part])
-            excess = np.abs(distance) - self.radius
+
+        def beyond_edge(pairs: Pairs, part: slice) -> FloatArray:
+            excess = np.abs(pairs.distance) - self.radius[pairs.patch]
+            gap = points.gap[part][pairs.point]
             following = (gap + 1) % self.count
             for patch, known, side in ((gap, points.from_left, 1), (following, points.from_right, -1)):
-                beside = side * distance[place, patch] > 0
-                excess[place[beside], patch[beside]] = known[part][beside]
-            total[part] = self._outside(distance, excess)
-            for i in range(self.count):
-                total[part] += self._periodic_rest(i, distance[:, i])
-        return self._completed(total, x)
+                away = side * pairs.distance
+                beside = (pairs.patch == patch) & (away > 0) & (away < 2 * np.pi)  # that image, and no other
+                excess[beside] = known[part][pairs.point[beside]]
+            return excess
+
+        x = self.positions(points)
+        return self._completed(self._from_others(x, beyond_edge), x)
 
     def positions(self, points: GapPoints) -> FloatArray:
         """x of points in gaps, (n,)."""
         return np.asarray(self.pressure.right[points.gap] + points.from_left)
 
-    def _distance(self, x: FloatArray) -> FloatArray:
-        """From the center of each patch to the nearest image of each point, (n, L)."""
-        return np.asarray(np.remainder(x[:, None] - self.center + np.pi, 2 * np.pi) - np.pi)
+    def _from_others(self, x: FloatArray, beyond_edge: Callable[[Pairs, slice], FloatArray]) -> FloatArray:
+        """int log|2 sin| sigma dx' but for log|x - x'| of the images whose excess beyond the edge is infinite, (n,)."""
+        x = x - 2 * np.pi * np.floor(x / (2 * np.pi))
+        box = self._boxes.of(x)
+        total = self._boxes.rest(x, box)
+        most = int(np.diff(self._boxes.start).max())
+        block = max(1, LARGEST_BLOCK // max(most, 1))
+        for first in range(0, x.size, block):
+            part = slice(first, first + block)
+            pairs = self._boxes.pairs(x[part], box[part])
+            excess = beyond_edge(pairs, part)
+            outside = np.isfinite(excess)
+            point, patch, distance = pairs.point[outside], pairs.patch[outside], pairs.distance[outside]
+            logs = self._outside(patch, distance, excess[outside])
+            total[part] += np.bincount(point, logs, total[part].size)
+        return total
+
+    def _outside(self, patch: IntArray, distance: FloatArray, excess: FloatArray) -> FloatArray:
+        """int log|x - x'| sigma dx' of patches at points outside them, (n,).
+
+        Parameters
+        ----------
+        patch : (n,) int array
+        distance, excess : (n,) arrays
+            From its center, and how much of it lies beyond its edge.
+        """
+        beyond = excess / self.radius[patch]
+        zeta = np.copysign(1 / (1 + beyond + np.sqrt(beyond * (2 + beyond))), distance)
+        decay = -np.log(np.abs(zeta))
+        wanted = np.minimum(np.log(10 / ROUNDING) / np.maximum(decay, TINY), self._size[patch] - 1.0)
+        rounds = np.ceil(wanted / TERMS).astype(np.int64)
+        most = int(rounds.max(initial=0))
+        order = np.argsort((most - rounds).astype(np.min_scalar_type(most)), kind="stable")
+        reach = np.cumsum(np.bincount(rounds, minlength=1)[::-1])[::-1]  # pairs with that many rounds, or more
+        who, factor, total = patch[order], zeta[order], np.zeros(zeta.size)
+        for k in range(most, 0, -1):
+            active = slice(0, int(reach[k]))
+            for terms in self._powers[TERMS * (k - 1) : TERMS * k][::-1]:
+                total[active] += terms.take(who[active])
+                total[active] *= factor[active]
+        result = np.empty(zeta.size)
+        result[order] = total
+        return np.asarray(np.pi * (result + self._mean[patch] * (np.log(self.radius[patch] / 2) + decay)))
+
+    def _in_boxes(self, count: int) -> Boxes:
+        """The circle in boxes.  Around one, the far field is analytic in x up to CLEAR half boxes from its center."""
+        half = np.pi / count
+        middle = (2 * np.arange(count) + 1.0) * half
+        base = np.rint((middle[:, None] - self.center) / (2 * np.pi))
+        turns = base[:, :, None] + np.array([-1.0, 0.0, 1.0])
+        away = np.abs(middle[:, None, None] - self.center[:, None] - 2 * np.pi * turns)
+        near = away < CLEAR * half + 2 * self.radius[:, None]
+        box, patch, image = np.nonzero(near)
+        start = np.searchsorted(box, np.arange(count + 1))
+        center = self.center[patch] + 2 * np.pi * turns[box, patch, image]
+
+        terms = int(_decaying(np.array([CLEAR]))[0])
+        nodes = middle[:, None] + half * np.cos((np.arange(terms) + 0.5) * (np.pi / terms))
+        modes = _decaying(2 + (CLEAR - 1) * half / self.radius)
+        sources, charges = self._sources(modes)
+        careful = near.any(axis=2)
+        values = _periodic_field(nodes, sources, charges, np.repeat(careful, modes, axis=1))
+        rows, columns = np.nonzero(careful)
+        for size in np.unique(modes[columns]):
+            chosen = modes[columns] == size
+            i, j = rows[chosen], columns[chosen]
+            which = (np.cumsum(modes) - modes)[j, None] + np.arange(size)
+            apart = (nodes[i] - 2 * np.pi * base[i, j, None])[:, :, None] - sources[which][:, None, :]
+            np.add.at(values, i, np.einsum("ijk,ik->ij", _periodic_rest(apart, near[i, j]), charges[which]))
+        series: FloatArray = dct(values, type=2, axis=1).T / terms
+        series[0] /= 2
+        return Boxes(half, start, patch, center, series)
 
     def _completed(self, total: FloatArray, x: FloatArray) -> FloatArray:
         """u from the integral of the half-space kernel."""
         total *= -1 / np.pi
         return total if self._layer is None else total + self._layer_field(x, self._layer)
 
-    def _inside(self, i: int) -> FloatArray:
-        """int log|x - x'| sigma dx' at the n + 1 extrema of patch i, by the Martensen-Kussmaul rule."""
-        q = regular_part(self.pressure.charges[i], self.pressure.charges[i].size)
-        n = q.size - 1
+    def _inside(self, who: IntArray, n: int) -> FloatArray:
+        """int log|x - x'| sigma dx' at the n + 1 extrema of patches with n terms, by the Martensen-Kussmaul rule."""
+        q = regular_part(np.stack([self.pressure.charges[i] for i in who]), n)
         weight = _kress_weights(n)
         j = np.arange(n + 1)
         folded = weight[np.abs(j[:, None] - j)] + weight[(j[:, None] + j) % (2 * n)]
-        q_ends_halved = q.copy()
-        q_ends_halved[[0, -1]] /= 2
+        q[:, [0, -1]] /= 2
         # log|x - x'| = log(r/2) + 1/2 log 4 sin^2((a-b)/2) + 1/2 log 4 sin^2((a+b)/2), 0 <= b <= pi
-        level = np.log(self.radius[i] / 2) * (np.pi / n) * np.sum(q_ends_halved)
-        return np.asarray(folded @ q_ends_halved / 2 + level)
+        level = np.log(self.radius[who] / 2) * (np.pi / n) * q.sum(axis=1)
+        return np.asarray(q @ folded / 2 + level[:, None])
 
-    def _outside(self, distance: FloatArray, excess: FloatArray) -> FloatArray:
-        """Sum over the patches of int log|x - x'| sigma dx' outside them, (n,).
-
-        Parameters
-        ----------
-        distance, excess : (n, L) arrays
-            From the centers, and how much of it lies beyond the edge; infinite for patches to be left out.
-        """
-        beyond = excess / self.radius
-        zeta = np.copysign(1 / (1 + beyond + np.sqrt(beyond * (2 + beyond))), distance)
-        terms = np.zeros((SHORT_SERIES, self.count))
-        mean = np.empty(self.count)
-        for i, charge in enumerate(self.pressure.charges):
-            low = charge[1 : SHORT_SERIES + 1]
-            mean[i], terms[: low.size, i] = charge[0], -low / np.arange(1, low.size + 1)
-        size = np.abs(zeta)
-        total = _horner(terms, zeta)
-        for i in range(self.count):
-            near = np.flatnonzero(size[:, i] > SHORT_REACH)
-            charge = self.pressure.charges[i]
-            total[near, i] = _horner(-charge[1:] / np.arange(1, charge.size), zeta[near, i])
-        inside = size == 0
-        total += mean * np.log(self.radius / 2 / np.where(inside, self.radius / 2, size))
-        total[inside] = 0.0
-        return np.asarray(total.sum(axis=1) * np.pi)
-
-    def _periodic_rest(self, i: int, distance: FloatArray) -> FloatArray:
-        """int log sinc((x - x')/2) sigma dx', analytic up to |x - x'| = 2 pi."""
-        z = np.pi / self.radius[i]  # nearest singularity for points at most half a period away
-        modes = int(np.ceil(-np.log(ROUNDING) / np.log(z + np.sqrt(z * z - 1)))) + 2
-        angle = (np.arange(modes) + 0.5) * (np.pi / modes)
-        low = self.pressure.charges[i][:modes]
-        q = np.cos(np.multiply.outer(angle, np.arange(low.size))) @ low
-        half = distance[:, None] / 2 - self.radius[i] / 2 * np.cos(angle)
-        half += TINY
-        return np.asarray(np.log(np.sin(half) / half) @ (q * (np.pi / modes)))
+    def _sources(self, modes: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Positions and charges (pi/n) q of n nodes of the midpoint rule on every patch, joined."""
+        first = np.cumsum(modes) - modes
+        sources, charges = np.empty((2, int(modes.sum())))
+        for n in np.unique(modes):
+            who = np.flatnonzero(modes == n)
+            rows = first[who, None] + np.arange(n)
+            angle = (np.arange(n) + 0.5) * (np.pi / n)
+            low = np.stack([_cut(self.pressure.charges[i], int(n)) for i in who])
+            sources[rows] = self.center[who, None] + self.radius[who, None] * np.cos(angle)
+            charges[rows] = low @ np.cos(np.multiply.outer(np.arange(n), angle)) * (np.pi / n)
+        return sources, charges
 
     def _layer_modes(self, compliance_ratio: ComplianceRatio) -> ComplexArray:
         """2 (ratio_m - 1)/m sigma_m for m = 1.., up to where the ratio is 1 to rounding."""
@@ -207,10 +308,10 @@ class DisplacementField:
 
 
 def regular_part(charge: FloatArray, n: int) -> FloatArray:
-    """q = sum Q_k cos(k theta) at theta = j pi / n, j = 0..n, (n + 1,); n >= number of coefficients."""
-    padded = np.zeros(n + 1)
-    padded[: charge.size] = charge / 2
-    padded[0] = charge[0]
+    """q = sum Q_k cos(k theta) at theta = j pi / n, j = 0..n, along the last axis; n >= number of coefficients."""
+    padded = np.zeros((*charge.shape[:-1], n + 1))
+    padded[..., : charge.shape[-1]] = charge / 2
+    padded[..., 0] = charge[..., 0]
     return np.asarray(dct(padded, type=1))
 
 
@@ -222,10 +323,38 @@ def _kress_weights(n: int) -> FloatArray:
     return np.fft.irfft(spectrum, 2 * n)
 
 
-def _horner(series: FloatArray, zeta: FloatArray) -> FloatArray:
-    """sum_{n >= 1} series[n - 1] zeta^n, same shape as zeta; coefficients for each column of it, or for all."""
-    total = np.zeros(zeta.shape)
-    for coefficient in series[::-1]:
-        total += coefficient
-        total *= zeta
+def _periodic_field(x: FloatArray, sources: FloatArray, charges: FloatArray, left_out: NDArray[np.bool_]) -> FloatArray:
+    """Sum of charge times log|2 sin((x - x')/2)| at points of boxes, (n_boxes, n), less sources left out of a box."""
+    total = np.empty(x.shape)
+    split = np.stack([np.cos(sources / 2), -np.sin(sources / 2)])
+    block = max(1, LARGEST_BLOCK // (x.shape[1] * sources.size))
+    for first in range(0, x.shape[0], block):
+        part = slice(first, first + block)
+        chord = 2 * np.stack([np.sin(x[part] / 2), np.cos(x[part] / 2)], axis=-1) @ split
+        np.abs(chord, out=chord)
+        np.copyto(chord, 1.0, where=left_out[part, None, :])
+        total[part] = np.log(chord, out=chord) @ charges
     return total
+
+
+def _periodic_rest(apart: FloatArray, near: NDArray[np.bool_]) -> FloatArray:
+    """log|2 sin(d/2)| less log|d - 2 pi k| of the images k = -1, 0, 1 that are near, for d of shape (n, ., .)."""
+    nearest = np.abs(apart - 2 * np.pi * np.rint(apart / (2 * np.pi)))
+    ratio = 2 * np.sin(np.maximum(nearest, TINY) / 2)
+    for image, is_near in zip((-1, 0, 1), near.T, strict=True):
+        distance = np.abs(apart[is_near] - 2 * np.pi * image)
+        ratio[is_near] /= np.maximum(distance, TINY)
+    return np.asarray(np.log(ratio))
+
+
+def _cut(charge: FloatArray, n: int) -> FloatArray:
+    """The first n coefficients, zeros where there are fewer, (n,)."""
+    cut = np.zeros(n)
+    cut[: min(n, charge.size)] = charge[:n]
+    return cut
+
+
+def _decaying(distance: FloatArray) -> IntArray:
+    """Terms, to rounding, of Chebyshev series whose nearest singularity is so many half intervals from the middle."""
+    rate = np.log(distance + np.sqrt(distance * distance - 1))
+    return np.asarray(np.ceil(-np.log(ROUNDING) / rate) + 1, dtype=np.int64)
