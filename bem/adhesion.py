@@ -108,8 +108,8 @@ class SlopeLaw(UniformLaw):
 
     def energy(self, patches: Patches) -> float:
         """U_ad = -int w dx over the patches."""
-        varying = self.excess.height(patches.right) - self.excess.height(patches.left)
-        return -self.work * float(np.sum(varying) + self.mean_stretch * np.sum(patches.width))
+        left, right = np.split(self.excess.height(np.concatenate([patches.left, patches.right])), 2)
+        return -self.work * float(np.sum(right - left) + self.mean_stretch * np.sum(patches.width))
 
 
 def dimensionless_law(adhesion: Adhesion, profile: Profile, scales: Scales) -> UniformLaw:

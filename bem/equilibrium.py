@@ -62,8 +62,8 @@ class Balance:
     ----------
     state : Evaluation
         At the target.
-    work : (2 L,) array
-        w at the edges.
+    work, work_gradient : (2 L,) arrays
+        w at the edges, and its derivative by the outward motion of each.
     gradient : (2 L,) array
         dU / d(outward motion) = G - w.
     jacobian : (2 L, 2 L) array
@@ -84,6 +84,7 @@ class Balance:
 
     state: Evaluation
     work: FloatArray
+    work_gradient: FloatArray
     gradient: FloatArray
     jacobian: FloatArray
     hessian: FloatArray
@@ -162,14 +163,16 @@ def balance(
     work = system.law.work_of_adhesion(edges)
     jacobian = stress_intensity_jacobian(state)
     hessian = (intensity / 2)[:, None] * jacobian
-    outward = np.repeat([-1.0, 1.0], patches.count)
+    work_gradient = system.law.work_gradient(edges)
+    work_gradient[: patches.count] *= -1.0
     diagonal = np.arange(edges.size)
-    hessian[diagonal, diagonal] -= outward * system.law.work_gradient(edges)
+    hessian[diagonal, diagonal] -= work_gradient
     load_gradient = intensity * state.stress_intensity_rate / 2
     energy = state.elastic_energy + system.law.energy(patches)
     return Balance(
         state=state,
         work=work,
+        work_gradient=work_gradient,
         gradient=intensity**2 / 4 - work,
         jacobian=jacobian,
         hessian=system.control.stiffen(hessian, load_gradient, state),
@@ -243,17 +246,15 @@ def correct(
 def _newton_step(system: System, here: Balance) -> FloatArray:
     """Newton step on K = 2 sqrt(w) in units of the room of each edge, (2 L,); infinite where there is none."""
     state, control = here.state, system.control
-    edges = edge_positions(state.patches)
-    outward = np.repeat([-1.0, 1.0], state.patches.count)
     jacobian = here.jacobian.copy()
     if control.load_weight > 0:
         jacobian -= (
             control.load_weight * control.rate(state) * np.outer(state.stress_intensity_rate, here.load_gradient)
         )
-    diagonal = np.arange(edges.size)
-    jacobian[diagonal, diagonal] -= outward * system.law.work_gradient(edges) / np.sqrt(here.work)
+    diagonal = np.arange(here.work.size)
+    jacobian[diagonal, diagonal] -= here.work_gradient / np.sqrt(here.work)
     try:
         missing = 2 * np.sqrt(here.work) - state.stress_intensity
         return np.asarray(np.linalg.solve(jacobian * state.patches.edge_room, missing))
     except np.linalg.LinAlgError:
-        return np.full(edges.size, np.inf)
+        return np.full(here.work.size, np.inf)
