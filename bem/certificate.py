@@ -10,14 +10,13 @@ stability and symmetry of the Hessian.
 
 Dimensionless (scaling.py).  Limits: double precision; a patch on which the profile varies by less than
 `SMALLEST_VARIATION`, or which carries less than `SMALLEST_CHARGE`, is judged against that instead.
-Cost: 0.1 s for 72 patches with 2100 coefficients on a profile of 1000 harmonics.
+Cost: 0.03 s for 112 patches with 2900 coefficients on a profile of 1000 harmonics.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +35,7 @@ RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement
 ROUNDING = 5e-13  # rms heights; of the displacement on a patch, over the largest charge where that exceeds 1
 GAP_POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192
-REFINEMENTS = 10
+REFINEMENTS, NARROWER = 6, 3  # of a minimum: the last points are 1/243 as far apart as the first
 
 
 @dataclass(frozen=True)
@@ -178,7 +177,7 @@ def certify(
             reasons.append(f"asymmetry of the Hessian is {hessian_asymmetry}, limit {demands.hessian_asymmetry:.0e}")
     truncation = judge(
         "truncation",
-        np.array([np.max(np.abs(q[-3:])) / max(np.max(np.abs(q)), SMALLEST_CHARGE * q.size) for q in pressure.charges]),
+        _truncation(pressure),
         demands.truncation,
         "on patch",
     )
@@ -224,26 +223,45 @@ def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> Fl
 
 def _tension(pressure: PatchPressure) -> FloatArray:
     """Largest tension of each patch (its regular part q) over the mean of q, (L,)."""
-    return np.array(
-        [-np.min(regular_part(q, q.size)) / max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges]
-    )
+    tension = np.empty(pressure.left.size)
+    for who, rows in _by_size(pressure.charges):
+        load = np.maximum(np.abs(rows[:, 0]), SMALLEST_CHARGE * rows.shape[1])
+        tension[who] = -np.min(regular_part(rows, rows.shape[1]), axis=1) / load
+    return tension
+
+
+def _truncation(pressure: PatchPressure) -> FloatArray:
+    """Largest of the last three coefficients of each patch over its largest, (L,)."""
+    share = np.empty(pressure.left.size)
+    for who, rows in _by_size(pressure.charges):
+        size = np.abs(rows)
+        share[who] = size[:, -3:].max(axis=1) / np.maximum(size.max(axis=1), SMALLEST_CHARGE * rows.shape[1])
+    return share
+
+
+def _by_size(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArray]]:
+    """Patches with series of equal length, and these series by rows."""
+    sizes = np.array([charge.size for charge in charges])
+    members = [np.flatnonzero(sizes == size) for size in np.unique(sizes)]
+    return [(who, np.stack([charges[i] for i in who])) for who in members]
 
 
 def _contact_residuals(profile: Profile, field: DisplacementField, penetration: float) -> FloatArray:
     """max|u - (h - h_max + Delta)| over the variation of h, (L,): at extrema between the nodes, edges included."""
-    angles = [np.arange(q.size + 1) * (np.pi / q.size) for q in field.pressure.charges]
-    x = [c + r * np.cos(angle) for c, r, angle in zip(field.center, field.radius, angles, strict=True)]
-    owner = np.repeat(np.arange(field.count), [angle.size for angle in angles])
-    splits = np.cumsum([angle.size for angle in angles])[:-1]
-    height = profile.height(np.concatenate(x))
-    miss = field.in_contact(np.concatenate(x), owner) - (height - profile.max_height + penetration)
-    variation = [max(float(np.ptp(part)), SMALLEST_VARIATION) for part in np.split(height, splits)]
-    return np.array([np.max(np.abs(part)) for part in np.split(miss, splits)]) / variation
+    sizes = np.array([charge.size for charge in field.pressure.charges])
+    owner = np.repeat(np.arange(field.count), sizes + 1)
+    first = np.cumsum(sizes + 1) - (sizes + 1)
+    angle = (np.arange(owner.size) - first[owner]) * (np.pi / sizes)[owner]
+    x = field.center[owner] + field.radius[owner] * np.cos(angle)
+    height = profile.height(x)
+    miss = np.abs(field.in_contact(x, owner) - (height - profile.max_height + penetration))
+    variation = np.maximum.reduceat(height, first) - np.minimum.reduceat(height, first)
+    return np.asarray(np.maximum.reduceat(miss, first) / np.maximum(variation, SMALLEST_VARIATION))
 
 
 def _gaps(
     profile: Profile, field: DisplacementField, penetration: float, width: FloatArray, resolved: float
-) -> tuple[FloatArray, FloatArray, list[int]]:
+) -> tuple[FloatArray, FloatArray, IntArray]:
     """Depth of interpenetration (minus the smallest gap) and integral of each gap, (L,), and gaps not resolved.
 
     Near an edge u is a power series in the root of the distance, so with x = b + g (1 - cos theta)/2 it is analytic
@@ -252,39 +270,41 @@ def _gaps(
     """
     contact_level = penetration - profile.max_height
     waves = width * (profile.max_order / (2 * np.pi))
-    series = _displacement_series(field, width, np.ceil(16 + 6 * np.sqrt(waves)).astype(np.int64), resolved)
-    unresolved = [i for i, part in enumerate(series) if not np.max(np.abs(part[-3:])) <= resolved]
-    least = np.ceil(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4)).astype(np.int64)
-    grid = np.maximum(least, 2 * np.array([part.size for part in series]))
-    points = _clustered(width, grid, range(field.count))
-    contact = profile.height(field.positions(points)) + contact_level
-    depth, integrals, suspects = np.empty(field.count), np.empty(field.count), []
-    for i, first in enumerate(np.cumsum(grid) - grid):
-        padded = np.zeros(grid[i])
-        padded[: series[i].size] = series[i] * grid[i]
-        u = idct(padded, type=2)
-        integrals[i] = _integral_over_gap(u, width[i]) - contact_level * width[i]
-        gap = u - contact[first : first + grid[i]]
-        depth[i] = -np.min(gap)
-        before, inner, after = gap[:-2], gap[1:-1], gap[2:]
+    series = _displacement_series(field, width, _rounded(16 + 6 * np.sqrt(waves)), resolved)
+    unresolved = np.flatnonzero([not np.max(np.abs(part[-3:])) <= resolved for part in series])
+    lengths = np.array([part.size for part in series])
+    grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 2 * lengths))
+    integrals, lowest_at = np.empty(field.count), np.empty(field.count)
+    suspects = [(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))]
+    for size in np.unique(grid):
+        who = np.flatnonzero(grid == size)
+        padded = np.zeros((who.size, size))
+        for row, i in zip(padded, who, strict=True):
+            row[: lengths[i]] = series[i] * size
+        u = idct(padded, type=2, axis=1)
+        integrals[who] = _integrals_over_gaps(u, width[who]) - contact_level * width[who]
+        contact = profile.height(field.positions(_clustered(width, who, size))) + contact_level
+        gap = u - contact.reshape(u.shape)
+        lowest = gap.min(axis=1)
+        lowest_at[who] = (gap.argmin(axis=1) + 0.5) * (np.pi / size)
+        before, inner, after = gap[:, :-2], gap[:, 1:-1], gap[:, 2:]
         bend = before - 2 * inner + after  # more than what a minimum between the points may lie lower
-        lowest = np.flatnonzero((inner <= before) & (inner < after) & (inner - bend < -depth[i]))
-        suspects.append(first + 1 + lowest)
+        row, column = np.nonzero((inner <= before) & (inner < after) & (inner - bend < lowest[:, None]))
+        suspects.append((who[row], (column + 1.5) * (np.pi / size), np.full(row.size, np.pi / size)))
     integrals -= _height_integrals(profile, field.pressure.right, field.pressure.right + width)
 
-    at = np.concatenate(suspects)
-    owner = points.gap[at]
-    step = np.pi / grid[owner]
-    angle = (at - (np.cumsum(grid) - grid)[owner] + 0.5) * step
-    lowest_gap = np.empty(0)
+    def gap_at(points: GapPoints) -> FloatArray:
+        return field.in_gaps(points) - profile.height(field.positions(points)) - contact_level
+
+    depth = -gap_at(_at_angles(width, np.arange(field.count), lowest_at))
+    owner, angle, step = (np.concatenate(parts) for parts in zip(*suspects, strict=True))
     for _ in range(REFINEMENTS):  # a parabola through three points, then a narrower one about its vertex
         around = _at_angles(width, np.tile(owner, 3), np.ravel(angle + np.array([[-1.0], [0.0], [1.0]]) * step))
-        gap = field.in_gaps(around) - profile.height(field.positions(around)) - contact_level
-        before, here, after = gap.reshape(3, -1)
+        before, here, after = gap_at(around).reshape(3, -1)
+        np.maximum.at(depth, owner, -np.minimum(np.minimum(before, here), after))
         bend, rise = before - 2 * here + after, (after - before) / 2
         vertex = np.where(bend > 0, np.clip(-rise / np.where(bend > 0, bend, 1.0), -1.0, 1.0), 0.0)
-        angle, step, lowest_gap = angle + vertex * step, step / 2, here + vertex * (rise + vertex * bend / 2)
-    np.maximum.at(depth, owner, -lowest_gap)
+        angle, step = angle + vertex * step, step / NARROWER
     return depth, integrals, unresolved
 
 
@@ -293,23 +313,32 @@ def _displacement_series(
 ) -> list[FloatArray]:
     """Chebyshev coefficients of u in every gap, doubled in number until they have decayed or are too many."""
     series: list[FloatArray] = [np.empty(0)] * field.count
-    pending = list(range(field.count))
-    while pending:
-        u = field.in_gaps(_clustered(width, samples, pending))
-        for i, part in zip(pending, np.split(u, np.cumsum(samples[pending])[:-1]), strict=True):
-            series[i] = dct(part, type=2) / part.size
-        pending = [
-            i for i in pending if np.max(np.abs(series[i][-3:])) > resolved and 2 * samples[i] <= MAX_GAP_SAMPLES
-        ]
+    pending = np.arange(field.count)
+    while pending.size:
+        classes = [(size, pending[samples[pending] == size]) for size in np.unique(samples[pending])]
+        points = [_clustered(width, who, size) for size, who in classes]
+        u = field.in_gaps(GapPoints(*(np.concatenate([getattr(p, f.name) for p in points]) for f in fields(GapPoints))))
+        unresolved = []
+        for (size, who), part in zip(classes, np.split(u, np.cumsum([p.gap.size for p in points])[:-1]), strict=True):
+            rows = dct(part.reshape(who.size, size), type=2, axis=1) / size
+            for i, row in zip(who, rows, strict=True):
+                series[i] = row
+            unresolved.append(who[(np.abs(rows[:, -3:]).max(axis=1) > resolved) & (2 * size <= MAX_GAP_SAMPLES)])
+        pending = np.sort(np.concatenate(unresolved))
         samples[pending] *= 2
     return series
 
 
-def _clustered(width: FloatArray, number: IntArray, gaps: Iterable[int]) -> GapPoints:
-    """The n points phi = (k + 1/2) pi / n of `_at_angles` for some gaps."""
-    angles = [(np.arange(number[i]) + 0.5) * (np.pi / number[i]) for i in gaps]
-    gap = np.repeat(np.fromiter(gaps, dtype=np.int64), [angle.size for angle in angles])
-    return _at_angles(width, gap, np.concatenate(angles))
+def _rounded(number: FloatArray) -> IntArray:
+    """Sizes rounded up in steps of at most a quarter, so that equal ones can be treated together."""
+    step = 2 ** np.maximum(np.ceil(np.log2(number)).astype(np.int64) - 3, 0)
+    return np.asarray(np.ceil(number / step) * step, dtype=np.int64)
+
+
+def _clustered(width: FloatArray, gaps: IntArray, number: int) -> GapPoints:
+    """The points phi = (k + 1/2) pi / n of `_at_angles` for some gaps, one after the other."""
+    angle = (np.arange(number) + 0.5) * (np.pi / number)
+    return _at_angles(width, np.repeat(gaps, number), np.tile(angle, gaps.size))
 
 
 def _at_angles(width: FloatArray, gap: IntArray, angle: FloatArray) -> GapPoints:
@@ -319,18 +348,22 @@ def _at_angles(width: FloatArray, gap: IntArray, angle: FloatArray) -> GapPoints
     return GapPoints(gap, width[gap] * from_left**2, width[gap] * from_right**2)
 
 
-def _integral_over_gap(u: FloatArray, width: float) -> float:
-    """int u dx = int u (g/2) sin(theta) dtheta from values at the points of `_clustered`, by Fejer's rule."""
-    theta = np.pi * np.sin((np.arange(u.size) + 0.5) * (np.pi / 2 / u.size)) ** 2
-    series = dct(u * np.sin(theta), type=2)[::2] / u.size
-    even = np.arange(0, u.size, 2)
+def _integrals_over_gaps(u: FloatArray, width: FloatArray) -> FloatArray:
+    """int u dx = int u (g/2) sin(theta) dtheta from values at the points of `_clustered`, by Fejer's rule, (n,)."""
+    size = u.shape[1]
+    theta = np.pi * np.sin((np.arange(size) + 0.5) * (np.pi / 2 / size)) ** 2
+    series = dct(u * np.sin(theta), type=2, axis=1)[:, ::2] / size
+    even = np.arange(0, size, 2)
     weight = np.where(even == 0, 0.5, 1.0) * 2 / (1.0 - even**2)
-    return width / 2 * np.pi / 2 * float(weight @ series)
+    return np.asarray(width * (np.pi / 4) * (series @ weight))
 
 
 def _height_integrals(profile: Profile, start: FloatArray, stop: FloatArray) -> FloatArray:
-    """int h dx from start to stop, term by term, (L,)."""
-    antiderivative = profile.amplitudes / profile.orders
-    upper = np.sin(np.multiply.outer(stop, profile.orders) + profile.phases)
-    lower = np.sin(np.multiply.outer(start, profile.orders) + profile.phases)
-    return np.asarray((upper - lower) @ antiderivative)
+    """int h dx from start to stop, term by term, (L,): exp(imx) is a product from two tables with sqrt(M) entries."""
+    size = int(np.sqrt(profile.max_order)) + 1
+    antiderivative = np.zeros(size * size, dtype=np.complex128)
+    antiderivative[profile.orders] = profile.amplitudes / profile.orders * np.exp(1j * profile.phases)
+    x, order = np.concatenate([stop, start]), np.arange(size)
+    fine, coarse = np.exp(1j * np.multiply.outer(x, order)), np.exp(1j * np.multiply.outer(x, size * order))
+    sums = np.einsum("ij,ij->i", fine @ antiderivative.reshape(size, size).T, coarse).imag
+    return np.asarray(sums[: stop.size] - sums[stop.size :])
