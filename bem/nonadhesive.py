@@ -25,20 +25,22 @@ from bem.collocation import Elastic, Evaluation, evaluate
 from bem.control import Control
 from bem.gap import gap_field, low_minima
 from bem.hierarchical import IllConditionedSystemError
-from bem.patches import TWO_PI, Patches, ordered
+from bem.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.sensitivities import stress_intensity_jacobian
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 ITERATIONS = 400
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
-COARSE = 1e-4  # accuracy of the evaluation until the edges are close
-SEARCH_CLOSURE = 1e-3  # how close: then gaps are searched, too
+COARSEST, COARSE = 1e-2, 1e-4  # accuracies of the evaluation until the edges are near, and until they are close
+NEAR, CLOSE = 0.1, 1e-3  # closures that mean near and close
 CLOSED_GAP = 1e-4  # of the shortest wavelength, or of NARROW times the narrower neighbour
 NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs thousands of modes
 COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too early is opened then
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the closure and the contact: what the edges may still have to move, for invariances to 1e-10
+TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
 DAMPED_AFTER = 15  # iterations after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
@@ -114,23 +116,23 @@ def solve_contact(
     damping = np.ones(2 * patches.count)
     last_sign = np.zeros(2 * patches.count)
     measure = remaining = np.inf
-    accuracy, closed_gap = max(tolerance, COARSE), COARSELY_CLOSED
+    accuracy, closed_gap = COARSE, COARSELY_CLOSED
     for count in range(1, ITERATIONS + 1):
         try:
-            state = control.reach(evaluate(elastic, patches, control.guess(penetration, target), accuracy), target)
+            at, finest = control.guess(penetration, target), accuracy if measure < NEAR else COARSEST
+            state = control.reach(evaluate(elastic, patches, at, max(tolerance, finest)), target)
         except IllConditionedSystemError:
             return Contact("ill_conditioned", None, measure, count)
         penetration = state.penetration
         measure = edge_closure(state)
-        changed = _without_tension(state)
-        if changed is None and measure < SEARCH_CLOSURE and accuracy > tolerance:
-            accuracy, closed_gap = tolerance, CLOSED_GAP
-            continue
-        if changed is None and _closed(state, control, SEARCH_CLOSURE):
-            changed = _with_opened_gaps(elastic, state) or _with_new_contacts(elastic, state, allowed)
+        pressure = state.pressure()
+        tensile = _under_tension(pressure)
+        changed: Patches | None = None
+        if not tensile and accuracy <= tolerance and _closed(state, control, closure):
+            changed = _with_opened_gaps(elastic, pressure) or _with_new_contacts(elastic, state, allowed)
             if changed is not None:
-                accuracy = max(tolerance, COARSE)
-            elif _closed(state, control, closure):
+                accuracy = COARSE
+            else:
                 before, remaining = remaining, _remaining(state)
                 if remaining <= LEFT_OVER * closure * np.sum(patches.width) or remaining > 0.5 * before:
                     return Contact("converged", state, measure, count)
@@ -140,7 +142,9 @@ def solve_contact(
                 damping = np.where(sign * last_sign < 0, damping / 2, np.minimum(1.0, damping * 1.5))
             last_sign = sign
             moved = patches.moved(damping * _edge_steps(state, elastic.profile.max_order))
-            changed = _joined(elastic, moved, closed_gap)
+            changed = _joined(elastic, _split(patches, moved, pressure, tensile), closed_gap)
+            if not tensile and measure < CLOSE and accuracy > tolerance:
+                accuracy, closed_gap = tolerance, CLOSED_GAP
         if changed is None:
             return Contact("complete_contact", None, 0.0, count)
         if changed.count == 0:
@@ -182,32 +186,40 @@ def _least_gap(elastic: Elastic, width: FloatArray, closed_gap: float) -> FloatA
     return closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * width)
 
 
-def _with_opened_gaps(elastic: Elastic, state: Evaluation) -> Patches | None:
+def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> Patches | None:
     """Patches with a gap where the pressure inside dips below zero between its nodes; None when it does nowhere.
 
     A gap 2g wide that is taken for contact leaves a parabola of tension sqrt 2 g wide (Galin, chapter 2).
     """
-    patches, pressure = state.patches, state.pressure()
-    for i, charge in enumerate(pressure.charges):
-        at, value, bend = _lowest_inside(charge)
+    for i, values in _dipping(pressure).items():
+        at, value, bend = _lowest_inside(pressure.charges[i], values)
         if not (value < 0 < bend):
             continue
-        half = patches.half_width[i] * float(np.sqrt(-4 * value / bend))
-        middle = patches.center[i] + patches.half_width[i] * at
-        left, right = patches.left[i], patches.right[i]
-        beside = np.array([min(middle - left, right - middle)])
+        first, last = pressure.left[i], pressure.right[i]
+        half = (last - first) / 2 * float(np.sqrt(-4 * value / bend))
+        middle = (first + last) / 2 + (last - first) / 2 * at
+        beside = np.array([min(middle - first, last - middle)])
         if 2 * half > OPENING_GAP * float(_least_gap(elastic, beside, CLOSED_GAP)[0]) and half < 0.5 * float(beside[0]):
-            first, last = np.insert(patches.left, i + 1, middle + half), np.insert(patches.right, i, middle - half)
-            return ordered(first, last)
+            left, right = np.insert(pressure.left, i + 1, middle + half), np.insert(pressure.right, i, middle - half)
+            return ordered(left, right)
     return None
 
 
-def _lowest_inside(charge: FloatArray) -> tuple[float, float, float]:
+def _dipping(pressure: PatchPressure) -> dict[int, FloatArray]:
+    """Patches inside which the pressure may fall below zero between its nodes, with its values there."""
+    found: dict[int, FloatArray] = {}
+    for who, values in _at_nodes(pressure.charges):
+        before, inner, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
+        bend = before - 2 * inner + after  # more than what a minimum between the nodes may lie lower
+        dips = (inner < before) & (inner <= after) & (inner < bend)
+        found |= {int(who[k]): values[k] for k in np.flatnonzero(dips.any(axis=1))}
+    return dict(sorted(found.items()))
+
+
+def _lowest_inside(charge: FloatArray, values: FloatArray) -> tuple[float, float, float]:
     """Position in (-1, 1), value and second derivative of the lowest minimum of a series off its ends."""
-    nodes, values = _at_nodes(charge)
+    nodes = _nodes(charge)
     inner = 1 + np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:]))
-    if inner.size == 0:
-        return 0.0, np.inf, 0.0
     k = int(inner[np.argmin(values[inner])])
     at, slope = float(nodes[k]), np.polynomial.chebyshev.chebder(charge)
     bend = np.polynomial.chebyshev.chebder(slope)
@@ -221,36 +233,63 @@ def _lowest_inside(charge: FloatArray) -> tuple[float, float, float]:
     )
 
 
-def _at_nodes(charge: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Twice as many Chebyshev nodes as a series has coefficients, from left to right, and its values there."""
-    halved = np.zeros(2 * charge.size)
-    halved[: charge.size] = charge / 2
-    halved[0] = charge[0]
-    return chebyshev.basis_nodes(halved.size)[::-1], np.asarray(fft.dct(halved, type=3))[::-1]
+def _nodes(charge: FloatArray) -> FloatArray:
+    """Twice as many Chebyshev nodes as a series has coefficients, from left to right."""
+    return chebyshev.basis_nodes(2 * charge.size)[::-1]
 
 
-def _without_tension(state: Evaluation) -> Patches | None:
-    """Patches less those in tension, split where the pressure inside is tensile; None when none is."""
-    patches, pressure = state.patches, state.pressure()
-    left: list[float] = []
-    right: list[float] = []
-    changed = False
-    for i, charge in enumerate(pressure.charges):
-        nodes, values = _at_nodes(charge)
-        if values.max() <= 0:
-            changed = True
-            continue
-        x = patches.center[i] + patches.half_width[i] * nodes
-        compressive = values > -1e-6 * values.max()
-        starts = np.flatnonzero(compressive & ~np.append(False, compressive[:-1]))
-        stops = np.flatnonzero(compressive & ~np.append(compressive[1:], False))
-        if charge[0] > 0:
-            starts[0], stops[-1] = 0, nodes.size - 1
-        changed = changed or starts.size > 1 or starts[0] > 0 or stops[-1] < nodes.size - 1
+def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArray]]:
+    """Patches with series of equal length, and the values of these at their nodes by rows."""
+    sizes = np.array([charge.size for charge in charges])
+    found: list[tuple[IntArray, FloatArray]] = []
+    for size in np.unique(sizes):
+        who = np.flatnonzero(sizes == size)
+        halved = np.zeros((who.size, 2 * size))
+        halved[:, :size] = np.stack([charges[i] for i in who]) / 2
+        halved[:, 0] *= 2
+        found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
+    return found
+
+
+def _under_tension(pressure: PatchPressure) -> dict[int, list[tuple[int, int]]]:
+    """Patches whose pressure is tensile somewhere inside: first and last nodes of the parts of each that are not."""
+    found: dict[int, list[tuple[int, int]]] = {}
+    for who, values in _at_nodes(pressure.charges):
+        most = values.max(axis=1)
+        for k in np.flatnonzero((values.min(axis=1) <= -TENSILE * most) | (most <= 0)):
+            parts = _compressive(values[k], float(pressure.charges[who[k]][0]))
+            if parts != [(0, values.shape[1] - 1)]:
+                found[int(who[k])] = parts
+    return found
+
+
+def _compressive(values: FloatArray, mean: float) -> list[tuple[int, int]]:
+    """First and last nodes of the parts of a patch in compression; where the patch carries a load, its ends are."""
+    if values.max() <= 0:
+        return []
+    compressive = values > -TENSILE * values.max()
+    starts = np.flatnonzero(compressive & ~np.append(False, compressive[:-1]))
+    stops = np.flatnonzero(compressive & ~np.append(compressive[1:], False))
+    if mean > 0:
+        starts[0], stops[-1] = 0, values.size - 1
+    return list(zip(starts.tolist(), stops.tolist(), strict=True))
+
+
+def _split(
+    patches: Patches, moved: Patches, pressure: PatchPressure, tensile: dict[int, list[tuple[int, int]]]
+) -> Patches:
+    """Moved patches, but those under tension where they were, less what is tensile inside them."""
+    if not tensile:
+        return moved
+    kept = np.array([i not in tensile for i in range(patches.count)])
+    left, right = moved.left[kept].tolist(), moved.right[kept].tolist()
+    for i, parts in tensile.items():
+        x = patches.center[i] + patches.half_width[i] * _nodes(pressure.charges[i])
         middle = (x[1:] + x[:-1]) / 2
-        left += [float(patches.left[i] if k == 0 else middle[k - 1]) for k in starts]
-        right += [float(patches.right[i] if k == nodes.size - 1 else middle[k]) for k in stops]
-    return ordered(np.array(left), np.array(right)) if changed else None
+        for first, last in parts:
+            left.append(float(patches.left[i] if first == 0 else middle[first - 1]))
+            right.append(float(patches.right[i] if last == x.size - 1 else middle[last]))
+    return ordered(np.array(left), np.array(right))
 
 
 def _with_new_contacts(elastic: Elastic, state: Evaluation, allowed: float) -> Patches | None:
