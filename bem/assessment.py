@@ -1,10 +1,15 @@
 """Stability, stiffness and estimated errors of a state, from a finer evaluation of the same edges.
 
 The finer evaluation (a third more nodes, half as many modes again) leaves forces on the edges; one Newton step on them
-leads to corrected edges, which are evaluated once more.  What a reported quantity changes by is its estimated error: it
-holds the error of the edges, that of the quadrature, and what the one does to the other.
-Dimensionless.  Limits: errors so large that the corrected edges overlap are reported as infinite; an event missed on
-the way is no error of a state (certificate.py looks for those).
+leads to corrected edges.  What a reported quantity changes by is its estimated error: it holds the error of the edges,
+that of the quadrature, and what the one does to the other.  With adhesion the corrected edges are evaluated once more,
+because the stiffness has third derivatives of the energy in it.  Without, they are so close to K = 0 that the exact
+derivatives there do,
+
+    d(load)/d(out) = K K_Delta / 2,   dU_el/d(out) = K^2 / 4,   d^2(load)/dDelta d(out) = K_Delta^2 / 2,
+
+the first two integrated along K -> 0.  Dimensionless.  Limits: errors so large that the corrected edges overlap are
+reported as infinite; an event missed on the way is no error of a state (certificate.py looks for those).
 """
 
 from __future__ import annotations
@@ -17,7 +22,6 @@ from numpy.typing import NDArray
 from bem.collocation import Elastic, Evaluation, evaluate, finer
 from bem.control import Control
 from bem.equilibrium import Balance, System, balance
-from bem.patches import Patches
 from bem.sensitivities import stress_intensity_jacobian
 
 FloatArray = NDArray[np.float64]
@@ -114,7 +118,7 @@ def assess_equilibrium(system: System, here: Balance, value: float, tolerance: f
 
 
 def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value: float, tolerance: float) -> Assessment:
-    """Assess a contact without adhesion, K = 0, at a value of the control by two evaluations at `tolerance`.
+    """Assess a contact without adhesion, K = 0, at a value of the control by an evaluation at `tolerance`.
 
     Parameters
     ----------
@@ -126,17 +130,13 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
     tolerance : float
         Finer than that of `state`.
     """
-    resolution = finer(state.resolution)
-
-    def evaluated(patches: Patches) -> Evaluation:
-        at = control.guess(state.penetration, value)
-        return control.reach(evaluate(elastic, patches, at, tolerance, resolution), value)
-
-    fine = evaluated(state.patches)
-    corrected = state.patches.moved(-fine.stress_intensity / np.diagonal(stress_intensity_jacobian(fine)))
+    at = control.guess(state.penetration, value)
+    fine = control.reach(evaluate(elastic, state.patches, at, tolerance, finer(state.resolution)), value)
+    jacobian = stress_intensity_jacobian(fine)
+    outward = -fine.stress_intensity / np.diagonal(jacobian)
     correction = UNKNOWN
-    if corrected.is_ordered:
-        correction = _of_contact(evaluated(corrected)).minus(_of_contact(state))
+    if state.patches.moved(outward).is_ordered:
+        correction = _moved(control, fine, jacobian, outward, value).minus(_of_contact(state))
     return Assessment(
         work=None,
         adhesion_energy=0.0,
@@ -146,6 +146,20 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
         stable_at_fixed_load=True,
         correction=correction,
     )
+
+
+def _moved(control: Control, state: Evaluation, jacobian: FloatArray, outward: FloatArray, value: float) -> Quantities:
+    """Quantities after edges next to K = 0 moved outward to where it vanishes, at the same value of the control."""
+    intensity, rate = state.stress_intensity, state.stress_intensity_rate
+    moved = replace(
+        state,
+        patches=state.patches.moved(outward),
+        stress_intensity=intensity + jacobian @ outward,
+        load=state.load + float(intensity * rate @ outward) / 4,
+        load_rate=state.load_rate + float(rate**2 @ outward) / 2,
+        elastic_energy=state.elastic_energy + float(intensity**2 @ outward) / 12,
+    )
+    return _of_contact(control.reach(moved, value))
 
 
 def _of_equilibrium(here: Balance) -> Quantities:
