@@ -11,8 +11,16 @@ X_1 = P^T A_1^-1 P, X_2 = Q^T A_2^-1 Q, V = [P^T A_1^-1 b; Q^T A_2^-1 b] and H =
         [   C + C E H     -C E C     ],
 
 and A is positive definite exactly where both halves and 1 - R^T H R are.  Edge vectors live on their own patch, so that
-the work grows in proportion to the number of nodes.  Source of such factorisations: Martinsson and Rokhlin,
-J. Comput. Phys. 205 (2005) 1.  Dimensionless.  Limits: corrections of the kernel need a single leaf.
+the work grows in proportion to the number of nodes.
+
+Close to complete contact a uniform charge costs no energy, and A is nearly singular.  So all this is done for
+A' = A + alpha 1 1^T, which is not; with g = b^T A'^-1 1 and s = 1^T A'^-1 1 the Sherman-Morrison formula leads back,
+
+    b^T A^-1 b = b^T A'^-1 b + alpha g g^T / (1 - alpha s).
+
+Rounding of s then acts like one of alpha on everything at once, and states of given load hardly feel it.
+Source of such factorisations: Martinsson and Rokhlin, J. Comput. Phys. 205 (2005) 1.  Dimensionless.  Limits:
+corrections of the kernel need a single leaf.
 """
 
 from __future__ import annotations
@@ -32,6 +40,7 @@ from bem.separated_kernel import separated_kernel
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+UNIFORM = 0.03  # alpha; the kernel of a whole period has the eigenvalues 0 and 1 / (2 n)
 LARGEST_LEAF = 250  # unknowns, above which a cluster of several patches is split (measured)
 FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by blocks of rows (measured)
 
@@ -133,7 +142,13 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
     whole = _cluster(skeleton, 0, count, shared, accuracy)
     left = 2 + 2 * np.arange(count)
     order = np.concatenate([left, left + 1, [0, 1]])
-    return Solution(whole.gram[order[:, None], order], whole.charges(np.eye(2)))
+    gram, charges = whole.gram[order[:, None], order], whole.charges(np.eye(2))
+    remaining = 1 - UNIFORM * gram[-1, -1]
+    if remaining <= 0:
+        raise IllConditionedSystemError(f"skeleton matrix of {skeleton.x.size} unknowns is not positive definite")
+    uniform = gram[:, -1] * (UNIFORM / remaining)
+    charges += np.outer(charges[:, 1], uniform[-2:])
+    return Solution(gram + np.outer(gram[:, -1], uniform), charges)
 
 
 def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, accuracy: float) -> Cluster:
@@ -155,7 +170,9 @@ def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, accu
         _cluster(skeleton, first, middle, wider[:split], accuracy),
         _cluster(skeleton, middle, last, wider[split:], accuracy),
     )
-    return _joined(halves, -kernel.core, shared.shape[1])
+    core = -kernel.core
+    core[1, 1] += UNIFORM  # the second column is 1
+    return _joined(halves, core, shared.shape[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +197,7 @@ def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray) -> _Lea
         matrix[start:end, start:end] = block
     for correction in skeleton.corrections:
         matrix += correction.matrix(x)
-    np.negative(matrix, out=matrix)
+    np.subtract(UNIFORM, matrix, out=matrix)
     factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
     if info != 0:
         raise IllConditionedSystemError(f"skeleton matrix of {size} unknowns is not positive definite")

@@ -5,6 +5,7 @@ import pytest
 
 from bem import hierarchical
 from bem.collocation import Elastic, evaluate
+from bem.control import LinearControl
 from bem.dense import evaluate_dense
 from bem.hierarchical import IllConditionedSystemError
 from bem.patches import Patches, ordered
@@ -68,13 +69,24 @@ def test_states_are_those_of_one_cluster(evaluated, case, tolerance):
     patches, penetration = case()
     found, full = (evaluated(patches, penetration, tolerance, largest) for largest in (40, 10**9))
     # measured, over the tolerance: K 7e-5, its rate 6e-5, Jacobian 2.5e-3, energy 2e-6, load 1.5e-5;
-    # rounding 3e-12, 3e-12, 1e-9, 6e-13, 9e-13
-    assert relative(found.stress_intensity, full.stress_intensity) <= max(2e-4 * tolerance, 8e-12)
-    assert relative(found.stress_intensity_rate, full.stress_intensity_rate) <= max(2e-4 * tolerance, 8e-12)
+    # rounding 4e-12, 4e-12, 1e-9, 1.2e-12, 1.6e-12
+    assert relative(found.stress_intensity, full.stress_intensity) <= max(2e-4 * tolerance, 1e-11)
+    assert relative(found.stress_intensity_rate, full.stress_intensity_rate) <= max(2e-4 * tolerance, 1e-11)
     assert relative(stress_intensity_jacobian(found), stress_intensity_jacobian(full)) <= max(6e-3 * tolerance, 2.5e-9)
-    assert found.elastic_energy == pytest.approx(full.elastic_energy, rel=max(5e-6 * tolerance, 1.5e-12))
+    assert found.elastic_energy == pytest.approx(full.elastic_energy, rel=max(5e-6 * tolerance, 3e-12))
     assert found.load == pytest.approx(full.load, rel=max(4e-5 * tolerance, 2e-12))
     assert found.unknowns == full.unknowns
+
+
+# measured 1.1e-12, 5e-12, 1.5e-10; with alpha = 0 5e-12, 3e-9, 2.5e-5
+@pytest.mark.parametrize(("gap", "error"), [(1e-2, 3e-12), (1e-3, 1.5e-11), (1e-4, 4e-10)])
+def test_states_of_given_load_close_to_complete_contact(evaluated, gap, error):
+    """The matrix is nearly singular, and the penetration hardly known; the stress intensities are."""
+    edges = np.linspace(0.0, 2 * np.pi, 11)[:-1] + 0.05 * np.sin(np.arange(10))
+    patches = Patches(edges + gap / 2, np.append(edges[1:], edges[0] + 2 * np.pi) - gap / 2)
+    load = LinearControl(0.0, 1.0)
+    found, full = (load.reach(evaluated(patches, 3.0, 1e-8, largest), 100.0) for largest in (100, 10**9))
+    assert relative(found.stress_intensity, full.stress_intensity) <= error
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
