@@ -65,8 +65,8 @@ def misses_energy(
 
 
 def softest_mode(here: Balance) -> FloatArray:
-    """Mode of least stiffness, in units of the room of each edge, (2 L,)."""
-    _, mode = eigh(here.hessian_by_room, subset_by_index=[0, 0])
+    """Outward motion of the edges in the mode of least scaled stiffness, (2 L,), each in units of its scale."""
+    _, mode = eigh(here.scaled_hessian, subset_by_index=[0, 0])
     return np.asarray(mode[:, 0])
 
 
@@ -79,7 +79,7 @@ def unstable_patches(here: Balance) -> IntArray:
 def symmetry_breaking(here: Balance) -> tuple[tuple[str, float], ...]:
     """A bifurcation where the softest mode does no work with the load: it breaks a symmetry that loading keeps."""
     mode, patches = softest_mode(here), here.state.patches
-    pull = here.load_gradient * patches.edge_room
+    pull = here.load_gradient * here.scale
     if abs(mode @ pull) > SYMMETRIC * np.linalg.norm(pull):
         return ()
     moving = int(np.argmax(np.abs(mode))) % patches.count

@@ -26,6 +26,7 @@ FloatArray = NDArray[np.float64]
 DESCENT_STEPS = 600
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
 DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
+NARROW_GAP, CLOSING_STEP = 0.25, 0.4  # of the shortest wavelength; part of its width by which its edges move at once
 CLOSED_GAP = 1e-7  # of the period
 LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
 TIED = 1e-3  # relative difference of gaps that close, or patches that vanish, at the same instant
@@ -177,8 +178,8 @@ def descend(
                 patches, penetration, here = remaining, here.state.penetration, None
                 radius = largest_step / 2
                 continue
-            room = patches.edge_room
-            hessian = here.hessian_by_room
+            room = _room(system, here, largest_step)
+            hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
             gradient = here.gradient * room
             step = trust_region_step(gradient, hessian, radius)
             if here.closed(closure) and np.linalg.norm(step) < 0.9 * radius:
@@ -224,6 +225,24 @@ def _equal(first: Resolution, second: Resolution) -> bool:
     return bool(np.all(first.nodes == second.nodes) and np.all(first.modes == second.modes))
 
 
+def _room(system: System, here: Balance, largest_step: float) -> FloatArray:
+    """Length in which each edge may move, (2 L,); more of it is used where a narrow gap closes, whatever happens."""
+    patches = here.state.patches
+    room = patches.edge_room
+    narrow = (patches.gap_after < NARROW_GAP * 2 * np.pi / system.elastic.profile.max_order) & _pulled_shut(here)
+    if narrow.any():
+        share = np.where(narrow, max(CLOSING_STEP / largest_step, 1.0), 1.0)
+        room = room * np.concatenate([np.roll(share, 1), share])
+    return room
+
+
+def _pulled_shut(here: Balance) -> NDArray[np.bool_]:
+    """Gaps behind the patches at whose ends adhesion wins over the stiffness, (L,)."""
+    count = here.state.patches.count
+    outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
+    return np.asarray(outward[count:] & np.roll(outward[:count], -1))
+
+
 def _expanded(here: Balance) -> Patches | None:
     """Edges with K < 0 moved outward by Newton towards 0.3 of the critical K; None when no room is left."""
     state = here.state
@@ -245,12 +264,10 @@ def _closing(system: System, here: Balance) -> tuple[tuple[Change, ...], Patches
     """
     patches = here.state.patches
     count = patches.count
-    outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
     gaps = patches.gap_after
     wavelength = 2 * np.pi / system.elastic.profile.max_order
     doomed = gaps < min(DOOMED_GAP * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
-    both = outward[count:] & np.roll(outward[:count], -1)
-    closing = np.flatnonzero((doomed & both) | (gaps < CLOSED_GAP * 2 * np.pi))
+    closing = np.flatnonzero((doomed & _pulled_shut(here)) | (gaps < CLOSED_GAP * 2 * np.pi))
     if closing.size == 0:
         return None
     closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min()]

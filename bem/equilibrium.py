@@ -130,7 +130,7 @@ class Balance:
     @property
     def smallest_eigenvalue(self) -> float:
         """Smallest eigenvalue of the Hessian scaled by work of adhesion and room of the edges."""
-        return float(eigh(self._scaled(self.hessian), eigvals_only=True, subset_by_index=[0, 0])[0])
+        return float(eigh(self.scaled_hessian, eigvals_only=True, subset_by_index=[0, 0])[0])
 
     @property
     def hessian_asymmetry(self) -> float:
@@ -138,9 +138,18 @@ class Balance:
         matrix = self.fixed_penetration_hessian
         return float(np.abs(matrix - matrix.T).max() / np.abs(matrix).max())
 
+    @property
+    def scaled_hessian(self) -> FloatArray:
+        """Symmetric part of the Hessian, scaled: of order 1 at edges of patches of any size, (2 L, 2 L)."""
+        return self._scaled(self.hessian)
+
+    @property
+    def scale(self) -> FloatArray:
+        """Root of room over work of adhesion of each edge, (2 L,)."""
+        return np.asarray(np.sqrt(self.state.patches.edge_room / self.work))
+
     def _scaled(self, hessian: FloatArray) -> FloatArray:
-        scale = np.sqrt(self.state.patches.edge_room / self.work)
-        return np.asarray((hessian + hessian.T) / 2 * np.outer(scale, scale))
+        return np.asarray((hessian + hessian.T) / 2 * np.outer(self.scale, self.scale))
 
 
 def edge_positions(patches: Patches) -> FloatArray:

@@ -14,18 +14,18 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Evaluation, Resolution, evaluate, resolve
+from bem.collocation import Evaluation, Resolution, resolve
 from bem.control import PenetrationControl
 from bem.descent import Change, descend, pull_off_half_width
 from bem.equilibrium import Balance, System
 from bem.gap import GapMinima, gap_field, low_minima
-from bem.hierarchical import IllConditionedSystemError
+from bem.half_space import log_chord
 from bem.patches import TWO_PI, Patches, ordered
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-LOCAL_STEP = 0.1
+LOCAL_STEP, LOCAL_CLOSURE = 0.1, 1e-4
 GLOBAL_STEP = 0.4
 NEIGHBOURS = 2
 AVALANCHE_ROUNDS = 200
@@ -74,6 +74,7 @@ def settle(
     allowed: float,
     unstable: IntArray | None = None,
     found: GapMinima | None = None,
+    state: Evaluation | None = None,
 ) -> Settled:
     """Resolve an event at fixed target, starting from the given edges.
 
@@ -89,6 +90,8 @@ def settle(
         Patches that are about to jump; they move first.
     found : GapMinima, optional
         Where the equilibrium at the given edges interpenetrates.
+    state : Evaluation, optional
+        Of the last equilibrium, from which far patches keep their pressure while near ones move first.
     """
     changes: list[tuple[str, float]] = []
     evaluations = local_evaluations = 0
@@ -97,8 +100,8 @@ def settle(
         patches, active, formed = _with_new_contacts(system, patches, found)
         changes += formed
     for _ in range(AVALANCHE_ROUNDS):
-        if active is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
-            patches, local, count = _settled_locally(system, patches, penetration, target, tolerance, active)
+        if active is not None and state is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
+            patches, local, count = _settled_locally(system, patches, state, target, tolerance, active)
             changes += [(change.kind, change.position) for change in local]
             local_evaluations += count
         end = descend(system, patches, penetration, target, tolerance, closure, GLOBAL_STEP)
@@ -106,8 +109,9 @@ def settle(
         changes += [(change.kind, change.position) for change in end.changes]
         if end.status != "converged" or end.balance is None:
             return Settled(end.status, end.balance, tuple(changes), evaluations, local_evaluations)
-        patches, penetration = end.patches, end.balance.state.penetration
-        found = interpenetration(system, end.balance.state, allowed)
+        patches, state = end.patches, end.balance.state
+        penetration = state.penetration
+        found = interpenetration(system, state, allowed)
         if found.position.size == 0:
             return Settled("converged", end.balance, tuple(changes), evaluations, local_evaluations)
         patches, active, formed = _with_new_contacts(system, patches, found)
@@ -155,7 +159,7 @@ def _nearest(patches: Patches, position: float) -> int:
 
 
 def _settled_locally(
-    system: System, patches: Patches, penetration: float, target: float, tolerance: float, active: IntArray
+    system: System, patches: Patches, state: Evaluation, target: float, tolerance: float, active: IntArray
 ) -> tuple[Patches, tuple[Change, ...], int]:
     """Descend near the active patches in the frozen field of the others; the patches come back joined."""
     count = patches.count
@@ -164,19 +168,17 @@ def _settled_locally(
     if members.size > count // 2:
         return patches, (), 0
     far = np.setdiff1d(np.arange(count), members)
-    try:
-        at = system.control.guess(penetration, target)
-        state = system.control.reach(evaluate(system.elastic, patches, at, tolerance), target)
-    except IllConditionedSystemError:
-        return patches, (), 1
-    starts = np.concatenate([[0], np.cumsum(state.resolution.modes)])
-    keep = np.concatenate([np.arange(starts[i], starts[i + 1]) for i in far])
-    nodes, charges = state.skeleton_nodes()[keep], state.skeleton[keep]
+    state = system.control.reach(state, target)
+    penetration = system.control.guess(state.penetration, target)
+    apart = np.subtract.outer(state.patches.center, patches.center[members])
+    frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
+    keep = np.repeat(frozen, state.resolution.modes)
+    charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
+    nodes, charges = state.skeleton_nodes()[keep], charges[keep]
     corrections = system.elastic.corrections
 
     def field(x: FloatArray) -> FloatArray:
-        distance = np.abs(np.exp(1j * x)[:, None] - np.exp(1j * nodes))
-        total = np.log(distance) @ charges
+        total = log_chord(x, nodes) @ charges
         for correction in corrections:
             total = total + correction.field(x, nodes, charges)
         return np.asarray(total)
@@ -189,7 +191,7 @@ def _settled_locally(
     def at_least(trial: Patches) -> Resolution:
         return floor if trial.count == inner.count else resolve(local.elastic, trial, tolerance)
 
-    end = descend(local, inner, state.penetration, state.penetration, tolerance, 1e-2, LOCAL_STEP, at_least)
+    end = descend(local, inner, penetration, penetration, tolerance, LOCAL_CLOSURE, LOCAL_STEP, at_least)
     if end.status == "complete_contact":
         return patches, (), end.evaluations
     if end.status == "separated":

@@ -208,9 +208,9 @@ def _intervals(values: FloatArray, drive: FloatArray, power: float) -> Patches:
     with np.errstate(divide="ignore", invalid="ignore"):
         vertex = highest + np.clip(0.5 * (after - before) / (2 * here - before - after), -OFF_POINT, OFF_POINT)
     narrow = (points <= 2) & (2 * here > before + after)
-    return ordered(
-        cell * np.where(narrow, vertex - points / 2, left), cell * np.where(narrow, vertex + points / 2, right)
-    )
+    left = np.where(narrow, np.maximum(vertex - points / 2, start - WITHIN_CELL[1]), left)
+    right = np.where(narrow, np.minimum(vertex + points / 2, start + points - 1 + WITHIN_CELL[1]), right)
+    return ordered(cell * left, cell * right)
 
 
 def _reach(linear: FloatArray, edge: IntArray, inward: int) -> FloatArray:

@@ -21,13 +21,20 @@ TERMS, WIDEST_SERIES = 8, 0.4  # of log sinc; (0.4 / pi)^18 / 9 = 1e-17
 LARGEST_SERIES = 96  # nodes; tables of more are not kept
 
 
+def log_chord(x: FloatArray, sources: FloatArray) -> FloatArray:
+    """log|2 sin((x_i - x'_j)/2)|, (n, m); -inf where a point is a source."""
+    points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)], axis=1)
+    chord = points @ np.stack([np.cos(sources / 2), -np.sin(sources / 2)])
+    np.abs(chord, out=chord)
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(chord, out=chord))
+
+
 def between_nodes(x: FloatArray) -> FloatArray:
     """log|2 sin((x_i - x_j)/2)| for all pairs, (n, n); the diagonal is zero and has no meaning."""
-    sine, cosine = np.sin(x / 2), np.cos(x / 2)
-    chord = 2 * np.stack([sine, cosine], axis=1) @ np.stack([cosine, -sine])
-    np.fill_diagonal(chord, 1.0)
-    np.abs(chord, out=chord)
-    return np.asarray(np.log(chord, out=chord))
+    kernel = log_chord(x, x)
+    np.fill_diagonal(kernel, 0.0)
+    return kernel
 
 
 def within_patch(half_width: FloatArray, table: Basis) -> FloatArray:

@@ -336,6 +336,7 @@ class Path:
                 inc.allowed,
                 unstable,
                 found,
+                start.balance.state,
             )
             self.effort.book(settled.evaluations, settled.local_evaluations)
             if settled.status != "not_converged":

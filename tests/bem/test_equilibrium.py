@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bem import descent
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic
 from bem.control import LinearControl, PenetrationControl
@@ -235,3 +236,16 @@ def test_pull_off_width_is_that_of_a_lone_cylinder():
     psi = np.geomspace(1e-4, 0.5, 400_001)
     load = np.sin(psi) ** 2 - alpha * np.sqrt(np.tan(psi))
     assert found == pytest.approx(2 * psi[np.argmin(load)], rel=1e-3)
+
+
+def test_narrow_gaps_close_in_few_steps(monkeypatch):
+    """The end is that of small steps."""
+    profile = Profile.from_harmonics(2 * np.pi, [1, 2], [1.0, 0.01])
+    system = System(Elastic(profile), UniformLaw(0.3), PenetrationControl())
+    halves = Patches(np.array([-1.5, 0.1]), np.array([-0.1, 1.5]))
+    fast = descend(system, halves, 1.0, 1.0, 1e-8, 1e-8, 0.1)
+    monkeypatch.setattr(descent, "CLOSING_STEP", 0.1)
+    slow = descend(system, halves, 1.0, 1.0, 1e-8, 1e-8, 0.1)
+    assert [change.kind for change in fast.changes] == ["coalescence"]
+    assert fast.evaluations <= slow.evaluations - 5  # 16 and 23
+    np.testing.assert_allclose(fast.patches.right, slow.patches.right, rtol=0, atol=1e-8)
