@@ -5,7 +5,7 @@ import pytest
 
 from bem.collocation import Elastic
 from bem.control import LinearControl, PenetrationControl
-from bem.grid_contact import grid_problem
+from bem.grid_contact import _intervals, grid_problem
 from bem.layer import Layer
 from bem.nonadhesive import solve_contact
 from bem.profile import Profile
@@ -42,6 +42,14 @@ def test_what_is_narrower_than_a_cell_is_put_in_its_place(control, fraction):
     assert patches.count == 1
     # measured 0.003 cells: the next term of the parabola
     assert abs((patches.center[0] - crest + np.pi) % (2 * np.pi) - np.pi) <= 0.01 * cell
+
+
+@pytest.mark.parametrize("positive", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("seed", range(5))
+def test_intervals_never_overlap_whatever_the_points(seed, positive):
+    random = np.random.default_rng(seed)
+    values = np.where(random.uniform(size=256) < positive, random.uniform(size=256), 0.0)
+    assert _intervals(values, random.normal(size=256), 2.0).is_ordered
 
 
 @BOTH
