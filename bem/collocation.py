@@ -86,8 +86,8 @@ class Evaluation:
         Nodes and modes used.
     unknowns : int
         Size of the factorised matrix.
-    series : tuple of L arrays (N_i,)
-        Chebyshev coefficients of R on the patches.
+    series : (L, max N_i) array
+        Chebyshev coefficients of R on the patches, filled up with zeros.
     skeleton, skeleton_rate : (unknowns,) arrays
         Nodal charges (pi/p) q of the coupled modes, and their derivative by Delta.
     rms_slope : float
@@ -106,7 +106,7 @@ class Evaluation:
     edge_slope_rate: FloatArray
     resolution: Resolution
     unknowns: int
-    series: tuple[FloatArray, ...]
+    series: FloatArray
     skeleton: FloatArray
     skeleton_rate: FloatArray
     rms_slope: float
@@ -136,13 +136,13 @@ class Evaluation:
     def pressure(self) -> PatchPressure:
         """The pressure as Chebyshev series on the patches."""
         charges, start = [], 0
-        for series, modes in zip(self.series, self.resolution.modes, strict=True):
-            table = chebyshev.basis(int(modes))
+        diagonal = self.series * (-np.arange(self.series.shape[1]) / np.pi)
+        for row, nodes, modes in zip(diagonal, self.resolution.nodes, self.resolution.modes, strict=True):
+            charge = row[:nodes].copy()
             nodal = self.skeleton[start : start + modes] * (modes / np.pi)
-            charge = series * (-np.arange(series.size) / np.pi)
             charge[:modes] = chebyshev.coefficients(nodal[None, :])[0]
             charges.append(charge)
-            start += table.nodes.size
+            start += modes
         return PatchPressure(self.patches.left, self.patches.right, tuple(charges))
 
 
@@ -232,7 +232,7 @@ def evaluate(
     )
 
 
-def _skeleton(elastic: Elastic, patches: Patches, resolution: Resolution, series: tuple[FloatArray, ...]) -> Skeleton:
+def _skeleton(elastic: Elastic, patches: Patches, resolution: Resolution, series: FloatArray) -> Skeleton:
     """Nodes, right-hand side and kernel of the coupled modes of every patch."""
     starts = np.concatenate([[0], np.cumsum(resolution.modes)])
     x, force, at_edges = np.empty(starts[-1]), np.empty(starts[-1]), np.empty((starts[-1], 2))
@@ -241,7 +241,7 @@ def _skeleton(elastic: Elastic, patches: Patches, resolution: Resolution, series
         table, rows = chebyshev.basis(modes), starts[members, None] + np.arange(modes)
         x[rows] = patches.center[members, None] + patches.half_width[members, None] * table.nodes
         at_edges[rows] = table.at_edges.T
-        force[rows] = np.stack([series[i][:modes] for i in members]) @ table.values.T
+        force[rows] = series[members, :modes] @ table.values.T
         for i, block in zip(members, half_space.within_patch(patches.half_width[members], table), strict=True):
             within[i] = block
     for background in elastic.backgrounds:
@@ -251,28 +251,25 @@ def _skeleton(elastic: Elastic, patches: Patches, resolution: Resolution, series
 
 def _right_hand_sides(
     profile: Profile, patches: Patches, penetration: float, resolution: Resolution
-) -> tuple[tuple[FloatArray, ...], FloatArray, FloatArray, float]:
+) -> tuple[FloatArray, FloatArray, FloatArray, float]:
     """Chebyshev coefficients C_n of R = pi (h_max - Delta - h) on every patch, and what the uncoupled modes add.
 
     The sums over n >= p are (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2 L,) each, and n C_n^2.
     """
-    center, half_width, count = patches.center, patches.half_width, patches.count
+    center, half_width, most = patches.center, patches.half_width, int(resolution.nodes.max())
     classes = _by_size(resolution.nodes)
     positions = [center[who, None] + half_width[who, None] * chebyshev.basis_nodes(size) for size, who in classes]
     heights = profile.height(np.concatenate([x.ravel() for x in positions]))
     splits = np.split(heights, np.cumsum([x.size for x in positions])[:-1])
-    series: list[FloatArray] = [np.empty(0)] * count
-    at_edge, slope, energy = np.empty(2 * count), np.empty(2 * count), 0.0
+    series = np.zeros((patches.count, most))
     for (size, who), x, height in zip(classes, positions, splits, strict=True):
-        rows = chebyshev.coefficients(-np.pi * height.reshape(x.shape))
-        rows[:, 0] += np.pi * (profile.max_height - penetration)
-        order, sums = _edge_sums(size)
-        term = rows * np.where(order >= resolution.modes[who, None], order, 0.0)
-        energy += float(np.vdot(term, rows))
-        at_edge[who], at_edge[count + who], slope[who], slope[count + who] = (term @ sums).T
-        for i, row in zip(who, rows, strict=True):
-            series[i] = row
-    return tuple(series), at_edge, slope, energy
+        series[who, :size] = chebyshev.coefficients(-np.pi * height.reshape(x.shape))
+    series[:, 0] += np.pi * (profile.max_height - penetration)
+    order, sums = _edge_sums(most)
+    term = series * np.where(order >= resolution.modes[:, None], order, 0.0)
+    left, right, slope_left, slope_right = (term @ sums).T
+    at_edge, slope = np.concatenate([left, right]), np.concatenate([slope_left, slope_right])
+    return series, at_edge, slope, float(np.vdot(term, series))
 
 
 def _by_size(sizes: IntArray) -> tuple[tuple[int, IntArray], ...]:

@@ -31,7 +31,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh, lapack
+from scipy.linalg import lapack
 
 from bem.half_space import between_nodes
 from bem.patches import TWO_PI, Patches
@@ -277,7 +277,7 @@ def _joined(halves: tuple[Cluster, Cluster], core: FloatArray, count: int) -> _P
 def _middle(first: FloatArray, second: FloatArray, core: FloatArray) -> FloatArray:
     """M of two halves from X_1, X_2 and C."""
     rank = core.shape[0]
-    values, vectors = eigh(first, check_finite=False)
+    values, vectors = np.linalg.eigh(first)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     turned = core @ second @ core
     factor, info = lapack.dpotrf(np.eye(rank) - root.T @ turned @ root, lower=1)

@@ -58,7 +58,7 @@ class Patches:
     @cached_property
     def gap_before(self) -> FloatArray:
         """Width of the gap before each patch, (L,)."""
-        return np.roll(self.gap_after, 1)
+        return np.concatenate([self.gap_after[-1:], self.gap_after[:-1]])
 
     @property
     def contact_fraction(self) -> float:
