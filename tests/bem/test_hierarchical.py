@@ -69,12 +69,12 @@ def test_states_are_those_of_one_cluster(evaluated, case, tolerance):
     patches, penetration = case()
     found, full = (evaluated(patches, penetration, tolerance, largest) for largest in (40, 10**9))
     # measured, over the tolerance: K 7e-5, its rate 6e-5, Jacobian 2.5e-3, energy 2e-6, load 1.5e-5;
-    # rounding 4e-12, 4e-12, 1e-9, 1.2e-12, 1.6e-12
+    # rounding 5e-12, 4e-12, 1e-9, 1.7e-12, 2.3e-12
     assert relative(found.stress_intensity, full.stress_intensity) <= max(2e-4 * tolerance, 1e-11)
     assert relative(found.stress_intensity_rate, full.stress_intensity_rate) <= max(2e-4 * tolerance, 1e-11)
     assert relative(stress_intensity_jacobian(found), stress_intensity_jacobian(full)) <= max(6e-3 * tolerance, 2.5e-9)
-    assert found.elastic_energy == pytest.approx(full.elastic_energy, rel=max(5e-6 * tolerance, 3e-12))
-    assert found.load == pytest.approx(full.load, rel=max(4e-5 * tolerance, 2e-12))
+    assert found.elastic_energy == pytest.approx(full.elastic_energy, rel=max(5e-6 * tolerance, 5e-12))
+    assert found.load == pytest.approx(full.load, rel=max(4e-5 * tolerance, 6e-12))
     assert found.unknowns == full.unknowns
 
 
