@@ -2,37 +2,50 @@
 
 The displacement u(x) = -(1/pi) int log|2 sin((x - x')/2)| sigma dx' in a gap is sampled at points that cluster at
 the edges, x = b + g (1 - cos theta)/2, where it is a smooth function of theta, and interpolated to a grid that
-resolves the profile; minima that come near zero are evaluated again at their own place and refined by a
-parabola.  The two patches beside a gap contribute through the outer form of the logarithmic moments,
+resolves the profile, far from the edges of a wide gap only where bounds of u and of the profile leave room for a low
+gap; minima that come near zero are evaluated again at their own place and refined by a parabola.  The two patches
+beside a gap contribute through the outer form of the logarithmic moments,
 
     int log|t - t'| T_n / sqrt(1 - t'^2) dt' = -(pi/n) zeta^n (n >= 1),  -pi log|2 zeta| (n = 0),
     zeta = t - sgn(t) sqrt(t^2 - 1),
 
-all others through their skeleton charges.  Dimensionless; the skeleton limits the accuracy to that of the state.
+all others through their skeleton charges; many are summed by boxes of the circle, between which, unless they touch,
+the logarithm is a polynomial of both positions (Fong, Darve, J. Comput. Phys. 228 (2009) 8712) that depends on their
+distance alone: a convolution.  Dimensionless; the skeleton limits the accuracy to that of the state.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem import chebyshev
 from bem.collocation import Elastic, Evaluation
-from bem.patches import Patches, PatchPressure
+from bem.patches import TWO_PI, Patches, PatchPressure
+from bem.profile import Profile
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+Points = tuple[IntArray, IntArray, FloatArray, FloatArray]  # gap, column in its grid, place in it, and u, (n,) each
+Sampled = tuple[int, IntArray, FloatArray, FloatArray]  # size of the grid, gaps, u at the samples and at the edges
 
 SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
 POINTS_PER_WAVELENGTH = 10
+WHOLE, STRETCH, ENDS = 128, 8, 4  # larger grids are looked at in stretches, of which some at each end in any case
+FEW = 0.1  # share of stretches that are low up to which only these are summed
 REFINEMENTS, REFINEMENT_RATIO = 2, 20.0  # of a minimum: parabolas on ever shorter bases, 1/400 of a grid cell at last
 NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
 GRID_RATIO = 1.2  # steps of the list of grid sizes, so that equal ones are treated together
 LARGEST_MATRIX = 1_000_000  # entries of an interpolation, 8 MB; longer series are summed by Clenshaw's rule
-_TERMS = 8  # of a power series summed at a time
+LARGEST_BLOCK = 1 << 16  # distances at a time, half a megabyte
+DIRECT, PER_BOX = 400_000, 18  # pairs up to which boxes do not pay, and root of the pairs per box (measured)
+BOX_TERMS = 20  # degree at which polynomials in boxes are exact to rounding; measured 5e-15
+LEAST_TERMS, FEW_POWERS = 8, 4096  # of power series, summed at a time: terms, or terms times points
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,74 +54,144 @@ class GapField:
 
     elastic: Elastic
     state: Evaluation
-    pressure: PatchPressure
-    nodes: FloatArray
-    starts: IntArray
 
     def __call__(self, x: FloatArray, gap: IntArray) -> FloatArray:
         """Gap u - (h - h_max + Delta) at points x, each lying in the gap behind patch `gap`, (n,)."""
-        profile = self.elastic.profile
-        contact = profile.height(x) - profile.max_height + self.state.penetration
-        return self.displacement(x, gap) - contact
+        return self.displacement(x, gap) - self.elastic.profile.height(x) + self.clearance
+
+    @property
+    def clearance(self) -> float:
+        """What the gap is where u = h."""
+        return self.elastic.profile.max_height - self.state.penetration
+
+    @property
+    def pressure(self) -> PatchPressure:
+        """The pressure whose displacement this is."""
+        return self.state.pressure()
 
     def displacement(self, x: FloatArray, gap: IntArray) -> FloatArray:
         """Mean-free interface displacement at points x, each lying in the gap behind patch `gap`, (n,)."""
-        sources = np.stack([np.cos(self.nodes / 2), -np.sin(self.nodes / 2)])
+        (nodes, sources), charges = self._nodes, self.state.skeleton
         points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)], axis=1)
-        total = np.empty(x.size)
-        block = max(1, 2_000_000 // self.nodes.size)
-        for first in range(0, x.size, block):
-            chord = points[first : first + block] @ sources  # 2 sin((x - x')/2)
-            np.log(np.abs(chord, out=chord), out=chord)
-            total[first : first + block] = chord @ self.state.skeleton
+        if x.size * nodes.size > DIRECT:
+            total = _by_boxes(x, points, nodes, sources, charges)
+        else:
+            total, block = np.empty(x.size), LARGEST_BLOCK // nodes.size + 1
+            for first in range(0, x.size, block):
+                total[first : first + block] = _pair_by_pair(points[first : first + block], sources, charges)
         for correction in self.elastic.corrections:
-            total += correction.field(x, self.nodes, self.state.skeleton)
+            total += correction.field(x, nodes, charges)
         following = (gap + 1) % self.state.patches.count
-        total += self._near_patch(gap, x)
-        total += self._near_patch(following, x - np.where(following <= gap, 2 * np.pi, 0.0))
-        return np.asarray(-total / np.pi)
+        ahead = x - np.where(following <= gap, TWO_PI, 0.0)
+        beside = self._near_patch(np.concatenate([gap, following]), np.concatenate([x, ahead]))
+        return np.asarray(-(total + beside[: x.size] + beside[x.size :]) / np.pi)
 
     def _near_patch(self, index: IntArray, x: FloatArray) -> FloatArray:
         """Exact logarithmic part of one patch less that of its skeleton, for each x the patch it lies beside, (n,)."""
-        patches = self.state.patches
-        charges, skeleton, sources = self._tables
+        patches, (charges, places), (total, count, terms) = self.state.patches, self._skeletons, self._series
         t = (x - patches.center[index]) / patches.half_width[index]
         zeta = 1 / (t + np.copysign(np.sqrt(np.maximum(t * t - 1, 0.0)), t))
-        exact = np.log(np.abs(2 * zeta)) * charges[index, 0] + _power_series(charges[:, 1:], index, zeta)
-        coarse = np.einsum("nk,nk->n", np.log(np.abs(t[:, None] - sources[index])), skeleton[index])
+        exact = np.log(np.abs(2 * zeta)) * total[index] + _power_series(terms, count, index, zeta)
+        distance = np.abs(t - places.take(index, axis=1))
+        coarse = np.einsum("kn,kn->n", np.log(distance, out=distance), charges.take(index, axis=1))
         return np.asarray(-np.pi * exact - coarse)
 
     @cached_property
-    def _tables(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Series of the patches by rows, and charges and places in (-1, 1) of their skeletons, filled up with zeros."""
+    def _skeletons(self) -> tuple[FloatArray, FloatArray]:
+        """Skeleton charges of the patches and their places in (-1, 1), (p, L) each, filled up with zeros."""
         modes = self.state.resolution.modes
-        series = np.zeros((modes.size, max(charge.size for charge in self.pressure.charges)))
-        skeleton, sources = np.zeros((2, modes.size, int(modes.max())))
-        for i, (charge, start, count) in enumerate(zip(self.pressure.charges, self.starts, modes, strict=True)):
-            series[i, : charge.size] = charge
-            skeleton[i, :count] = self.state.skeleton[start : start + count]
-            sources[i, :count] = chebyshev.basis_nodes(int(count))
-        return series, skeleton, sources
+        filled = np.arange(int(modes.max())) < modes[:, None]
+        charges, places = np.zeros((2, *filled.shape))
+        charges[filled] = self.state.skeleton
+        places[filled] = np.concatenate([chebyshev.basis_nodes(size) for size in modes.tolist()])
+        return np.ascontiguousarray(charges.T), np.ascontiguousarray(places.T)
+
+    @cached_property
+    def _nodes(self) -> tuple[FloatArray, FloatArray]:
+        """Positions x' of the skeleton charges, (unknowns,), and cos(x'/2), -sin(x'/2), (2, unknowns)."""
+        patches, modes, (_, places) = self.state.patches, self.state.resolution.modes, self._skeletons
+        x = (patches.center + patches.half_width * places).T[np.arange(places.shape[0]) < modes[:, None]]
+        return x, np.stack([np.cos(x / 2), -np.sin(x / 2)])
+
+    @cached_property
+    def _series(self) -> tuple[FloatArray, IntArray, FloatArray]:
+        """c_0 of the patches and number of their other c_n, (L,) each, and c_n / n, (n, L), filled up with zeros."""
+        modes, (skeletons, _) = self.state.resolution.modes, self._skeletons
+        total, terms = np.empty(modes.size), self.state.series[:, 1:] / -np.pi
+        for size in np.unique(modes).tolist():
+            who = np.flatnonzero(modes == size)
+            coupled = chebyshev.coefficients(skeletons[:size, who].T * (size / np.pi))
+            total[who], terms[who, : size - 1] = coupled[:, 0], coupled[:, 1:] / np.arange(1, size)
+        return total, self.state.resolution.nodes - 1, np.ascontiguousarray(terms.T)
 
 
-def _power_series(coefficients: FloatArray, row: IntArray, zeta: FloatArray) -> FloatArray:
-    """sum_{n >= 1} c_n zeta^n / n for each zeta the row of its series, (n,); each as far as its powers are not lost."""
-    count = -(-coefficients.shape[1] // _TERMS) * _TERMS
-    terms = np.zeros((coefficients.shape[0], count))
-    terms[:, : coefficients.shape[1]] = coefficients / np.arange(1, coefficients.shape[1] + 1)
-    seen = np.minimum(NEGLIGIBLE / np.log(np.abs(zeta) - 1e-16), count)
-    order = np.argsort(-seen)
-    reach = np.searchsorted(-seen[order], -np.arange(0, count, _TERMS))  # points that see the terms from there on
-    powers = np.repeat(zeta[order, None], _TERMS, axis=1)
-    np.multiply.accumulate(powers, axis=1, out=powers)
-    row, factor, total = row[order], np.ones(zeta.size), np.zeros(zeta.size)
-    for first, active in zip(range(0, count, _TERMS), reach, strict=True):
-        part = np.einsum("nk,nk->n", powers[:active], terms[row[:active], first : first + _TERMS])
-        total[:active] += factor[:active] * part
-        factor[:active] *= powers[:active, -1]
+def _power_series(terms: FloatArray, count: IntArray, column: IntArray, zeta: FloatArray) -> FloatArray:
+    """sum_{n >= 1} terms_n zeta^n, for each zeta the first `count` terms of its column while its powers last, (n,)."""
+    step = max(LEAST_TERMS, FEW_POWERS // max(1, zeta.size))
+    parts = np.ceil(np.minimum(NEGLIGIBLE / np.log(np.abs(zeta) - 1e-16), count[column]) / step).astype(np.int64)
+    order = np.argsort(-parts, kind="stable")
+    reach = parts.size - np.cumsum(np.bincount(parts))[:-1]  # points that see more than 0, 1, ... parts of the terms
+    column, powers = column[order], np.empty((min(step, terms.shape[0]), zeta.size))
+    powers[:] = zeta[order]
+    np.multiply.accumulate(powers, axis=0, out=powers)
+    factor, total = np.ones(zeta.size), np.zeros(zeta.size)
+    for part, active in enumerate(reach.tolist()):
+        here = terms[part * step : (part + 1) * step].take(column[:active], axis=1)
+        total[:active] += factor[:active] * np.einsum("kn,kn->n", powers[: here.shape[0], :active], here)
+        factor[:active] *= powers[-1, :active]
     result = np.empty(zeta.size)
     result[order] = total
     return result
+
+
+def _pair_by_pair(points: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
+    """sum_j log|2 sin((x - x_j)/2)| q_j, (n,); the sine is a product of the rows of points and columns of sources."""
+    chord = points @ sources
+    np.log(np.abs(chord, out=chord), out=chord)
+    return np.asarray(chord @ charges)
+
+
+def _by_boxes(
+    x: FloatArray, points: FloatArray, nodes: FloatArray, sources: FloatArray, charges: FloatArray
+) -> FloatArray:
+    """The same for many: pair by pair between boxes of the circle that touch, by polynomials between the others."""
+    boxes = 1 << int(np.log2(np.sqrt(x.size * nodes.size) / PER_BOX))
+    (box_x, values_x), (box, values) = _in_boxes(x, boxes), _in_boxes(nodes, boxes)
+    entry = box * BOX_TERMS + np.arange(BOX_TERMS)[:, None]
+    moments = np.bincount(entry.ravel(), (values * charges).ravel(), boxes * BOX_TERMS).reshape(boxes, BOX_TERMS, 1)
+    fields = np.fft.irfft(_coupling(boxes) @ np.fft.rfft(moments, axis=0), boxes, axis=0)[:, :, 0]
+    total = np.einsum("kn,nk->n", values_x, fields[box_x])
+    order_x, order = np.argsort(box_x, kind="stable"), np.argsort(box, kind="stable")
+    ends_x, ends = (np.cumsum(np.bincount(which, minlength=boxes)).tolist() for which in (box_x, box))
+    circle = np.concatenate([order[ends[-2] :], order, order[: ends[0]]])  # from the last box round to the first
+    before = nodes.size - ends[-2]
+    starts = [0, before, *(before + end for end in ends), circle.size]
+    points, sources, charges = points[order_x], sources[:, circle], charges[circle]
+    sums = [
+        _pair_by_pair(points[first:last], sources[:, start:stop], charges[start:stop])
+        for first, last, start, stop in zip([0, *ends_x], ends_x, starts, starts[3:], strict=False)
+    ]
+    total[order_x] += np.concatenate(sums)
+    return np.asarray(total)
+
+
+def _in_boxes(x: FloatArray, boxes: int) -> tuple[IntArray, FloatArray]:
+    """Box in which each point lies, (n,), and its Chebyshev polynomials there, (BOX_TERMS, n)."""
+    place = x * (boxes / TWO_PI)
+    box = np.floor(place).astype(np.int64)
+    values = np.polynomial.chebyshev.chebvander(2 * (place - box) - 1, BOX_TERMS - 1)
+    return box % boxes, np.asarray(values.T, dtype=np.float64)
+
+
+@lru_cache(maxsize=16)
+def _coupling(boxes: int) -> NDArray[np.complex128]:
+    """Chebyshev coefficients of log|2 sin| in both positions, zero for boxes that touch, transformed over distance."""
+    node = chebyshev.basis_nodes(BOX_TERMS)
+    distance = (np.arange(2, boxes - 1)[:, None, None] + (node[:, None] - node) / 2) * (TWO_PI / boxes)
+    series = np.zeros((boxes, BOX_TERMS, BOX_TERMS))
+    for_source = chebyshev.coefficients(np.log(2 * np.sin(distance / 2)))
+    series[2:-1] = chebyshev.coefficients(for_source.swapaxes(1, 2)).swapaxes(1, 2)
+    return np.fft.rfft(series, axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +213,7 @@ class GapMinima:
 
 def gap_field(elastic: Elastic, state: Evaluation) -> GapField:
     """The gap of a solved state as a function of position."""
-    starts = np.concatenate([[0], np.cumsum(state.resolution.modes)[:-1]])
-    return GapField(elastic, state, state.pressure(), state.skeleton_nodes(), starts)
+    return GapField(elastic, state)
 
 
 def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
@@ -144,73 +226,146 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
         In units of the rms height.
     """
     patches, profile = field.state.patches, field.elastic.profile
-    waves = patches.gap_after * (profile.max_order / (2 * np.pi))
-    fine = chebyshev.rounded_up(20 + POINTS_PER_WAVELENGTH * np.pi / 2 * waves, GRID_RATIO)
-    classes = [(int(size), np.flatnonzero(fine == size)) for size in np.unique(fine)]
-    coarse = [_in_gaps(patches, who, _samples(size)) for size, who in classes]
-    owners = np.concatenate([np.repeat(who, x.shape[1]) for (_, who), x in zip(classes, coarse, strict=True)])
-    samples = field.displacement(np.concatenate([x.ravel() for x in coarse]), owners)
-    grids = [_in_gaps(patches, who, _grid(size)) for size, who in classes]
-    heights = profile.height(np.concatenate([x.ravel() for x in grids]))
-    places, gaps = [np.empty((3, 0))], [np.empty(0, dtype=np.int64)]
-    sampled = _like(samples, coarse)
-    for (size, who), part, height, x in zip(classes, sampled, _like(heights, grids), grids, strict=True):
-        value = _on_grid(part, size) - (height - profile.max_height + field.state.penetration)
-        before, here, after = value[:, :-2], value[:, 1:-1], value[:, 2:]
-        sag = np.maximum(before + after - 2 * here, 0.0)
-        row, column = np.nonzero((here - sag < threshold) & (here <= before) & (here < after))
-        places.append(np.stack([x[row, column], x[row, column + 1], x[row, column + 2]]))
-        gaps.append(who[row])
-    x, gap = np.concatenate(places, axis=1), np.concatenate(gaps)
-    if gap.size == 0:
-        return GapMinima(np.empty(0), np.empty(0), gap)
-    order = np.lexsort((x[1], gap))
-    x, gap = x[:, order], gap[order]
-    owner = np.tile(gap, 3)
+    waves = patches.gap_after * (profile.max_order / TWO_PI)
+    sizes = chebyshev.rounded_up(20 + POINTS_PER_WAVELENGTH * np.pi / 2 * waves, GRID_RATIO)
+    gap, column, place, u = (np.concatenate(part) for part in zip(*_looked_at(field, sizes, threshold), strict=True))
+    x = _in_gaps(patches, gap, place)
+    value = u - profile.height(x) + field.clearance
+    before, here, after = value[:-2], value[1:-1], value[2:]
+    sag = np.maximum(before + after - 2 * here, 0.0)
+    adjacent = (gap[2:] == gap[:-2]) & (column[2:] == column[:-2] + 2)
+    lowest = np.flatnonzero(adjacent & (here - sag < threshold) & (here <= before) & (here < after)) + 1
+    if lowest.size == 0:
+        return GapMinima(np.empty(0), np.empty(0), lowest)
+    _, first = np.unique(gap[lowest] * (np.max(sizes) + 1) + column[lowest], return_index=True)  # stretches overlap
+    around = lowest[first] + np.array([[-1], [0], [1]])
+    x, owner = x[around], gap[around].ravel()
     vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
     reach = np.minimum(x[1] - x[0], x[2] - x[1])
     for _ in range(REFINEMENTS):
         reach = reach / REFINEMENT_RATIO
         x = np.stack([vertex - reach, vertex, vertex + reach])
         vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
-    return GapMinima(vertex, depth, gap)
+    return GapMinima(vertex, depth, gap[lowest[first]])
 
 
-def _grid(size: int) -> FloatArray:
-    """Angles of a grid that resolves the profile."""
-    return np.asarray((np.arange(size) + 0.5) * np.pi / size)
+def _looked_at(field: GapField, sizes: IntArray, threshold: float) -> Iterator[Points]:
+    """Points of grids of these sizes in all gaps; of large grids without stretches where the gap is not low."""
+    gaps = np.argsort(sizes, kind="stable")
+    ascending = sizes[gaps].tolist()
+    places = [_sample_places(size) for size in ascending]
+    owner = np.repeat(gaps, [place.size for place in places])
+    samples = field.displacement(_in_gaps(field.state.patches, owner, np.concatenate(places)), owner)
+    parts: list[FloatArray] = []
+    wide: list[Sampled] = []
+    start = 0
+    for first, last in pairwise([0, *(np.flatnonzero(np.diff(ascending, append=0)) + 1).tolist()]):
+        size, stop = ascending[first], start + (last - first) * places[first].size
+        here = samples[start:stop].reshape(last - first, -1)
+        u, count = _on_grid(here, size), _columns(size)[0].size
+        parts.append(u[:, :count].ravel())
+        if count < size:
+            wide.append((size, gaps[first:last], here, u[:, count:]))
+        start = stop
+    columns, places = [_columns(size)[0] for size in ascending], [_places(size)[0] for size in ascending]
+    owner = np.repeat(gaps, [column.size for column in columns])
+    yield owner, np.concatenate(columns), np.concatenate(places), np.concatenate(parts)
+    if wide:
+        yield from _low_stretches(field, wide, threshold)
 
 
-def _samples(size: int) -> FloatArray:
-    """Angles at Chebyshev nodes of [0, pi] that resolve the displacement where a grid of this size does the profile."""
-    waves = (size - 20) / (POINTS_PER_WAVELENGTH * np.pi / 2)
-    return np.asarray(np.pi / 2 * (1 - chebyshev.basis_nodes(int(np.ceil(8 + 4 * np.sqrt(waves))))))
+def _low_stretches(field: GapField, wide: list[Sampled], threshold: float) -> Iterator[Points]:
+    """Points of the stretches of wide gaps in which bounds of u and of the profile leave room for a low gap."""
+    patches, highest = field.state.patches, _highest(field.elastic.profile)
+    gap = np.concatenate([np.repeat(gaps, at_edges.shape[1]) for _, gaps, _, at_edges in wide])
+    place = np.concatenate([_places(size)[1] for size, gaps, _, _ in wide for _ in gaps])
+    u = np.concatenate([at_edges.ravel() for _, _, _, at_edges in wide])
+    same = gap[1:] == gap[:-1]
+    bend = np.zeros(u.size)
+    bend[1:-1] = np.where(same[1:] & same[:-1], np.abs(np.diff(u, 2)), 0.0)
+    least = np.minimum(u[1:], u[:-1]) - bend[1:] - bend[:-1]
+    x = _in_gaps(patches, gap, place) - np.floor(patches.right[gap] / TWO_PI) * TWO_PI
+    index = (x * (highest.size / (2 * TWO_PI))).astype(np.int64)
+    most = np.maximum(np.maximum.reduceat(highest, index)[:-1], highest[index[1:]])
+    low = np.append(same & (least - most < threshold - field.clearance), False)
+    for size, gaps, samples, at_edges in wide:
+        here, low = np.flatnonzero(low[: at_edges.size]), low[at_edges.size :]
+        if here.size:
+            row, stretch = np.divmod(here, at_edges.shape[1])
+            column = _columns(size)[1][stretch, None] + np.arange(-1, STRETCH + 2)
+            series = chebyshev.coefficients(samples)
+            if here.size > FEW * at_edges.size:
+                between = np.polynomial.chebyshev.chebval(_node(np.arange(size), size), series.T)[row[:, None], column]
+            else:
+                cosines = np.cos(np.arccos(_node(column, size))[:, :, None] * np.arange(samples.shape[1]))
+                between = np.einsum("scn,sn->sc", cosines, series[row])
+            owner = np.repeat(gaps[row], column.shape[1])
+            yield owner, column.ravel(), _place((column.ravel() + 0.5) / size), between.ravel()
 
 
-def _in_gaps(patches: Patches, who: IntArray, angle: FloatArray) -> FloatArray:
-    """Points b + g (1 - cos theta)/2 of some gaps, (n_gaps, n_angles)."""
-    return np.asarray(patches.right[who, None] + patches.gap_after[who, None] * (0.5 - 0.5 * np.cos(angle)))
+@lru_cache(maxsize=8)
+def _highest(profile: Profile) -> FloatArray:
+    """Upper bounds of the profile between neighbouring points of its grid, for two periods.
 
-
-def _like(values: FloatArray, arrays: list[FloatArray]) -> list[FloatArray]:
-    """Values of the points of some arrays, joined, as arrays of their shapes."""
-    ends = np.cumsum([array.size for array in arrays])[:-1]
-    return [part.reshape(array.shape) for part, array in zip(np.split(values, ends), arrays, strict=True)]
-
-
-def _on_grid(samples: FloatArray, size: int) -> FloatArray:
-    """Chebyshev series in theta through samples of some gaps, (n_gaps, n), on the grid, (n_gaps, size)."""
-    if samples.shape[1] * size <= LARGEST_MATRIX:
-        return np.asarray(samples @ _interpolation(samples.shape[1], size))
-    series = chebyshev.coefficients(samples)
-    return np.asarray(np.polynomial.chebyshev.chebval(1 - 2 / np.pi * _grid(size), series.T))
+    Curvature is 1/cos(pi/16) of its largest value on 16 points per wavelength at most (M. Riesz, Jahresbericht DMV 23
+    (1914) 354).
+    """
+    x, height = profile.grid
+    curvature = np.max(np.abs(profile.curvature(x))) / np.cos(np.pi / 16)
+    return np.tile(np.maximum(height, np.roll(height, -1)) + curvature * x[1] ** 2 / 8, 2)
 
 
 @lru_cache(maxsize=256)
-def _interpolation(nodes: int, size: int) -> FloatArray:
-    """Matrix from samples to the grid, applied from the right, (nodes, size)."""
-    values = np.polynomial.chebyshev.chebvander(1 - 2 / np.pi * _grid(size), nodes - 1)
-    return np.asarray(chebyshev.coefficients(np.eye(nodes)) @ values.T)
+def _columns(size: int) -> tuple[IntArray, IntArray]:
+    """Points of a grid that are looked at in any case, and the edges of stretches that may be."""
+    if size <= WHOLE:
+        return np.arange(size), np.arange(0)
+    edges = np.arange(STRETCH * ENDS, size - STRETCH * ENDS, STRETCH)
+    return np.concatenate([np.arange(edges[0] + 2), np.arange(edges[-1] - 1, size)]), edges
+
+
+@lru_cache(maxsize=256)
+def _places(size: int) -> tuple[FloatArray, FloatArray]:
+    """Places of those in the gap, in (0, 1)."""
+    columns, edges = _columns(size)
+    return _place((columns + 0.5) / size), _place((edges + 0.5) / size)
+
+
+@lru_cache(maxsize=256)
+def _sample_places(size: int) -> FloatArray:
+    """Chebyshev nodes in theta that resolve the displacement where a grid of this size does the profile."""
+    waves = (size - 20) / (POINTS_PER_WAVELENGTH * np.pi / 2)
+    return _place((1 - chebyshev.basis_nodes(int(np.ceil(8 + 4 * np.sqrt(waves))))) / 2)
+
+
+def _place(angle: FloatArray) -> FloatArray:
+    """(1 - cos theta)/2 from theta/pi."""
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * angle))
+
+
+def _node(column: IntArray, size: int) -> FloatArray:
+    """1 - 2 theta/pi of points of a grid."""
+    return 1 - (2 * column + 1) / size
+
+
+def _in_gaps(patches: Patches, gap: IntArray, place: FloatArray) -> FloatArray:
+    """Points at places in (0, 1), each in its gap, (n,)."""
+    return np.asarray(patches.right[gap] + patches.gap_after[gap] * place)
+
+
+def _on_grid(samples: FloatArray, size: int) -> FloatArray:
+    """Chebyshev series in theta through samples of some gaps, (n_gaps, n), at columns and edges, (n_gaps, m)."""
+    if samples.shape[1] * (WHOLE + size / STRETCH) <= LARGEST_MATRIX:
+        return np.asarray(samples @ _interpolation(samples.shape[1], size))
+    nodes = _node(np.concatenate(_columns(size)), size)
+    return np.asarray(np.polynomial.chebyshev.chebval(nodes, chebyshev.coefficients(samples).T))
+
+
+@lru_cache(maxsize=256)
+def _interpolation(count: int, size: int) -> FloatArray:
+    """Matrix from samples to columns and edges of a grid, applied from the right, (count, m)."""
+    values = np.polynomial.chebyshev.chebvander(_node(np.concatenate(_columns(size)), size), count - 1)
+    return np.asarray(chebyshev.coefficients(np.eye(count)) @ values.T)
 
 
 def _parabola_vertex(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,5 +1,7 @@
 """The gap outside contact: Johnson's closed form, the mean-gap identity, and the minima that are found."""
 
+from contextlib import contextmanager
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -138,3 +140,105 @@ def test_minima_do_not_depend_on_how_the_displacement_is_interpolated(monkeypatc
     assert by_matrix.position.size > 3
     np.testing.assert_allclose(by_matrix.position, by_clenshaw.position, rtol=0, atol=1e-12)  # measured 0
     np.testing.assert_allclose(by_matrix.depth, by_clenshaw.depth, rtol=0, atol=1e-12)  # measured 0
+
+
+def rough_field(seed=1, excess=0.3, shift=0.0, turns=0):
+    """Ten patches (seed 1), gaps of up to 180 wavelengths, nine overlaps."""
+    profile = Profile.self_affine(2 * np.pi, 0.7, 1.0, 300, seed).scaled()
+    profile = Profile(profile.period, profile.orders, profile.amplitudes, profile.phases - shift * profile.orders)
+    patches, penetration = bearing_cut(profile, 0.2)
+    patches = Patches(patches.left + 2 * np.pi * turns, patches.right + 2 * np.pi * turns)
+    elastic = Elastic(profile)
+    return gap_field(elastic, evaluate(elastic, patches, penetration + excess, 1e-12))
+
+
+@contextmanager
+def whole_grids():
+    """The search looks at every point of every grid."""
+    tables = (gap._columns, gap._places, gap._interpolation)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(gap, "WHOLE", 10**9)
+        try:
+            for table in tables:
+                table.cache_clear()
+            yield
+        finally:
+            for table in tables:
+                table.cache_clear()
+
+
+@pytest.mark.parametrize(
+    "state",
+    [
+        pytest.param({}, id="widest gap inside the period"),
+        pytest.param({"shift": 3.0}, id="widest gap across the end of the period"),
+        pytest.param({"turns": -1}, id="patches before the period"),
+        pytest.param({"seed": 66, "excess": 0.05}, id="minimum where a stretch begins"),
+        pytest.param({"seed": 174, "excess": 0.2}, id="minimum where a stretch ends"),
+    ],
+)
+def test_no_low_minimum_is_lost_where_a_wide_gap_is_passed_over(state):
+    field = rough_field(**state)
+    found = low_minima(field)
+    with whole_grids():
+        expected = low_minima(field)
+    assert np.any(expected.depth < 0)
+    np.testing.assert_array_equal(found.gap, expected.gap)
+    np.testing.assert_allclose(found.position, expected.position, rtol=0, atol=1e-12)  # measured 0
+    np.testing.assert_allclose(found.depth, expected.depth, rtol=0, atol=1e-14)  # measured 0
+
+
+def test_most_of_a_wide_gap_is_passed_over():
+    sizes = np.array([37, 151, 26, 37, 62, 31, 74, 3313, 26, 772])
+    looked_at = [part[0] for part in gap._looked_at(rough_field(), sizes, gap.SUSPICIOUS_GAP)]
+    assert np.bincount(np.concatenate(looked_at))[7] < 0.2 * 3313  # measured 0.13; 0.02 of it are the ends
+
+
+def test_minima_do_not_depend_on_how_low_stretches_are_summed(monkeypatch):
+    field = rough_field()
+    few = low_minima(field)
+    monkeypatch.setattr(gap, "FEW", 0.0)
+    many = low_minima(field)
+    assert few.position.size >= 9
+    np.testing.assert_allclose(few.position, many.position, rtol=0, atol=1e-12)  # measured 0
+    np.testing.assert_allclose(few.depth, many.depth, rtol=0, atol=1e-14)  # measured 0
+
+
+@settings(max_examples=20)
+@given(seed=st.integers(0, 50), harmonics=st.integers(1, 60))
+def test_profile_stays_below_its_bound_between_grid_points(seed, harmonics):
+    profile = Profile.self_affine(2 * np.pi, 0.7, 1.0, harmonics, seed).scaled()
+    bound = gap._highest(profile)
+    place = np.linspace(0, bound.size, 20 * bound.size, endpoint=False)
+    height = profile.height(place * (4 * np.pi / bound.size))
+    above = bound[place.astype(np.int64)] - height
+    assert above.min() > 0  # measured 1.3e-4
+    assert above.max() < 0.5  # measured 0.24: the bound follows the profile
+
+
+def test_displacement_by_boxes_is_that_of_the_direct_sum(monkeypatch):
+    field = rough_field()
+    x, _, owner = clustered(field.state.patches, 100)
+    monkeypatch.setattr(gap, "DIRECT", 10**9)
+    direct = field.displacement(x, owner)
+    monkeypatch.setattr(gap, "DIRECT", 0)
+    np.testing.assert_allclose(field.displacement(x, owner), direct, rtol=0, atol=2e-15)  # measured 1e-15
+
+
+@pytest.mark.parametrize("part", [1.0, 0.02], ids=["all over the circle", "in a part of it"])
+def test_sum_by_boxes_is_the_sum_pair_by_pair(part):
+    rng = np.random.default_rng(0)
+    x = rng.uniform(-2 * np.pi, 4 * np.pi, 1000)
+    nodes, charges = part * rng.uniform(0, 2 * np.pi, 2000), rng.standard_normal(2000) / 2000
+    points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)], axis=1)
+    sources = np.stack([np.cos(nodes / 2), -np.sin(nodes / 2)])
+    direct = gap._pair_by_pair(points, sources, charges)
+    by_boxes = gap._by_boxes(x, points, nodes, sources, charges)
+    np.testing.assert_allclose(by_boxes, direct, rtol=0, atol=1e-15)  # measured 3e-16
+
+
+def test_displacement_of_one_point_is_the_same_alone_and_among_many():
+    field = rough_field()
+    x, _, owner = clustered(field.state.patches, 60)
+    alone = [field.displacement(x[k : k + 1], owner[k : k + 1])[0] for k in range(0, x.size, 7)]
+    np.testing.assert_allclose(alone, field.displacement(x, owner)[::7], rtol=0, atol=4e-14)  # measured 1.3e-14
