@@ -20,6 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,13 +73,13 @@ class GapField:
     def displacement(self, x: FloatArray, gap: IntArray) -> FloatArray:
         """Mean-free interface displacement at points x, each lying in the gap behind patch `gap`, (n,)."""
         (nodes, sources), charges = self._nodes, self.state.skeleton
-        points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)], axis=1)
+        points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)])
         if x.size * nodes.size > DIRECT:
             total = _by_boxes(x, points, nodes, sources, charges)
         else:
             total, block = np.empty(x.size), LARGEST_BLOCK // nodes.size + 1
             for first in range(0, x.size, block):
-                total[first : first + block] = _pair_by_pair(points[first : first + block], sources, charges)
+                total[first : first + block] = _pair_by_pair(points[:, first : first + block], sources, charges)
         for correction in self.elastic.corrections:
             total += correction.field(x, nodes, charges)
         following = (gap + 1) % self.state.patches.count
@@ -131,9 +132,7 @@ def _power_series(terms: FloatArray, count: IntArray, column: IntArray, zeta: Fl
     parts = np.ceil(np.minimum(NEGLIGIBLE / np.log(np.abs(zeta) - 1e-16), count[column]) / step).astype(np.int64)
     order = np.argsort(-parts, kind="stable")
     reach = parts.size - np.cumsum(np.bincount(parts))[:-1]  # points that see more than 0, 1, ... parts of the terms
-    column, powers = column[order], np.empty((min(step, terms.shape[0]), zeta.size))
-    powers[:] = zeta[order]
-    np.multiply.accumulate(powers, axis=0, out=powers)
+    column, powers = column[order], _powers(zeta[order], min(step, terms.shape[0]))
     factor, total = np.ones(zeta.size), np.zeros(zeta.size)
     for part, active in enumerate(reach.tolist()):
         here = terms[part * step : (part + 1) * step].take(column[:active], axis=1)
@@ -144,9 +143,21 @@ def _power_series(terms: FloatArray, count: IntArray, column: IntArray, zeta: Fl
     return result
 
 
+def _powers(base: NDArray[Any], count: int) -> NDArray[Any]:
+    """base^1 ... base^count, (count, n), by doubling."""
+    powers = np.empty((count, base.size), dtype=base.dtype)
+    powers[:1] = base
+    done = 1
+    while done < count:
+        more = min(done, count - done)
+        np.multiply(powers[:more], powers[done - 1], out=powers[done : done + more])
+        done += more
+    return powers
+
+
 def _pair_by_pair(points: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
-    """sum_j log|2 sin((x - x_j)/2)| q_j, (n,); the sine is a product of the rows of points and columns of sources."""
-    chord = points @ sources
+    """sum_j log|2 sin((x - x_j)/2)| q_j, (n,), from 2 (sin x/2, cos x/2), (2, n), and (cos x_j/2, -sin x_j/2)."""
+    chord = points.T @ sources
     np.log(np.abs(chord, out=chord), out=chord)
     return np.asarray(chord @ charges)
 
@@ -159,16 +170,16 @@ def _by_boxes(
     (box_x, values_x), (box, values) = _in_boxes(x, boxes), _in_boxes(nodes, boxes)
     entry = box * BOX_TERMS + np.arange(BOX_TERMS)[:, None]
     moments = np.bincount(entry.ravel(), (values * charges).ravel(), boxes * BOX_TERMS).reshape(boxes, BOX_TERMS, 1)
-    fields = np.fft.irfft(_coupling(boxes) @ np.fft.rfft(moments, axis=0), boxes, axis=0)[:, :, 0]
-    total = np.einsum("kn,nk->n", values_x, fields[box_x])
+    fields = np.fft.irfft(_coupling(boxes) @ np.fft.rfft(moments, axis=0), boxes, axis=0)[:, :, 0].T
+    total = np.einsum("kn,kn->n", values_x, fields.take(box_x, axis=1))
     order_x, order = np.argsort(box_x, kind="stable"), np.argsort(box, kind="stable")
     ends_x, ends = (np.cumsum(np.bincount(which, minlength=boxes)).tolist() for which in (box_x, box))
     circle = np.concatenate([order[ends[-2] :], order, order[: ends[0]]])  # from the last box round to the first
     before = nodes.size - ends[-2]
     starts = [0, before, *(before + end for end in ends), circle.size]
-    points, sources, charges = points[order_x], sources[:, circle], charges[circle]
+    points, sources, charges = points[:, order_x], sources[:, circle], charges[circle]
     sums = [
-        _pair_by_pair(points[first:last], sources[:, start:stop], charges[start:stop])
+        _pair_by_pair(points[:, first:last], sources[:, start:stop], charges[start:stop])
         for first, last, start, stop in zip([0, *ends_x], ends_x, starts, starts[3:], strict=False)
     ]
     total[order_x] += np.concatenate(sums)
@@ -176,11 +187,15 @@ def _by_boxes(
 
 
 def _in_boxes(x: FloatArray, boxes: int) -> tuple[IntArray, FloatArray]:
-    """Box in which each point lies, (n,), and its Chebyshev polynomials there, (BOX_TERMS, n)."""
+    """Box in which each point lies, (n,), and the Chebyshev polynomials there, (BOX_TERMS, n)."""
     place = x * (boxes / TWO_PI)
     box = np.floor(place).astype(np.int64)
-    values = np.polynomial.chebyshev.chebvander(2 * (place - box) - 1, BOX_TERMS - 1)
-    return box % boxes, np.asarray(values.T, dtype=np.float64)
+    values = np.empty((BOX_TERMS, x.size))
+    values[0], values[1], twice = 1.0, 2 * (place - box) - 1, 4 * (place - box) - 2
+    for k in range(2, BOX_TERMS):
+        np.multiply(twice, values[k - 1], out=values[k])
+        values[k] -= values[k - 2]
+    return box % boxes, values
 
 
 @lru_cache(maxsize=16)
@@ -297,8 +312,9 @@ def _low_stretches(field: GapField, wide: list[Sampled], threshold: float) -> It
             if here.size > FEW * at_edges.size:
                 between = np.polynomial.chebyshev.chebval(_node(np.arange(size), size), series.T)[row[:, None], column]
             else:
-                cosines = np.cos(np.arccos(_node(column, size))[:, :, None] * np.arange(samples.shape[1]))
-                between = np.einsum("scn,sn->sc", cosines, series[row])
+                waves = _powers(np.exp(1j * np.arccos(_node(column.ravel(), size))), samples.shape[1] - 1).real
+                waves = waves.reshape(-1, *column.shape)
+                between = series[row, :1] + np.einsum("ksc,sk->sc", waves, series[row, 1:])
             owner = np.repeat(gaps[row], column.shape[1])
             yield owner, column.ravel(), _place((column.ravel() + 0.5) / size), between.ravel()
 

@@ -230,7 +230,7 @@ def test_sum_by_boxes_is_the_sum_pair_by_pair(part):
     rng = np.random.default_rng(0)
     x = rng.uniform(-2 * np.pi, 4 * np.pi, 1000)
     nodes, charges = part * rng.uniform(0, 2 * np.pi, 2000), rng.standard_normal(2000) / 2000
-    points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)], axis=1)
+    points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)])
     sources = np.stack([np.cos(nodes / 2), -np.sin(nodes / 2)])
     direct = gap._pair_by_pair(points, sources, charges)
     by_boxes = gap._by_boxes(x, points, nodes, sources, charges)
