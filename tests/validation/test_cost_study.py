@@ -1,8 +1,10 @@
 """The cost study: what gates, drift, exponents; a run that fails stays in the table; one small measurement for real."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -40,9 +42,9 @@ def test_benchmark_is_three_realisations_and_their_quarter_increments():
     assert sorted(task.increment for task in tasks) == [0.0125] * 3 + [0.05] * 3
 
 
-def test_full_study_goes_from_125_to_4000_harmonics():
+def test_full_study_goes_from_125_to_8000_harmonics():
     swept = {task.harmonics for task in tasks_of(quick=False) if (task.seed, task.increment) == (0, 0.05)}
-    assert swept == {125, 250, 500, 1000, 2000, 4000}
+    assert swept == {125, 250, 500, 1000, 2000, 4000, 8000}
 
 
 def test_nothing_is_unmet_by_good_runs(pair):
@@ -112,6 +114,21 @@ def test_exponent_of_a_power_law_is_found(examples):
     assert found["cpu_seconds"] == pytest.approx(2.0, abs=1e-12)
     assert found["unknowns"] == pytest.approx(1.0, abs=1e-12)
     assert found["patches"] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("power", "expected"), [(1.1, []), (1.3, ["CPU seconds to a contact fraction of 0.2 grow"])])
+def test_growth_beyond_the_exponent_asked_for_is_named(pair, examples, power, expected):
+    sweep = [
+        replace(examples.converge(Task(0, size, 0.05)), cpu_seconds=1.0, cpu_seconds_to_a_fifth=1e-3 * size**power)
+        for size in (250, 2000, 8000)
+    ]
+    assert [name.split(" no faster")[0] for name in unmet([*pair, *sweep])] == expected
+
+
+def test_seconds_to_a_fraction_are_interpolated_between_states():
+    states = [SimpleNamespace(cpu_seconds=c, contact_fraction=f) for c, f in ((1.0, 0.1), (2.0, 0.15), (4.0, 0.25))]
+    assert cost._seconds_to(0.2, states) == pytest.approx(5.0, abs=1e-12)
+    assert math.isnan(cost._seconds_to(0.3, states))
 
 
 @pytest.mark.parametrize("change", [{"status": "error"}, {"seed": 1}, {"increment": 0.0125}])
