@@ -191,8 +191,8 @@ def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> Patches | No
 
     A gap 2g wide that is taken for contact leaves a parabola of tension sqrt 2 g wide (Galin, chapter 2).
     """
-    for i, values in _dipping(pressure).items():
-        at, value, bend = _lowest_inside(pressure.charges[i], values)
+    for i, between in _dips(pressure).items():
+        at, value, bend = min((_minimum(pressure.charges[i], *span) for span in between), key=lambda found: found[1])
         if not (value < 0 < bend):
             continue
         first, last = pressure.left[i], pressure.right[i]
@@ -205,27 +205,25 @@ def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> Patches | No
     return None
 
 
-def _dipping(pressure: PatchPressure) -> dict[int, FloatArray]:
-    """Patches inside which the pressure may fall below zero between its nodes, with its values there."""
-    found: dict[int, FloatArray] = {}
+def _dips(pressure: PatchPressure) -> dict[int, list[tuple[float, float, float]]]:
+    """Patches inside which the pressure may fall below zero between its nodes: where, and the nodes on either side."""
+    found: dict[int, list[tuple[float, float, float]]] = {}
     for who, values in _at_nodes(pressure.charges):
         before, inner, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
         bend = before - 2 * inner + after  # more than what a minimum between the nodes may lie lower
-        dips = (inner < before) & (inner <= after) & (inner < bend)
-        found |= {int(who[k]): values[k] for k in np.flatnonzero(dips.any(axis=1))}
+        nodes = _nodes(pressure.charges[who[0]])
+        for row, k in zip(*np.nonzero((inner < before) & (inner <= after) & (inner < bend)), strict=True):
+            found.setdefault(int(who[row]), []).append((float(nodes[k + 1]), float(nodes[k]), float(nodes[k + 2])))
     return dict(sorted(found.items()))
 
 
-def _lowest_inside(charge: FloatArray, values: FloatArray) -> tuple[float, float, float]:
-    """Position in (-1, 1), value and second derivative of the lowest minimum of a series off its ends."""
-    nodes = _nodes(charge)
-    inner = 1 + np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:]))
-    k = int(inner[np.argmin(values[inner])])
-    at, slope = float(nodes[k]), np.polynomial.chebyshev.chebder(charge)
+def _minimum(charge: FloatArray, at: float, lower: float, upper: float) -> tuple[float, float, float]:
+    """Position near a place in (-1, 1), value and second derivative of a minimum of a series between two bounds."""
+    slope = np.polynomial.chebyshev.chebder(charge)
     bend = np.polynomial.chebyshev.chebder(slope)
     for _ in range(3):
         step = -np.polynomial.chebyshev.chebval(at, slope) / np.polynomial.chebyshev.chebval(at, bend)
-        at = float(np.clip(at + step, nodes[k - 1], nodes[k + 1]))
+        at = float(np.clip(at + step, lower, upper))
     return (
         at,
         float(np.polynomial.chebyshev.chebval(at, charge)),

@@ -10,8 +10,8 @@ from bem.control import LinearControl, PenetrationControl
 from bem.dense import evaluate_dense
 from bem.gap import gap_field, low_minima
 from bem.grid_contact import grid_problem
-from bem.nonadhesive import edge_closure, solve_contact
-from bem.patches import TWO_PI
+from bem.nonadhesive import _with_opened_gaps, edge_closure, solve_contact
+from bem.patches import TWO_PI, PatchPressure
 from bem.profile import Profile
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
@@ -107,3 +107,15 @@ def test_equal_crests_carry_equal_loads(order):
     assert state.patches.count == order
     np.testing.assert_allclose(state.patches.width, 2 * np.pi * 0.6 / order, atol=1e-10)
     assert state.load == pytest.approx(2 * np.pi * order * S, rel=1e-10)
+
+
+def test_a_gap_is_opened_where_pressure_dips_between_nodes_below_a_lower_node():
+    """q = ((t - a)^2 + 1e-3)((t - b)^2 - 1e-3), a at one of the 24 nodes and b between two: lowest at a, at nodes."""
+    angle = (np.arange(24) + 0.5) * np.pi / 24
+    a, b = np.cos(angle[15]), np.cos((angle[7] + angle[8]) / 2)
+    series = np.polynomial.chebyshev.poly2cheb(np.polymul([1, -2 * a, a * a + 1e-3], [1, -2 * b, b * b - 1e-3])[::-1])
+    pressure = PatchPressure(np.array([1.0]), np.array([3.0]), (np.append(series, np.zeros(12 - series.size)),))
+    opened = _with_opened_gaps(Elastic(profile_of(0)), pressure)
+    assert opened.count == 2
+    assert (opened.right[0] + opened.left[1]) / 2 == pytest.approx(2 + b, abs=2e-3)  # measured 1.1e-3: the factor leans
+    assert opened.gap_after[0] == pytest.approx(2 * np.sqrt(2 * 1e-3), rel=0.02)  # sqrt 2 times as wide as the tension
