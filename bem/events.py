@@ -1,6 +1,6 @@
 """What happens where a branch ends: new contacts, coalescence, detachment, and the jump to the nearest minimum.
 
-An event is resolved at fixed target, first where it happens and then everywhere: the patches concerned and two
+An event is resolved at fixed target, first where it happens and then everywhere: the patches concerned and four
 neighbours each side move in the frozen field of all others (small trust-region steps, cheap evaluations), then
 all edges descend together.  Interpenetration found in the equilibrium is a new contact, and the loop goes on
 until none is left.  The energy that the avalanche releases is the difference of the potential.  Dimensionless.
@@ -25,9 +25,9 @@ from bem.patches import TWO_PI, Patches, ordered
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-LOCAL_STEP, LOCAL_CLOSURE = 0.1, 1e-4
+LOCAL_STEP, LOCAL_CLOSURE = 0.2, 1e-4
 GLOBAL_STEP = 0.4
-NEIGHBOURS = 2
+NEIGHBOURS = 4
 AVALANCHE_ROUNDS = 200
 TIED = 1e-3  # relative difference in depth of contacts that form at the same instant
 
