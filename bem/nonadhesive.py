@@ -276,7 +276,7 @@ def _compressive(values: FloatArray, mean: float) -> list[tuple[int, int]]:
 def _split(
     patches: Patches, moved: Patches, pressure: PatchPressure, tensile: dict[int, list[tuple[int, int]]]
 ) -> Patches:
-    """Moved patches, but those under tension where they were, less what is tensile inside them."""
+    """Moved patches; those under tension less what is tensile inside them, their ends moved outward or not at all."""
     if not tensile:
         return moved
     kept = np.array([i not in tensile for i in range(patches.count)])
@@ -285,8 +285,8 @@ def _split(
         x = patches.center[i] + patches.half_width[i] * _nodes(pressure.charges[i])
         middle = (x[1:] + x[:-1]) / 2
         for first, last in parts:
-            left.append(float(patches.left[i] if first == 0 else middle[first - 1]))
-            right.append(float(patches.right[i] if last == x.size - 1 else middle[last]))
+            left.append(min(patches.left[i], moved.left[i]) if first == 0 else middle[first - 1])
+            right.append(max(patches.right[i], moved.right[i]) if last == x.size - 1 else middle[last])
     return ordered(np.array(left), np.array(right))
 
 
