@@ -127,12 +127,12 @@ def test_local_settling_ends_in_the_same_state():
     profile = rough_profile(harmonics=200, seed=3, hurst=0.4).scaled()
     system = System(Elastic(profile), UniformLaw(2e-4), PenetrationControl())
     x, h = profile.crests
-    high = x[h > profile.max_height - 1.0]
-    before = settled(system, first_contact(system, np.sort(high)), 1.0).balance.state
+    high = x[h > profile.max_height - 1.3]
+    before = settled(system, first_contact(system, np.sort(high)), 1.3).balance.state
     start = before.patches
     assert start.count > 18
-    plain = settled(system, start, 0.97, 1.0)
-    local = settled(system, start, 0.97, 1.0, unstable=np.array([1]), state=before)
+    plain = settled(system, start, 1.27, 1.3)
+    local = settled(system, start, 1.27, 1.3, unstable=np.array([1]), state=before)
     assert local.local_evaluations > 0
     assert plain.local_evaluations == 0
     np.testing.assert_allclose(local.balance.state.patches.right, plain.balance.state.patches.right, atol=1e-7)
