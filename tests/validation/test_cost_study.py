@@ -42,6 +42,12 @@ def test_benchmark_is_three_realisations_and_their_quarter_increments():
     assert sorted(task.increment for task in tasks) == [0.0125] * 3 + [0.05] * 3
 
 
+def test_full_study_shows_path_convergence_of_the_papers_realisations_and_twenty_others():
+    tasks = [task for task in tasks_of(quick=False) if task.harmonics == 1000]
+    assert {task.seed for task in tasks} == set(range(31))
+    assert sorted(task.increment for task in tasks) == [0.0125] * 31 + [0.05] * 31
+
+
 def test_full_study_goes_from_125_to_8000_harmonics():
     swept = {task.harmonics for task in tasks_of(quick=False) if (task.seed, task.increment) == (0, 0.05)}
     assert swept == {125, 250, 500, 1000, 2000, 4000, 8000}
