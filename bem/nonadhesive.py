@@ -41,7 +41,7 @@ COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the closure and the contact: what the edges may still have to move, for invariances to 1e-10
 TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
-DAMPED_AFTER = 15  # iterations after which a change of sign of K halves the step of its edge
+DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
 ContactStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
@@ -113,14 +113,13 @@ def solve_contact(
     allowed : float
         Interpenetration that is not a contact, dimensionless.
     """
-    damping = np.ones(2 * patches.count)
-    last_sign = np.zeros(2 * patches.count)
     measure = remaining = np.inf
-    accuracy, closed_gap = COARSE, COARSELY_CLOSED
+    accuracy, closed_gap = COARSEST, COARSELY_CLOSED
+    damping, last_sign, steps = np.ones(2 * patches.count), np.zeros(2 * patches.count), 0
     for count in range(1, ITERATIONS + 1):
         try:
-            at, finest = control.guess(penetration, target), accuracy if measure < NEAR else COARSEST
-            state = control.reach(evaluate(elastic, patches, at, max(tolerance, finest)), target)
+            at = control.guess(penetration, target)
+            state = control.reach(evaluate(elastic, patches, at, max(tolerance, accuracy)), target)
         except IllConditionedSystemError:
             return Contact("ill_conditioned", None, measure, count)
         penetration = state.penetration
@@ -128,30 +127,34 @@ def solve_contact(
         pressure = state.pressure()
         tensile = _under_tension(pressure)
         changed: Patches | None = None
+        finer = accuracy
         if not tensile and accuracy <= tolerance and _closed(state, control, closure):
             changed = _with_opened_gaps(elastic, pressure) or _with_new_contacts(elastic, state, allowed)
-            if changed is not None:
-                accuracy = COARSE
-            else:
+            if changed is None:
                 before, remaining = remaining, _remaining(state)
                 if remaining <= LEFT_OVER * closure * np.sum(patches.width) or remaining > 0.5 * before:
                     return Contact("converged", state, measure, count)
+            else:
+                finer = COARSE
         if changed is None:
             sign = np.sign(state.stress_intensity)
-            if count > DAMPED_AFTER:
+            if steps >= DAMPED_AFTER:
                 damping = np.where(sign * last_sign < 0, damping / 2, np.minimum(1.0, damping * 1.5))
             last_sign = sign
             moved = patches.moved(damping * _edge_steps(state, elastic.profile.max_order))
             changed = _joined(elastic, _split(patches, moved, pressure, tensile), closed_gap)
-            if not tensile and measure < CLOSE and accuracy > tolerance:
-                accuracy, closed_gap = tolerance, CLOSED_GAP
+            if not tensile and accuracy > COARSE and measure < NEAR:
+                finer = COARSE
+            elif not tensile and tolerance < accuracy <= COARSE and measure < CLOSE:
+                finer, closed_gap = tolerance, CLOSED_GAP
         if changed is None:
             return Contact("complete_contact", None, 0.0, count)
         if changed.count == 0:
             return Contact("separated", None, 0.0, count)
-        if changed.count != patches.count:
-            damping, last_sign = np.ones(2 * changed.count), np.zeros(2 * changed.count)
-        patches = changed
+        steps += 1
+        if changed.count != patches.count or finer != accuracy:
+            damping, last_sign, steps = np.ones(2 * changed.count), np.zeros(2 * changed.count), 0
+        patches, accuracy = changed, finer
     return Contact("not_converged", state, measure, ITERATIONS)
 
 
