@@ -9,9 +9,8 @@ beside a gap contribute through the outer form of the logarithmic moments,
     int log|t - t'| T_n / sqrt(1 - t'^2) dt' = -(pi/n) zeta^n (n >= 1),  -pi log|2 zeta| (n = 0),
     zeta = t - sgn(t) sqrt(t^2 - 1),
 
-all others through their skeleton charges; many are summed by boxes of the circle, between which, unless they touch,
-the logarithm is a polynomial of both positions (Fong, Darve, J. Comput. Phys. 228 (2009) 8712) that depends on their
-distance alone: a convolution.  Dimensionless; the skeleton limits the accuracy to that of the state.
+all others through their skeleton charges (logarithmic_potential.py).  Dimensionless; the skeleton limits the accuracy
+to that of the state.
 """
 
 from __future__ import annotations
@@ -27,7 +26,8 @@ from numpy.typing import NDArray
 
 from bem import chebyshev
 from bem.collocation import Elastic, Evaluation
-from bem.patches import TWO_PI, Patches, PatchPressure
+from bem.logarithmic_potential import LogarithmicPotential
+from bem.patches import TWO_PI, Patches
 from bem.profile import Profile
 
 FloatArray = NDArray[np.float64]
@@ -37,21 +37,19 @@ Sampled = tuple[int, IntArray, FloatArray, FloatArray]  # size of the grid, gaps
 
 SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
 POINTS_PER_WAVELENGTH = 10
-WHOLE, STRETCH, ENDS = 128, 8, 4  # larger grids are looked at in stretches, of which some at each end in any case
-FEW = 0.1  # share of stretches that are low up to which only these are summed
+WHOLE = 128  # points: larger grids are looked at in stretches
+STRETCH, ENDS = 8, 4  # points of a stretch, and stretches at each end that are looked at in any case
+FEW = 0.1  # share of stretches that are low up to which u is interpolated in these alone
 REFINEMENTS, REFINEMENT_RATIO = 2, 20.0  # of a minimum: parabolas on ever shorter bases, 1/400 of a grid cell at last
 NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
 GRID_RATIO = 1.2  # steps of the list of grid sizes, so that equal ones are treated together
 LARGEST_MATRIX = 1_000_000  # entries of an interpolation, 8 MB; longer series are summed by Clenshaw's rule
-LARGEST_BLOCK = 1 << 16  # distances at a time, half a megabyte
-DIRECT, PER_BOX = 400_000, 18  # pairs up to which boxes do not pay, and root of the pairs per box (measured)
-BOX_TERMS = 20  # degree at which polynomials in boxes are exact to rounding; measured 5e-15
 LEAST_TERMS, FEW_POWERS = 8, 4096  # of power series, summed at a time: terms, or terms times points
 
 
 @dataclass(frozen=True, eq=False)
 class GapField:
-    """Gap of a solved state at points outside contact."""
+    """Gap at points outside contact of a solved state, whose edges need not be in equilibrium."""
 
     elastic: Elastic
     state: Evaluation
@@ -65,23 +63,11 @@ class GapField:
         """What the gap is where u = h."""
         return self.elastic.profile.max_height - self.state.penetration
 
-    @property
-    def pressure(self) -> PatchPressure:
-        """The pressure whose displacement this is."""
-        return self.state.pressure()
-
     def displacement(self, x: FloatArray, gap: IntArray) -> FloatArray:
         """Mean-free interface displacement at points x, each lying in the gap behind patch `gap`, (n,)."""
-        (nodes, sources), charges = self._nodes, self.state.skeleton
-        points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)])
-        if x.size * nodes.size > DIRECT:
-            total = _by_boxes(x, points, nodes, sources, charges)
-        else:
-            total, block = np.empty(x.size), LARGEST_BLOCK // nodes.size + 1
-            for first in range(0, x.size, block):
-                total[first : first + block] = _pair_by_pair(points[:, first : first + block], sources, charges)
+        total = self._skeleton_potential(x)
         for correction in self.elastic.corrections:
-            total += correction.field(x, nodes, charges)
+            total += correction.field(x, self._skeleton_potential.position, self.state.skeleton)
         following = (gap + 1) % self.state.patches.count
         ahead = x - np.where(following <= gap, TWO_PI, 0.0)
         beside = self._near_patch(np.concatenate([gap, following]), np.concatenate([x, ahead]))
@@ -108,11 +94,11 @@ class GapField:
         return np.ascontiguousarray(charges.T), np.ascontiguousarray(places.T)
 
     @cached_property
-    def _nodes(self) -> tuple[FloatArray, FloatArray]:
-        """Positions x' of the skeleton charges, (unknowns,), and cos(x'/2), -sin(x'/2), (2, unknowns)."""
+    def _skeleton_potential(self) -> LogarithmicPotential:
+        """Potential of the skeleton charges of all patches, (unknowns,)."""
         patches, modes, (_, places) = self.state.patches, self.state.resolution.modes, self._skeletons
-        x = (patches.center + patches.half_width * places).T[np.arange(places.shape[0]) < modes[:, None]]
-        return x, np.stack([np.cos(x / 2), -np.sin(x / 2)])
+        positions = (patches.center + patches.half_width * places).T[np.arange(places.shape[0]) < modes[:, None]]
+        return LogarithmicPotential(positions, self.state.skeleton)
 
     @cached_property
     def _series(self) -> tuple[FloatArray, IntArray, FloatArray]:
@@ -155,60 +141,6 @@ def _powers(base: NDArray[Any], count: int) -> NDArray[Any]:
     return powers
 
 
-def _pair_by_pair(points: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
-    """sum_j log|2 sin((x - x_j)/2)| q_j, (n,), from 2 (sin x/2, cos x/2), (2, n), and (cos x_j/2, -sin x_j/2)."""
-    chord = points.T @ sources
-    np.log(np.abs(chord, out=chord), out=chord)
-    return np.asarray(chord @ charges)
-
-
-def _by_boxes(
-    x: FloatArray, points: FloatArray, nodes: FloatArray, sources: FloatArray, charges: FloatArray
-) -> FloatArray:
-    """The same for many: pair by pair between boxes of the circle that touch, by polynomials between the others."""
-    boxes = 1 << int(np.log2(np.sqrt(x.size * nodes.size) / PER_BOX))
-    (box_x, values_x), (box, values) = _in_boxes(x, boxes), _in_boxes(nodes, boxes)
-    entry = box * BOX_TERMS + np.arange(BOX_TERMS)[:, None]
-    moments = np.bincount(entry.ravel(), (values * charges).ravel(), boxes * BOX_TERMS).reshape(boxes, BOX_TERMS, 1)
-    fields = np.fft.irfft(_coupling(boxes) @ np.fft.rfft(moments, axis=0), boxes, axis=0)[:, :, 0].T
-    total = np.einsum("kn,kn->n", values_x, fields.take(box_x, axis=1))
-    order_x, order = np.argsort(box_x, kind="stable"), np.argsort(box, kind="stable")
-    ends_x, ends = (np.cumsum(np.bincount(which, minlength=boxes)).tolist() for which in (box_x, box))
-    circle = np.concatenate([order[ends[-2] :], order, order[: ends[0]]])  # from the last box round to the first
-    before = nodes.size - ends[-2]
-    starts = [0, before, *(before + end for end in ends), circle.size]
-    points, sources, charges = points[:, order_x], sources[:, circle], charges[circle]
-    sums = [
-        _pair_by_pair(points[:, first:last], sources[:, start:stop], charges[start:stop])
-        for first, last, start, stop in zip([0, *ends_x], ends_x, starts, starts[3:], strict=False)
-    ]
-    total[order_x] += np.concatenate(sums)
-    return np.asarray(total)
-
-
-def _in_boxes(x: FloatArray, boxes: int) -> tuple[IntArray, FloatArray]:
-    """Box in which each point lies, (n,), and the Chebyshev polynomials there, (BOX_TERMS, n)."""
-    place = x * (boxes / TWO_PI)
-    box = np.floor(place).astype(np.int64)
-    values = np.empty((BOX_TERMS, x.size))
-    values[0], values[1], twice = 1.0, 2 * (place - box) - 1, 4 * (place - box) - 2
-    for k in range(2, BOX_TERMS):
-        np.multiply(twice, values[k - 1], out=values[k])
-        values[k] -= values[k - 2]
-    return box % boxes, values
-
-
-@lru_cache(maxsize=16)
-def _coupling(boxes: int) -> NDArray[np.complex128]:
-    """Chebyshev coefficients of log|2 sin| in both positions, zero for boxes that touch, transformed over distance."""
-    node = chebyshev.basis_nodes(BOX_TERMS)
-    distance = (np.arange(2, boxes - 1)[:, None, None] + (node[:, None] - node) / 2) * (TWO_PI / boxes)
-    series = np.zeros((boxes, BOX_TERMS, BOX_TERMS))
-    for_source = chebyshev.coefficients(np.log(2 * np.sin(distance / 2)))
-    series[2:-1] = chebyshev.coefficients(for_source.swapaxes(1, 2)).swapaxes(1, 2)
-    return np.fft.rfft(series, axis=0)
-
-
 @dataclass(frozen=True, eq=False)
 class GapMinima:
     """Local minima of the gap that come near zero.
@@ -239,6 +171,11 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
     field : GapField
     threshold : float
         In units of the rms height.
+
+    Returns
+    -------
+    GapMinima
+        In the order of the gaps and of the positions in them; empty when the gap is nowhere so low.
     """
     patches, profile = field.state.patches, field.elastic.profile
     waves = patches.gap_after * (profile.max_order / TWO_PI)
@@ -268,14 +205,14 @@ def _looked_at(field: GapField, sizes: IntArray, threshold: float) -> Iterator[P
     """Points of grids of these sizes in all gaps; of large grids without stretches where the gap is not low."""
     gaps = np.argsort(sizes, kind="stable")
     ascending = sizes[gaps].tolist()
-    places = [_sample_places(size) for size in ascending]
-    owner = np.repeat(gaps, [place.size for place in places])
-    samples = field.displacement(_in_gaps(field.state.patches, owner, np.concatenate(places)), owner)
+    sampled = [_sample_places(size) for size in ascending]
+    owner = np.repeat(gaps, [place.size for place in sampled])
+    samples = field.displacement(_in_gaps(field.state.patches, owner, np.concatenate(sampled)), owner)
     parts: list[FloatArray] = []
     wide: list[Sampled] = []
     start = 0
     for first, last in pairwise([0, *(np.flatnonzero(np.diff(ascending, append=0)) + 1).tolist()]):
-        size, stop = ascending[first], start + (last - first) * places[first].size
+        size, stop = ascending[first], start + (last - first) * sampled[first].size
         here = samples[start:stop].reshape(last - first, -1)
         u, count = _on_grid(here, size), _columns(size)[0].size
         parts.append(u[:, :count].ravel())
@@ -295,7 +232,7 @@ def _low_stretches(field: GapField, wide: list[Sampled], threshold: float) -> It
     gap = np.concatenate([np.repeat(gaps, at_edges.shape[1]) for _, gaps, _, at_edges in wide])
     place = np.concatenate([_places(size)[1] for size, gaps, _, _ in wide for _ in gaps])
     u = np.concatenate([at_edges.ravel() for _, _, _, at_edges in wide])
-    same = gap[1:] == gap[:-1]
+    same = gap[1:] == gap[:-1]  # both edges of a stretch, not the last of one gap and the first of the next
     bend = np.zeros(u.size)
     bend[1:-1] = np.where(same[1:] & same[:-1], np.abs(np.diff(u, 2)), 0.0)
     least = np.minimum(u[1:], u[:-1]) - bend[1:] - bend[:-1]
@@ -342,7 +279,7 @@ def _columns(size: int) -> tuple[IntArray, IntArray]:
 
 @lru_cache(maxsize=256)
 def _places(size: int) -> tuple[FloatArray, FloatArray]:
-    """Places of those in the gap, in (0, 1)."""
+    """Places of these points and edges in the gap, in (0, 1)."""
     columns, edges = _columns(size)
     return _place((columns + 0.5) / size), _place((edges + 0.5) / size)
 

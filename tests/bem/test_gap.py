@@ -216,27 +216,6 @@ def test_profile_stays_below_its_bound_between_grid_points(seed, harmonics):
     assert above.max() < 0.5  # measured 0.24: the bound follows the profile
 
 
-def test_displacement_by_boxes_is_that_of_the_direct_sum(monkeypatch):
-    field = rough_field()
-    x, _, owner = clustered(field.state.patches, 100)
-    monkeypatch.setattr(gap, "DIRECT", 10**9)
-    direct = field.displacement(x, owner)
-    monkeypatch.setattr(gap, "DIRECT", 0)
-    np.testing.assert_allclose(field.displacement(x, owner), direct, rtol=0, atol=2e-15)  # measured 1e-15
-
-
-@pytest.mark.parametrize("part", [1.0, 0.02], ids=["all over the circle", "in a part of it"])
-def test_sum_by_boxes_is_the_sum_pair_by_pair(part):
-    rng = np.random.default_rng(0)
-    x = rng.uniform(-2 * np.pi, 4 * np.pi, 1000)
-    nodes, charges = part * rng.uniform(0, 2 * np.pi, 2000), rng.standard_normal(2000) / 2000
-    points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)])
-    sources = np.stack([np.cos(nodes / 2), -np.sin(nodes / 2)])
-    direct = gap._pair_by_pair(points, sources, charges)
-    by_boxes = gap._by_boxes(x, points, nodes, sources, charges)
-    np.testing.assert_allclose(by_boxes, direct, rtol=0, atol=1e-15)  # measured 3e-16
-
-
 def test_displacement_of_one_point_is_the_same_alone_and_among_many():
     field = rough_field()
     x, _, owner = clustered(field.state.patches, 60)

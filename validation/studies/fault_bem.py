@@ -173,7 +173,7 @@ def _sign_of_outer_series(original: Function, size: float) -> Function:
         patches = field.state.patches
         t = (x - patches.center[index]) / patches.half_width[index]
         zeta = t - np.copysign(np.sqrt(np.maximum(t * t - 1, 0.0)), t)
-        uneven = np.array([series[1] for series in field.pressure.charges])
+        uneven = np.array([series[1] for series in field.state.pressure().charges])
         return original(field, index, x) + size * np.pi * zeta * uneven[index]
 
     return wrong

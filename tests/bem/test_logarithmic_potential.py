@@ -1,0 +1,83 @@
+"""The logarithmic potential of charges on the circle: closed form, definition, and both ways of summing."""
+
+import numpy as np
+import pytest
+
+from bem import logarithmic_potential
+from bem.half_space import log_chord
+from bem.logarithmic_potential import LogarithmicPotential
+
+FEW, MANY = (30, 60), (1500, 2000)  # charges and points: pair by pair, and by boxes
+AMOUNTS = [pytest.param(*FEW, id="pair by pair"), pytest.param(*MANY, id="by boxes")]
+
+
+def random_charges(count, part=1.0, seed=0):
+    """Charges of both signs and of total amount one, all over the circle or in a part of it."""
+    rng = np.random.default_rng(seed)
+    charge = rng.standard_normal(count)
+    return LogarithmicPotential(part * rng.uniform(0, 2 * np.pi, count), charge / np.abs(charge).sum())
+
+
+def turns_of_points(count):
+    return np.random.default_rng(1).uniform(-2 * np.pi, 4 * np.pi, count)
+
+
+def test_the_amounts_tested_are_summed_in_both_ways():
+    assert FEW[0] * FEW[1] < logarithmic_potential.DIRECT < MANY[0] * MANY[1]
+
+
+@pytest.mark.parametrize(("charges", "points"), AMOUNTS)
+def test_evenly_spread_equal_charges_add_up_to_one_logarithm(charges, points):
+    """The product of 2 sin((x - 2 pi j/n)/2) over j is 2 sin(n x/2)."""
+    position = 2 * np.pi / charges * np.arange(charges)
+    x = (np.arange(points) + 0.3) * 2 * np.pi / points
+    x = x[np.abs(np.sin(charges * x / 2)) > 1e-2]
+    found = LogarithmicPotential(position, np.full(charges, 1 / charges))(x)
+    expected = np.log(np.abs(2 * np.sin(charges * x / 2))) / charges
+    # measured 1.2e-15 of few, 9.9e-15 of many: rounding of charges x/2
+    np.testing.assert_allclose(found, expected, rtol=0, atol=3e-14)
+
+
+@pytest.mark.parametrize("part", [1.0, 0.02], ids=["all over the circle", "in a part of it"])
+@pytest.mark.parametrize(("charges", "points"), AMOUNTS)
+def test_potential_is_the_sum_of_logarithms_of_chords(charges, points, part):
+    potential, x = random_charges(charges, part), turns_of_points(points)
+    expected = log_chord(x, potential.position) @ potential.charge
+    np.testing.assert_allclose(potential(x), expected, rtol=0, atol=1e-15)  # measured 3e-16
+
+
+@pytest.mark.parametrize("boxes", [8, 16, 64, 128])
+def test_sum_does_not_depend_on_the_number_of_boxes(boxes, monkeypatch):
+    potential, x = random_charges(MANY[0]), turns_of_points(MANY[1])
+    expected = log_chord(x, potential.position) @ potential.charge
+    monkeypatch.setattr(logarithmic_potential, "PER_BOX", np.sqrt(MANY[0] * MANY[1]) / (1.01 * boxes))
+    np.testing.assert_allclose(potential(x), expected, rtol=0, atol=1e-15)  # measured 3e-16
+
+
+@pytest.mark.parametrize(("charges", "points"), AMOUNTS)
+def test_charges_and_points_may_lie_on_any_turn(charges, points):
+    potential, x = random_charges(charges), turns_of_points(points)
+    turn = 2 * np.pi * np.random.default_rng(2).integers(-2, 3, charges)
+    turned = LogarithmicPotential(potential.position + turn, potential.charge)
+    np.testing.assert_allclose(
+        turned(x), potential(x), rtol=0, atol=1e-12
+    )  # measured 3.3e-13: rounding of x over the least distance
+
+
+def test_pairs_beyond_one_block_are_summed_block_by_block(monkeypatch):
+    potential, x = random_charges(FEW[0]), turns_of_points(FEW[1])
+    whole = potential(x)
+    monkeypatch.setattr(logarithmic_potential, "LARGEST_BLOCK", 7 * FEW[0])
+    np.testing.assert_allclose(potential(x), whole, rtol=0, atol=1e-15)  # measured 0
+
+
+@pytest.mark.parametrize("at", [0.0, np.pi / 16, 2 * np.pi - 1e-12], ids=["at the origin", "edge of a box", "end"])
+def test_one_charge_is_seen_round_the_whole_circle(at, monkeypatch):
+    """Every box but three by polynomials, with the charge at the edge of its own."""
+    monkeypatch.setattr(logarithmic_potential, "DIRECT", 0)
+    monkeypatch.setattr(logarithmic_potential, "PER_BOX", np.sqrt(500) / 32.1)
+    x = (np.arange(500) + 0.5) * 2 * np.pi / 500
+    found = LogarithmicPotential(np.array([at]), np.ones(1))(x)
+    np.testing.assert_allclose(
+        found, np.log(np.abs(2 * np.sin((x - at) / 2))), rtol=0, atol=2e-13
+    )  # measured 8e-15, 6e-14 at the end: rounding of x
