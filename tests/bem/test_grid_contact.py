@@ -29,8 +29,8 @@ def test_one_wave_to_a_fraction_of_a_cell(control, fraction):
     patches = grid_problem(elastic).patches(control, target)
     assert patches.count == 1
     cells = elastic.profile.grid[0].size
-    # measured 0.18 cells
-    assert abs(patches.contact_fraction - fraction) * cells <= 0.4
+    # measured 0.36 cells
+    assert abs(patches.contact_fraction - fraction) * cells <= 0.8
 
 
 @BOTH
@@ -63,8 +63,8 @@ def test_a_rough_contact_needs_few_steps_from_there(control, share, seed):
     start = grid_problem(elastic).patches(control, target)
     found = solve_contact(elastic, control, start, 1.0, target, tolerance=1e-8, closure=1e-9, allowed=1e-10)
     assert found.status == "converged"
-    assert found.evaluations <= 24  # measured 12 at most
-    assert abs(start.contact_fraction - found.state.patches.contact_fraction) <= 0.01  # measured 0.004
+    assert found.evaluations <= 16  # measured 8 at most
+    assert abs(start.contact_fraction - found.state.patches.contact_fraction) <= 0.006  # measured 0.003
 
 
 @pytest.mark.parametrize("thickness", [1e-3, 0.02, 1.0], ids=str)
@@ -83,7 +83,7 @@ def test_few_steps_under_total_displacement(compliance):
     fixed = reached(elastic, FIXED, 1.3).state
     found = reached(elastic, control, control.value(1.3, fixed.load))
     assert found.state.penetration == pytest.approx(1.3, abs=1e-9)
-    assert found.evaluations <= 16  # measured 8, where the start is worst
+    assert found.evaluations <= 12  # measured 6, where the start is worst
 
 
 def reached(elastic, control, target):
