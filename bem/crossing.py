@@ -2,9 +2,11 @@
 
 On a branch the load is a smooth function of the control value.  With adhesion it is found by Newton with the stiffness
 of the branch and the predictor of the path, first at the accuracy between targets, then at that of a target.  Where
-Newton leaves the branch or the two points, the Illinois form of the secant takes its place: where an event lies in
-between, the branch before it is searched up to its end, then the branch after it, which begins within the smallest
-increment.  Without adhesion load control leads there at once (convex_path.py).  Dimensionless.
+Newton leaves the branch or the two points, the Illinois form of the secant takes its place.  Where events lie in
+between, the path is followed again in ever smaller increments, so that several of them come apart; then the branch
+before the one left is searched up to its end, and the branch after it.  A load that events lower is met several times:
+the first counts.  Without adhesion load control leads there at
+once (convex_path.py).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ NEWTON_STEPS = 6
 BISECTIONS = 8
 LOAD_ACCURACY = 1e-11
 COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
+REFINEMENTS, REFINEMENT = 3, 16  # an event next to the load is located to 16^-3 of the smallest increment
+REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # which locate events to 1e-8 rms heights
 COARSE_CLOSURE = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
 
 
@@ -35,12 +39,54 @@ def at_load(path: Path, before: Point, after: Point, load: float) -> Point | Non
     load : float
         Dimensionless load per period.
     """
+    return _first(path, before, after, load, REFINEMENTS)
+
+
+def _first(path: Path, before: Point, after: Point, load: float, refinements: int) -> Point | None:
+    """The state in which the load is first reached; events in between come apart in that many finer paths."""
+    if not after.events or refinements == 0:
+        return _root(path, before, after, load)
+    reach = abs(after.value - before.value)
+    points = [before, *_refined(path, reach).advance(before, after.value)]
+    if points[-1].balance is None:
+        return _root(path, before, after, load)
+    for first, last in pairwise(points):
+        if may_meet(path, first, last, load):
+            found = _first(path, first, last, load, refinements - 1)
+            if found is not None:
+                return found
+    return None
+
+
+def _root(path: Path, before: Point, after: Point, load: float) -> Point | None:
+    """The point of this load on the branch before the event, if there is one, else on that after it."""
     coarse, ends = _tracking(path), (min(before.value, after.value), max(before.value, after.value))
     found = _newton(coarse, before, _ahead(path, before, load), load, COARSE_LOAD_ACCURACY, ends)
     if found is None:
         found = _between(coarse, before, after, load, COARSE_LOAD_ACCURACY)
     polished = None if found is None else _newton(path, found, found.value, load, LOAD_ACCURACY)
     return _between(path, before, after, load, LOAD_ACCURACY) if polished is None else polished
+
+
+def may_meet(path: Path, before: Point, after: Point, load: float) -> bool:
+    """Whether the load is met between two points with edges, or may have been before an event that lowered it."""
+    if (_load(before) - load) * (_load(after) - load) <= 0:
+        return True
+    low, high = sorted((before.value, after.value))
+    return bool(after.events) and low <= _ahead(path, before, load) <= high
+
+
+def _refined(path: Path, reach: float) -> Path:
+    """The same path in increments that are small parts of a reach; it books its effort on the same account."""
+    inc = path.increments
+    finer = replace(
+        inc,
+        largest=reach / REFINEMENT,
+        smallest=min(reach, inc.smallest) / REFINEMENT,
+        tolerance=min(inc.tolerance, REFINED_TOLERANCE),
+        closure=min(inc.closure, REFINED_CLOSURE),
+    )
+    return replace(path, increments=finer, step=0.0)
 
 
 def _tracking(path: Path) -> Path:

@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from bem.complete_contact import CompleteContact, complete_contact
 from bem.convex_path import ContactPoint, ConvexPath
-from bem.crossing import at_load
+from bem.crossing import at_load, may_meet
 from bem.effects import effects_of
 from bem.flat import flat_states
 from bem.increments import increments_of
@@ -276,8 +276,7 @@ class _Run:
         loads = self._load_at(before), self._load_at(after)
         if not wanted or loads[0] is None or loads[1] is None:
             return None
-        low, high = min(loads[0], loads[1]), max(loads[0], loads[1])
-        crossed = [pressure for pressure in wanted if low < self.problem.load_of(pressure) <= high]
+        crossed = [p for p in wanted if self._may_meet(before, after, (loads[0], loads[1]), self.problem.load_of(p))]
         for pressure in sorted(crossed, reverse=loads[1] < loads[0]):
             found = self._crossing(before, after, self.problem.load_of(pressure))
             if found is None:
@@ -290,6 +289,13 @@ class _Run:
                 self.point = found
                 return "converged"
         return None
+
+    def _may_meet(self, before: AnyPoint, after: AnyPoint, loads: tuple[float, float], load: float) -> bool:
+        """Whether a load is crossed between two points, the loads of which are given, or may have been."""
+        if isinstance(before, Point) and isinstance(after, Point) and after.events:
+            assert isinstance(self.path, Path)
+            return may_meet(self.path, before, after, load)
+        return min(loads) < load <= max(loads)
 
     def _crossing(self, before: AnyPoint, after: AnyPoint, load: float) -> AnyPoint | None:
         """The state at a load between two points; None where the path jumps over it."""

@@ -1,5 +1,6 @@
 """The state between two points at which the load has a given value, and the loads that an event jumps over."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,15 +16,15 @@ from bem.problem import pose
 from bem.solver import _path_for, solve
 
 
-def start(adhesion):
-    posed = rough_scene([40e-6], 20, 1, adhesion)
+def start(adhesion, harmonics=20):
+    posed = rough_scene([40e-6], harmonics, 1, adhesion)
     problem = pose(posed, posed.surface())
     path = _path_for(posed, problem, complete_contact(problem))
     return path, ContactPoint("separated", -1.0) if adhesion is None else Point("separated", -1.0)
 
 
-def points_to(adhesion, value):
-    path, point = start(adhesion)
+def points_to(adhesion, value, harmonics=20):
+    path, point = start(adhesion, harmonics)
     return path, [p for p in path.advance(point, value) if p.state is not None]
 
 
@@ -105,6 +106,21 @@ def test_loads_beside_an_event_are_met_on_either_branch_or_jumped_over(adhesive)
     for load in np.linspace(low, high, 5)[1:-1]:
         found = at_load(path, before, after, float(load))
         assert found is None or abs(found.state.load - load) <= 1e-9 * max(abs(load), 1e-3)
+
+
+def test_the_state_beside_events_does_not_depend_on_the_increment():
+    """Several events lie within the last increment here; before they came apart, its states were off by 1 %."""
+    path, points = points_to(0.03, 1.131, harmonics=300)
+    inc = path.increments
+    fine = replace(path, increments=replace(inc, largest=inc.smallest / 40, smallest=inc.smallest / 1000))
+    before, after = next((a, b) for a, b in pairwise(points) if b.events and a.value > 1.127)
+    close = list(pairwise([before, *fine.advance(before, after.value)]))
+    for share in (0.2, 0.5, 0.8):
+        load = (1 - share) * before.state.load + share * after.state.load
+        met = (at_load(fine, a, b, load) for a, b in close if (a.state.load - load) * (b.state.load - load) <= 0)
+        expected = next((point for point in met if point is not None), None)
+        found = at_load(path, before, after, load)
+        assert found.state.patches.contact_fraction == pytest.approx(expected.state.patches.contact_fraction, abs=1e-9)
 
 
 @pytest.mark.parametrize("adhesion", [None, 0.03], ids=["bare", "adhesive"])
