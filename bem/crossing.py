@@ -43,9 +43,14 @@ def at_load(path: Path, before: Point, after: Point, load: float) -> Point | Non
 
 
 def _first(path: Path, before: Point, after: Point, load: float, refinements: int) -> Point | None:
-    """The state in which the load is first reached; events in between come apart in that many finer paths."""
+    """The state in which the load is first reached; events in between come apart in that many finer paths.
+
+    Where Newton does not reach so far on a branch without events, a finer path leads closer as well.
+    """
     if not after.events or refinements == 0:
-        return _root(path, before, after, load)
+        found = _root(path, before, after, load)
+        if found is not None or refinements == 0:
+            return found
     reach = abs(after.value - before.value)
     points = [before, *_refined(path, reach).advance(before, after.value)]
     if points[-1].balance is None:

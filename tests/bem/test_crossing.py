@@ -108,6 +108,19 @@ def test_loads_beside_an_event_are_met_on_either_branch_or_jumped_over(adhesive)
         assert found is None or abs(found.state.load - load) <= 1e-9 * max(abs(load), 1e-3)
 
 
+def test_where_newton_does_not_reach_a_finer_path_leads_closer(adhesive, monkeypatch):
+    path, points = adhesive
+    before, after = smooth_pair(points)
+    load, reach = 0.4 * before.state.load + 0.6 * after.state.load, abs(after.value - before.value)
+
+    def short_sighted(path, first, last, load):
+        return root(path, first, last, load) if abs(last.value - first.value) < 0.2 * reach else None
+
+    root = crossing._root
+    monkeypatch.setattr(crossing, "_root", short_sighted)
+    assert at_load(path, before, after, load).state.load == pytest.approx(load, rel=1e-9)
+
+
 def test_the_state_beside_events_does_not_depend_on_the_increment():
     """Several events lie within the last increment here; before they came apart, its states were off by 1 %."""
     path, points = points_to(0.03, 1.131, harmonics=300)
