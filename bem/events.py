@@ -20,7 +20,7 @@ from bem.descent import Change, descend, pull_off_half_width
 from bem.equilibrium import Balance, System
 from bem.gap import GapMinima, gap_field, low_minima
 from bem.half_space import log_chord
-from bem.patches import TWO_PI, Patches, ordered
+from bem.patches import TWO_PI, Patches, ordered, swept_gaps
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -29,6 +29,7 @@ LOCAL_STEP, LOCAL_CLOSURE = 0.2, 1e-4
 GLOBAL_STEP = 0.4
 NEIGHBOURS = 4
 AVALANCHE_ROUNDS = 200
+SWEPT_POINTS = 24  # at which a gap that a jump closed is looked at
 TIED = 1e-3  # relative difference in depth of contacts that form at the same instant
 
 SettledStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
@@ -62,6 +63,30 @@ def interpenetration(system: System, state: Evaluation, allowed: float) -> GapMi
     low = low_minima(gap_field(system.elastic, state))
     bad = low.depth < -allowed
     return GapMinima(low.position[bad], low.depth[bad], low.gap[bad])
+
+
+def swept_a_crest(system: System, before: Evaluation, after: Patches, formed: FloatArray, nearest: float) -> bool:
+    """Whether edges moved over a crest that had all but touched, without a contact having formed on it.
+
+    Parameters
+    ----------
+    system, before : System, Evaluation
+        The state before.
+    after : Patches
+    formed : (n,) array
+        Where contacts formed.
+    nearest : float
+        Gap below which a crest had all but touched, dimensionless.
+    """
+    field = gap_field(system.elastic, before)
+    for gap, start, end in swept_gaps(before.patches, after):
+        if np.any((formed - start) % TWO_PI < end - start):
+            continue
+        depth = field(np.linspace(start, end, SWEPT_POINTS + 2)[1:-1], np.full(SWEPT_POINTS, gap))
+        lowest = (depth[1:-1] < depth[:-2]) & (depth[1:-1] < depth[2:])
+        if np.any(lowest & (depth[1:-1] < nearest)):
+            return True
+    return False
 
 
 def settle(
