@@ -65,23 +65,19 @@ def interpenetration(system: System, state: Evaluation, allowed: float) -> GapMi
     return GapMinima(low.position[bad], low.depth[bad], low.gap[bad])
 
 
-def swept_a_crest(system: System, before: Evaluation, after: Patches, formed: FloatArray, nearest: float) -> bool:
-    """Whether edges moved over a crest that had all but touched, without a contact having formed on it.
+def swept_a_crest(system: System, before: Evaluation, after: Patches, nearest: float) -> bool:
+    """Whether edges moved over a crest that had all but touched.
 
     Parameters
     ----------
     system, before : System, Evaluation
         The state before.
     after : Patches
-    formed : (n,) array
-        Where contacts formed.
     nearest : float
         Gap below which a crest had all but touched, dimensionless.
     """
     field = gap_field(system.elastic, before)
     for gap, start, end in swept_gaps(before.patches, after):
-        if np.any((formed - start) % TWO_PI < end - start):
-            continue
         depth = field(np.linspace(start, end, SWEPT_POINTS + 2)[1:-1], np.full(SWEPT_POINTS, gap))
         lowest = (depth[1:-1] < depth[:-2]) & (depth[1:-1] < depth[2:])
         if np.any(lowest & (depth[1:-1] < nearest)):

@@ -166,8 +166,7 @@ class Path:
         """Whether the order of what happened is in doubt: closer to the end of the branch a crest may have touched."""
         if before.state is None or after.state is None or not after.events:
             return False
-        formed = np.array([event.position for event in after.events if event.kind == "new_contact"])
-        return swept_a_crest(self.system, before.state, after.state.patches, formed, ALL_BUT_TOUCHED)
+        return swept_a_crest(self.system, before.state, after.state.patches, ALL_BUT_TOUCHED)
 
     def polish(self, point: Point) -> Point:
         """The point at the accuracy of a target; an event within the coarse accuracy is resolved here."""
