@@ -85,7 +85,7 @@ class Evaluation:
     resolution : Resolution
         Nodes and modes used.
     unknowns : int
-        Size of the factorised matrix.
+        Coupled modes of all patches.
     series : (L, max N_i) array
         Chebyshev coefficients of R on the patches, filled up with zeros.
     skeleton, skeleton_rate : (unknowns,) arrays

@@ -5,8 +5,7 @@ of the branch and the predictor of the path, first at the accuracy between targe
 Newton leaves the branch or the two points, the Illinois form of the secant takes its place.  Where events lie in
 between, the path is followed again in ever smaller increments, so that several of them come apart; then the branch
 before the one left is searched up to its end, and the branch after it.  A load that events lower is met several times:
-the first counts.  Without adhesion load control leads there at
-once (convex_path.py).  Dimensionless.
+the first counts.  Without adhesion load control leads there at once (convex_path.py).  Dimensionless.
 """
 
 from __future__ import annotations

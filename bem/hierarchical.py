@@ -11,7 +11,7 @@ X_1 = P^T A_1^-1 P, X_2 = Q^T A_2^-1 Q, V = [P^T A_1^-1 b; Q^T A_2^-1 b] and H =
         [   C + C E H     -C E C     ],
 
 and A is positive definite exactly where both halves and 1 - R^T H R are.  Edge vectors live on their own patch, so that
-the work grows in proportion to the number of nodes.
+the work grows hardly faster than the number of nodes.
 
 Close to complete contact a uniform charge costs no energy, and A is nearly singular.  So all this is done for
 A' = A + alpha 1 1^T, which is not; with g = b^T A'^-1 1 and s = 1^T A'^-1 1 the Sherman-Morrison formula leads back,
@@ -184,6 +184,7 @@ class _Leaf:
     solved: FloatArray
 
     def charges(self, amounts: FloatArray) -> FloatArray:
+        """A^-1 b by back substitution."""
         found, _ = lapack.dtrtrs(self.factor, self.solved @ amounts, lower=0, trans=0)
         return np.asarray(found)
 
@@ -244,6 +245,7 @@ class _Pair:
     response: FloatArray
 
     def charges(self, amounts: FloatArray) -> FloatArray:
+        """A^-1 b of both halves, each with what the other does to it."""
         into = -self.response @ amounts
         rank = into.shape[0] // 2
         parts = [

@@ -7,7 +7,8 @@ Otherwise the event in between is bracketed down to the smallest increment: new 
 ends of branches by bisection.  Only there is it resolved (events.py).  Where edges jump over a crest that had all
 but touched, the increment is followed again in finer ones: closer to the end of the branch the jump may be shorter,
 and the crest touch.  The path is unique; that the result does not depend on the smallest increment is a property to
-verify, not to assume.  Dimensionless.
+verify, not to assume.  Limits: contacts are looked for at the end of a jump, not during it, which can decide between
+two branches.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from bem.patches import Patches
 FloatArray = NDArray[np.float64]
 
 FINER = 256  # an event in doubt is located to this part of the smallest increment
-REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # which locate events to 1e-8 rms heights
+REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # of evaluations in finer increments
 ALL_BUT_TOUCHED = 1e-2  # gap in rms heights
 TOLD = 1e-3  # error of the energy that an event releases, above which it is evaluated more finely
 

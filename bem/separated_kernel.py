@@ -7,8 +7,8 @@ sin((x - delta)/2)| and m = log sqrt|sin((x - beta)/2) sin((x - delta)/2)|.  For
 
 The last term is analytic in |Im u| < pi however close the arcs come to beta and delta, which only widens the interval
 [-U, U] of u by the logarithm of the clearance.  It is a double Chebyshev series there, and its symmetric matrix of
-coefficients has eigenvalues that fall like exp(-pi^2 k / (2 U)): the sum of products sign_k phi_k(u) phi_k(u') is as
-short as it can be.  Addition theorem: of the sine.  Dimensionless.
+coefficients has eigenvalues that fall like exp(-pi^2 k / (2 U)): the sum of products sign_k phi_k(u) phi_k(u') is
+short.  Addition theorem: of the sine.  Dimensionless.
 """
 
 from __future__ import annotations
