@@ -23,6 +23,7 @@ BISECTIONS = 8
 LOAD_ACCURACY = 1e-11
 COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
 REFINEMENTS, REFINEMENT = 3, 16  # an event next to the load is located to 16^-3 of the smallest increment
+REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # of evaluations in finer increments
 COARSE_CLOSURE = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
 
 
@@ -50,7 +51,7 @@ def _first(path: Path, before: Point, after: Point, load: float, refinements: in
         if found is not None or refinements == 0:
             return found
     reach = abs(after.value - before.value)
-    points = [before, *path.refined(reach, reach / REFINEMENT, REFINEMENT).advance(before, after.value)]
+    points = [before, *_refined(path, reach).advance(before, after.value)]
     if points[-1].balance is None:
         return _root(path, before, after, load)
     for first, last in pairwise(points):
@@ -59,6 +60,19 @@ def _first(path: Path, before: Point, after: Point, load: float, refinements: in
             if found is not None:
                 return found
     return None
+
+
+def _refined(path: Path, reach: float) -> Path:
+    """The same path in smaller increments, with finer evaluations; it books its effort on the same account."""
+    inc = path.increments
+    finer = replace(
+        inc,
+        largest=reach / REFINEMENT,
+        smallest=min(reach, inc.smallest) / REFINEMENT,
+        tolerance=min(inc.tolerance, REFINED_TOLERANCE),
+        closure=min(inc.closure, REFINED_CLOSURE),
+    )
+    return replace(path, increments=finer, step=0.0)
 
 
 def _root(path: Path, before: Point, after: Point, load: float) -> Point | None:

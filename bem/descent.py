@@ -1,9 +1,10 @@
 """Descent to the minimum of the potential that an overdamped motion of the edges reaches, where a branch has ended.
 
 Small trust-region steps, measured in units of the room of each edge, minimise the potential at a fixed target; on the
-way patches may vanish and gaps may close.  Large steps would end in another basin.  Dimensionless.  Sources: Conn,
-Gould, Toint, Trust-Region Methods (2000), section 7.3, for the step; Barquins, J. Adhesion 26 (1988) 1, for the width
-at which a lone contact pulls off.
+way patches may vanish, gaps close and crests touch.  Large steps would end in another basin: barriers between basins
+are as narrow as the shortest wavelength, and no edge moves by more than a fifth of it at once.  Dimensionless.
+Sources: Conn, Gould, Toint, Trust-Region Methods (2000), section 7.3, for the step; Barquins, J. Adhesion 26 (1988)
+1, for the width at which a lone contact pulls off.
 """
 
 from __future__ import annotations
@@ -18,13 +19,16 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
 from bem.collocation import Resolution, resolve
 from bem.equilibrium import Balance, System, balance, energy_noise
+from bem.gap import GapMinima
 from bem.hierarchical import IllConditionedSystemError
 from bem.patches import Patches
 
 FloatArray = NDArray[np.float64]
 
-DESCENT_STEPS = 600
+DESCENT_STEPS = 10_000  # a thousand wavelengths; jumps of the paper's profile took up to 47 (three realisations)
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
+LARGEST_ROOM = 0.5  # of the shortest wavelength, in which the steps of an edge are measured
+LARGEST_EXPANSION = 0.2  # of the shortest wavelength, by which an edge with K < 0 moves at once
 DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
 NARROW_GAP, CLOSING_STEP = 0.25, 0.4  # of the shortest wavelength; part of its width by which its edges move at once
 CLOSED_GAP = 1e-7  # of the period
@@ -49,7 +53,7 @@ class Descent:
     ----------
     status : str
         `converged`, `separated` (the last patch vanished), `complete_contact` (the last gap closed),
-        `not_converged` or `ill_conditioned`.
+        `touched` (a crest touched ahead of an edge), `not_converged` or `ill_conditioned`.
     patches : Patches
         Where it ended.
     balance : Balance or None
@@ -58,13 +62,16 @@ class Descent:
         Patches and gaps that vanished, in order.
     evaluations : int
         Number of evaluations.
+    touching : GapMinima or None
+        Crests that touched.
     """
 
-    status: Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
+    status: Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
     patches: Patches
     balance: Balance | None
     changes: tuple[Change, ...]
     evaluations: int
+    touching: GapMinima | None = None
 
 
 def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:
@@ -129,6 +136,7 @@ def descend(
     closure: float,
     largest_step: float,
     resolution_floor: Callable[[Patches], Resolution] | None = None,
+    contacts: Callable[[Patches, Balance], GapMinima | None] | None = None,
 ) -> Descent:
     """Minimise the potential from the given edges, letting patches vanish and gaps close.
 
@@ -145,6 +153,8 @@ def descend(
         Trust radius in units of the room of the edges; small values follow the descent path closely.
     resolution_floor : callable, optional
         Least resolution of given patches, where others than `patches` are near.
+    contacts : callable, optional
+        Finds the crests that touch after a step from patches to a balance; the descent ends there.
     """
     changes: list[Change] = []
     radius = largest_step / 2
@@ -161,7 +171,7 @@ def descend(
                 evaluations += 1
             vanished = _closing(system, here)
             if vanished is None and not here.opening:
-                wider = _expanded(here)
+                wider = _expanded(system, here)
                 if wider is None:
                     return Descent("not_converged", patches, here, tuple(changes), evaluations)
                 patches, penetration, here = wider, here.state.penetration, None
@@ -203,7 +213,10 @@ def descend(
             good = ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1]
             closing = ahead.state.stress_intensity <= 0
             if good and np.all(step[closing] > 0):
+                touching = None if contacts is None else contacts(patches, ahead)
                 patches, here, penetration = trial, ahead, ahead.state.penetration
+                if touching is not None:
+                    return Descent("touched", patches, here, tuple(changes), evaluations, touching)
                 if 0.5 < ratio < 1.5:
                     radius = min(2 * radius, largest_step)
             else:
@@ -227,9 +240,9 @@ def _equal(first: Resolution, second: Resolution) -> bool:
 
 def _room(system: System, here: Balance, largest_step: float) -> FloatArray:
     """Length in which each edge may move, (2 L,); more of it is used where a narrow gap closes, whatever happens."""
-    patches = here.state.patches
-    room = patches.edge_room
-    narrow = (patches.gap_after < NARROW_GAP * 2 * np.pi / system.elastic.profile.max_order) & _pulled_shut(here)
+    patches, wavelength = here.state.patches, 2 * np.pi / system.elastic.profile.max_order
+    room = np.minimum(patches.edge_room, LARGEST_ROOM * wavelength)
+    narrow = (patches.gap_after < NARROW_GAP * wavelength) & _pulled_shut(here)
     if narrow.any():
         share = np.where(narrow, max(CLOSING_STEP / largest_step, 1.0), 1.0)
         room = room * np.concatenate([np.roll(share, 1), share])
@@ -243,10 +256,10 @@ def _pulled_shut(here: Balance) -> NDArray[np.bool_]:
     return np.asarray(outward[count:] & np.roll(outward[:count], -1))
 
 
-def _expanded(here: Balance) -> Patches | None:
+def _expanded(system: System, here: Balance) -> Patches | None:
     """Edges with K < 0 moved outward by Newton towards 0.3 of the critical K; None when no room is left."""
     state = here.state
-    room = state.patches.edge_room
+    room = np.minimum(state.patches.edge_room, LARGEST_EXPANSION / 0.3 * 2 * np.pi / system.elastic.profile.max_order)
     short = state.stress_intensity < 0.3 * 2 * np.sqrt(here.work)
     slope = np.diagonal(here.jacobian)
     wanted = (0.6 * np.sqrt(here.work) - state.stress_intensity) / np.where(slope > 0, slope, np.inf)

@@ -1,9 +1,10 @@
 """What happens where a branch ends: new contacts, coalescence, detachment, and the jump to the nearest minimum.
 
 An event is resolved at fixed target, first where it happens and then everywhere: the patches concerned and four
-neighbours each side move in the frozen field of all others (small trust-region steps, cheap evaluations), then
-all edges descend together.  Interpenetration found in the equilibrium is a new contact, and the loop goes on
-until none is left.  The energy that the avalanche releases is the difference of the potential.  Dimensionless.
+neighbours each side move in the frozen field of all others (small trust-region steps, cheap evaluations), then all
+edges descend together.  A crest that touches ahead of a moving edge is a new contact at once (touching.py),
+interpenetration elsewhere is one in the equilibrium, and the loop goes on until none is left.  The energy that the
+avalanche releases is the difference of the potential.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ from numpy.typing import NDArray
 
 from bem.collocation import Evaluation, Resolution, resolve
 from bem.control import PenetrationControl
-from bem.descent import Change, descend, pull_off_half_width
+from bem.descent import Descent, descend, pull_off_half_width
 from bem.equilibrium import Balance, System
 from bem.gap import GapMinima, gap_field, low_minima
-from bem.half_space import log_chord
-from bem.patches import TWO_PI, Patches, ordered, swept_gaps
+from bem.logarithmic_potential import LogarithmicPotential
+from bem.patches import TWO_PI, Patches, ordered
+from bem.touching import CrestsAhead
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -29,7 +31,6 @@ LOCAL_STEP, LOCAL_CLOSURE = 0.2, 1e-4
 GLOBAL_STEP = 0.4
 NEIGHBOURS = 4
 AVALANCHE_ROUNDS = 200
-SWEPT_POINTS = 24  # at which a gap that a jump closed is looked at
 TIED = 1e-3  # relative difference in depth of contacts that form at the same instant
 
 SettledStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
@@ -63,26 +64,6 @@ def interpenetration(system: System, state: Evaluation, allowed: float) -> GapMi
     low = low_minima(gap_field(system.elastic, state))
     bad = low.depth < -allowed
     return GapMinima(low.position[bad], low.depth[bad], low.gap[bad])
-
-
-def swept_a_crest(system: System, before: Evaluation, after: Patches, nearest: float) -> bool:
-    """Whether edges moved over a crest that had all but touched.
-
-    Parameters
-    ----------
-    system, before : System, Evaluation
-        The state before.
-    after : Patches
-    nearest : float
-        Gap below which a crest had all but touched, dimensionless.
-    """
-    field = gap_field(system.elastic, before)
-    for gap, start, end in swept_gaps(before.patches, after):
-        depth = field(np.linspace(start, end, SWEPT_POINTS + 2)[1:-1], np.full(SWEPT_POINTS, gap))
-        lowest = (depth[1:-1] < depth[:-2]) & (depth[1:-1] < depth[2:])
-        if np.any(lowest & (depth[1:-1] < nearest)):
-            return True
-    return False
 
 
 def settle(
@@ -120,21 +101,27 @@ def settle(
     if found is not None:
         patches, active, formed = _with_new_contacts(system, patches, found)
         changes += formed
+    ahead = CrestsAhead(system, allowed)
     for _ in range(AVALANCHE_ROUNDS):
+        found = None
         if active is not None and state is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
-            patches, local, count = _settled_locally(system, patches, state, target, tolerance, active)
-            changes += [(change.kind, change.position) for change in local]
-            local_evaluations += count
-        end = descend(system, patches, penetration, target, tolerance, closure, GLOBAL_STEP)
-        evaluations += end.evaluations
-        changes += [(change.kind, change.position) for change in end.changes]
-        if end.status != "converged" or end.balance is None:
-            return Settled(end.status, end.balance, tuple(changes), evaluations, local_evaluations)
-        patches, state = end.patches, end.balance.state
-        penetration = state.penetration
-        found = interpenetration(system, state, allowed)
-        if found.position.size == 0:
-            return Settled("converged", end.balance, tuple(changes), evaluations, local_evaluations)
+            patches, local = _settled_locally(system, patches, state, target, tolerance, active, allowed)
+            if local is not None:
+                changes += [(change.kind, change.position) for change in local.changes]
+                local_evaluations += local.evaluations
+                found = local.touching
+        if found is None:
+            end = descend(system, patches, penetration, target, tolerance, closure, GLOBAL_STEP, None, ahead)
+            evaluations += end.evaluations
+            changes += [(change.kind, change.position) for change in end.changes]
+            if end.status != "converged" and end.status != "touched":
+                return Settled(end.status, end.balance, tuple(changes), evaluations, local_evaluations)
+            assert end.balance is not None
+            patches, state = end.patches, end.balance.state
+            penetration = state.penetration
+            found = interpenetration(system, state, allowed) if end.touching is None else end.touching
+            if found.position.size == 0:
+                return Settled("converged", end.balance, tuple(changes), evaluations, local_evaluations)
         patches, active, formed = _with_new_contacts(system, patches, found)
         changes += formed
     return Settled("not_converged", None, tuple(changes), evaluations, local_evaluations)
@@ -180,14 +167,20 @@ def _nearest(patches: Patches, position: float) -> int:
 
 
 def _settled_locally(
-    system: System, patches: Patches, state: Evaluation, target: float, tolerance: float, active: IntArray
-) -> tuple[Patches, tuple[Change, ...], int]:
+    system: System,
+    patches: Patches,
+    state: Evaluation,
+    target: float,
+    tolerance: float,
+    active: IntArray,
+    allowed: float,
+) -> tuple[Patches, Descent | None]:
     """Descend near the active patches in the frozen field of the others; the patches come back joined."""
     count = patches.count
     reach = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
     members = np.unique((active[:, None] + reach) % count)
     if members.size > count // 2:
-        return patches, (), 0
+        return patches, None
     far = np.setdiff1d(np.arange(count), members)
     state = system.control.reach(state, target)
     penetration = system.control.guess(state.penetration, target)
@@ -197,30 +190,27 @@ def _settled_locally(
     charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
     nodes, charges = state.skeleton_nodes()[keep], charges[keep]
     corrections = system.elastic.corrections
+    logarithmic = LogarithmicPotential(nodes, charges)
 
     def field(x: FloatArray) -> FloatArray:
-        total = log_chord(x, nodes) @ charges
+        total = logarithmic(x)
         for correction in corrections:
-            total = total + correction.field(x, nodes, charges)
-        return np.asarray(total)
+            total += correction.field(x, nodes, charges)
+        return total
 
     local = System(replace(system.elastic, backgrounds=(field,)), system.law, PenetrationControl())
-    inner = Patches(patches.left[members], patches.right[members])
+    inner, outer = (Patches(patches.left[who], patches.right[who]) for who in (members, far))
     whole = resolve(system.elastic, patches, tolerance)
     floor = Resolution(whole.nodes[members], whole.modes[members])
 
     def at_least(trial: Patches) -> Resolution:
         return floor if trial.count == inner.count else resolve(local.elastic, trial, tolerance)
 
-    end = descend(local, inner, penetration, penetration, tolerance, LOCAL_CLOSURE, LOCAL_STEP, at_least)
-    if end.status == "complete_contact":
-        return patches, (), end.evaluations
+    ahead = CrestsAhead(local, allowed, outer)
+    end = descend(local, inner, penetration, penetration, tolerance, LOCAL_CLOSURE, LOCAL_STEP, at_least, ahead)
     if end.status == "separated":
-        return Patches(patches.left[far], patches.right[far]), end.changes, end.evaluations
-    joined = ordered(
-        np.concatenate([patches.left[far], end.patches.left]),
-        np.concatenate([patches.right[far], end.patches.right]),
-    )
-    if not joined.is_ordered:
-        return patches, (), end.evaluations
-    return joined, end.changes, end.evaluations
+        return outer, end
+    joined = ordered(np.concatenate([outer.left, end.patches.left]), np.concatenate([outer.right, end.patches.right]))
+    if end.status == "complete_contact" or not joined.is_ordered:
+        return patches, replace(end, changes=(), touching=None)
+    return joined, end

@@ -68,6 +68,8 @@ class GapField:
         total = self._skeleton_potential(x)
         for correction in self.elastic.corrections:
             total += correction.field(x, self._skeleton_potential.position, self.state.skeleton)
+        for background in self.elastic.backgrounds:
+            total += background(x)
         following = (gap + 1) % self.state.patches.count
         ahead = x - np.where(following <= gap, TWO_PI, 0.0)
         beside = self._near_patch(np.concatenate([gap, following]), np.concatenate([x, ahead]))

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 TWO_PI = 2 * np.pi
-SWEPT = 0.1  # of its gap, by which an edge must move to be looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,28 +112,6 @@ def ordered(left: FloatArray, right: FloatArray) -> Patches:
     start, stop = np.where(beyond, 0.0, start), np.where(beyond, right, stop)
     order = np.argsort(start)
     return Patches(start[order], stop[order])
-
-
-def swept_gaps(before: Patches, after: Patches) -> list[tuple[int, float, float]]:
-    """Where edges moved outward by more than a tenth of their gap: the patch before the gap, from where, to where.
-
-    Examples
-    --------
-    >>> swept_gaps(Patches(np.array([0.0]), np.array([1.0])), Patches(np.array([0.0]), np.array([3.0])))
-    [(0, 1.0, 3.0)]
-    """
-    found = []
-    for index, (start, width) in enumerate(zip(before.right.tolist(), before.gap_after.tolist(), strict=True)):
-        for edge, sign in ((start, 1.0), (start + width, -1.0)):
-            inside = (edge - after.left) % TWO_PI
-            holder = int(np.argmin(np.where(inside < after.width, inside, np.inf)))
-            if inside[holder] >= after.width[holder]:
-                continue
-            reach = float(after.width[holder] - inside[holder] if sign > 0 else inside[holder])
-            if reach > SWEPT * width:
-                end = edge + sign * min(reach, width)
-                found.append((index, min(edge, end), max(edge, end)))
-    return found
 
 
 @dataclass(frozen=True, eq=False)

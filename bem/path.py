@@ -4,17 +4,14 @@ Between events the equilibrium edges are a smooth function of the control value 
 displacement) and are followed by a second-order predictor and Newton.  An increment is accepted only when Newton
 stays on its branch (K > 0, positive definite Hessian, small steps, no energy missing) and no gap interpenetrates.
 Otherwise the event in between is bracketed down to the smallest increment: new contacts by the secant of their gap,
-ends of branches by bisection.  Only there is it resolved (events.py).  Where edges jump over a crest that had all
-but touched, the increment is followed again in finer ones: closer to the end of the branch the jump may be shorter,
-and the crest touch.  The path is unique; that the result does not depend on the smallest increment is a property to
-verify, not to assume.  Limits: contacts are looked for at the end of a jump, not during it, which can decide between
-two branches.  Dimensionless.
+ends of branches by bisection.  Only there is it resolved (events.py).  The path is unique; that the result does not
+depend on the smallest increment is a property to verify, not to assume.  Dimensionless.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +21,7 @@ from bem.branch import misses_energy, symmetry_breaking, tangent, unstable_patch
 from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
 from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct, energy_noise
-from bem.events import Settled, first_contact, interpenetration, settle, swept_a_crest
+from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.increments import Effort, Increments, PathEvent, PathStatus, path_events
 from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
@@ -32,9 +29,6 @@ from bem.patches import Patches
 
 FloatArray = NDArray[np.float64]
 
-FINER = 256  # an event in doubt is located to this part of the smallest increment
-REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # of evaluations in finer increments
-ALL_BUT_TOUCHED = 1e-2  # gap in rms heights
 TOLD = 1e-3  # error of the energy that an event releases, above which it is evaluated more finely
 
 
@@ -81,8 +75,6 @@ class Path:
         Where the path ends, and may begin.
     flaw : float, optional
         Width of the gap from which complete contact opens when the load falls; without it, it never does.
-    refinements : int
-        How many times an increment may be followed again in finer ones.
     """
 
     system: System
@@ -92,7 +84,6 @@ class Path:
     flaw: float | None = None
     effort: Effort = field(default_factory=Effort)
     step: float = 0.0
-    refinements: int = 1
 
     def advance(self, point: Point, goal: float) -> Iterator[Point]:
         """Yield every accepted point from `point` to the goal; the last one is at the goal or has failed."""
@@ -138,36 +129,12 @@ class Path:
                     blocked = value
                 self.step = shorter
                 continue
-            before, start = point, point if accepted is None else accepted
-            point = self._resolve(start, value, found)
+            point = self._resolve(point if accepted is None else accepted, value, found)
             self.step = max(step, self.increments.largest / 8)
             blocked = None
-            if self.refinements > 0 and self._jumped_over_a_crest(before, point):
-                reach = abs(value - before.value)
-                for point in self.refined(reach, reach, FINER).advance(before, value):
-                    yield point
-            else:
-                yield point
+            yield point
             if point.status in ("not_converged", "ill_conditioned"):
                 return
-
-    def refined(self, reach: float, largest: float, parts: int) -> Path:
-        """The same path in increments down to a part of a reach, with finer evaluations; on the same account."""
-        inc = self.increments
-        finer = replace(
-            inc,
-            largest=largest,
-            smallest=min(reach, inc.smallest) / parts,
-            tolerance=min(inc.tolerance, REFINED_TOLERANCE),
-            closure=min(inc.closure, REFINED_CLOSURE),
-        )
-        return replace(self, increments=finer, step=0.0, refinements=max(self.refinements - 1, 0))
-
-    def _jumped_over_a_crest(self, before: Point, after: Point) -> bool:
-        """Whether the order of what happened is in doubt: closer to the end of the branch a crest may have touched."""
-        if before.state is None or after.state is None or not after.events:
-            return False
-        return swept_a_crest(self.system, before.state, after.state.patches, ALL_BUT_TOUCHED)
 
     def polish(self, point: Point) -> Point:
         """The point at the accuracy of a target; an event within the coarse accuracy is resolved here."""

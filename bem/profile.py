@@ -174,7 +174,7 @@ class Profile:
 
     @cached_property
     def crests(self) -> tuple[FloatArray, FloatArray]:
-        """Positions in [0, period) and heights of all local maxima, (n_crests,) each."""
+        """Positions in [0, period), ascending, and heights of all local maxima, (n_crests,) each."""
         if self.is_flat:
             return np.zeros(1), np.zeros(1)
         x, h = self.grid
@@ -187,7 +187,9 @@ class Profile:
             rising, falling = np.where(up, position, rising), np.where(up, falling, position)
         position = (rising + falling) / 2
         place = position % self.period
-        return np.where(place < self.period, place, 0.0), self.height(position)
+        place = np.where(place < self.period, place, 0.0)
+        order = np.argsort(place)
+        return place[order], self.height(position)[order]
 
     @cached_property
     def _table(self) -> FloatArray:

@@ -9,7 +9,7 @@ from bem.collocation import Elastic
 from bem.control import LinearControl, PenetrationControl
 from bem.descent import pull_off_half_width
 from bem.equilibrium import System, balance, correct
-from bem.events import first_contact, interpenetration, settle, swept_a_crest
+from bem.events import first_contact, interpenetration, settle
 from bem.patches import Patches
 from bem.profile import Profile
 
@@ -136,15 +136,3 @@ def test_local_settling_ends_in_the_same_state():
     assert local.local_evaluations > 0
     assert plain.local_evaluations == 0
     np.testing.assert_allclose(local.balance.state.patches.right, plain.balance.state.patches.right, atol=1e-7)
-
-
-@pytest.mark.parametrize(
-    ("reach", "nearest", "over"),
-    [(1.6, 9.0, False), (3.5, 9.0, True), (3.5, 0.1, False)],
-    ids=["up to the crest", "beyond it", "far from touching"],
-)
-def test_a_jump_over_a_crest_is_noticed(reach, nearest, over):
-    """The crest at pi has not touched where the patch at 0 is small."""
-    before = balance(SYSTEM, one_patch(0.5), 0.1, 0.1, 1e-8).state
-    after = Patches(np.array([-0.5]), np.array([reach]))
-    assert swept_a_crest(SYSTEM, before, after, nearest) == over

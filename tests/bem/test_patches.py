@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from bem.patches import TWO_PI, Patches, PatchPressure, ordered, swept_gaps
+from bem.patches import TWO_PI, Patches, PatchPressure, ordered
 
 
 @st.composite
@@ -107,26 +107,3 @@ def test_load_is_the_sum_of_the_mean_charges():
     """A flat punch sigma = 1 / sqrt(r^2 - x^2) carries pi; odd and higher terms carry nothing."""
     pressure = PatchPressure(np.array([0.0, 2.0]), np.array([1.0, 3.0]), (np.array([1.0, 5.0]), np.array([0.5, 0, 7])))
     assert pressure.load == pytest.approx(1.5 * np.pi, rel=1e-15)
-
-
-BEFORE = Patches(np.array([0.0, 3.0]), np.array([1.0, 5.0]))
-
-
-@pytest.mark.parametrize(
-    ("left", "right", "expected"),
-    [
-        ([0.0, 3.0], [1.1, 5.0], []),
-        ([0.0, 3.0], [2.0, 5.0], [(0, 1.0, 2.0)]),
-        ([0.0, 2.5], [1.0, 5.0], [(0, 2.5, 3.0)]),
-        ([0.0], [5.0], [(0, 1.0, 3.0), (0, 1.0, 3.0)]),
-        ([3.0], [5.0], []),
-        ([3.0], [TWO_PI + 1.0], [(1, 5.0, TWO_PI), (1, 5.0, TWO_PI)]),
-        ([0.0, 1.5, 3.0], [1.0, 2.0, 5.0], []),
-    ],
-    ids=["hardly", "right edge", "left edge", "merged", "vanished", "merged across the period", "new contact"],
-)
-def test_gaps_swept_by_edges(left, right, expected):
-    found = swept_gaps(BEFORE, Patches(np.array(left), np.array(right)))
-    assert [index for index, *_ in found] == [index for index, *_ in expected]
-    for (_, *ends), (_, *wanted) in zip(found, expected, strict=True):
-        assert ends == pytest.approx(wanted, abs=1e-12)
