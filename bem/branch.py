@@ -1,8 +1,9 @@
 """A branch of equilibria near one of its points: tangent, softest mode, and the energy that a jump leaves missing.
 
 Along a branch the edges move by -H^-1 dg/dtau, and the potential grows by the integral of the force that the control
-exerts: less growth than that says that the path left the branch.  Where the softest mode does no work with the load, a
-symmetry breaks.  Dimensionless.
+exerts: any other growth says that the path left the branch.  Less of it means a jump; more, a branch of higher
+potential, onto which only Newton can leap.  Where the softest mode does no work with the load, a symmetry breaks.
+Dimensionless.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ def misses_energy(
     change: float,
     tolerance: float,
 ) -> bool:
-    """Whether the potential grew less from one point to another than along a branch.
+    """Whether the potential grew less, or more, from one point to another than along a branch.
 
     The growth along a branch is the integral of `control.force`, by Hermite's rule.  Missing counts what exceeds a
     thousandth of the work of adhesion that the edges turned over, half of what the curvature adds to the trapezoidal
@@ -61,7 +62,7 @@ def misses_energy(
     missing = first.potential + grown - last.potential
     travel = edge_positions(last.state.patches) - edge_positions(first.state.patches)
     turned_over = float(last.work @ np.abs((travel + np.pi) % (2 * np.pi) - np.pi))
-    return missing > max(UNBOOKED * turned_over, abs(curved) / 2) + energy_noise(system, first, last, tolerance)
+    return abs(missing) > max(UNBOOKED * turned_over, abs(curved) / 2) + energy_noise(system, first, last, tolerance)
 
 
 def softest_mode(here: Balance) -> FloatArray:

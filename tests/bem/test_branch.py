@@ -1,4 +1,4 @@
-"""A branch near one of its points: which patches are about to jump, and which modes break a symmetry."""
+"""A branch near one of its points: what is about to jump, which modes break a symmetry, what energy tells of a leap."""
 
 from dataclasses import replace
 
@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from bem.adhesion import UniformLaw
-from bem.branch import symmetry_breaking, unstable_patches
+from bem.branch import misses_energy, symmetry_breaking, tangent, unstable_patches
 from bem.collocation import Elastic
 from bem.control import PenetrationControl
+from bem.descent import descend
 from bem.equilibrium import System, balance
 from bem.patches import Patches
 from bem.profile import Profile
@@ -35,3 +36,26 @@ def test_a_mode_on_which_the_load_does_no_work_breaks_a_symmetry(pull, breaks):
     here = replace(with_stiffness([0.1, 1.0, 1.0, 1.0]), load_gradient=np.array(pull))
     found = symmetry_breaking(here)
     assert found == ((("bifurcation", pytest.approx(0.5)),) if breaks else ())
+
+
+RIPPLED = System(
+    Elastic(Profile.from_harmonics(2 * np.pi, [1, 40], [1.0, 0.02])), UniformLaw(0.03), PenetrationControl()
+)
+SMALLER, LARGER = 0.8, 0.9  # half widths from which the edges come to rest on one ripple or on the next
+
+
+def at_rest(start, target):
+    patches = Patches(np.array([-start]), np.array([start]))
+    return descend(RIPPLED, patches, target, target, 1e-8, 1e-9, 0.1).balance
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "left"),
+    [(SMALLER, SMALLER, False), (LARGER, LARGER, False), (SMALLER, LARGER, True), (LARGER, SMALLER, True)],
+    ids=["along one branch", "along the other", "down to a lower branch", "up to a higher branch"],
+)
+def test_energy_tells_a_leap_to_another_branch(start, end, left):
+    change = 1e-3
+    ends = at_rest(start, 0.4), at_rest(end, 0.4 + change)
+    rates = tangent(RIPPLED.control, ends[0]), tangent(RIPPLED.control, ends[1])
+    assert misses_energy(RIPPLED, ends, rates, change, 1e-8) == left
