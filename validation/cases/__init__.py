@@ -5,6 +5,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.sinusoid",
     "validation.cases.complete",
     "validation.cases.merged_crests",
+    "validation.cases.rippled_wave",
     "validation.cases.identities",
     "validation.cases.path_convergence",
     "validation.cases.paper_profile",
