@@ -143,7 +143,7 @@ def _rippled_wave() -> Outcome:
 
 def _figure(spread: list[State], receded: list[State], up: list[float], down: list[float]) -> Figure:
     curve = np.linspace(LEAST, MOST, 600)
-    legs = (("loading", spread, up, "dots"), ("unloading", receded, down, "points"))
+    legs = (("loading", spread, up), ("unloading", receded, down))
     return Figure(
         id="rippled-wave",
         caption="Contact fraction against mean pressure: contact spreads and recedes from ripple to ripple, along the "
@@ -152,16 +152,16 @@ def _figure(spread: list[State], receded: list[State], up: list[float], down: li
             xlabel="mean pressure / kPa",
             ylabel="contact fraction",
             series=[
-                Series(label="closed form of one patch", x=[mean_pressure(f) / 1e3 for f in curve], y=curve.tolist()),
                 *(
                     Series(
                         label=f"bem, {name}",
                         x=[state.mean_pressure / 1e3 for state in leg],
                         y=[state.contact_fraction for state in leg],
-                        style=style,
+                        style="points",
                     )
-                    for name, leg, _, style in legs
+                    for name, leg, _ in legs
                 ),
+                Series(label="closed form of one patch", x=[mean_pressure(f) / 1e3 for f in curve], y=curve.tolist()),
             ],
         ),
         error=Panel(
@@ -172,9 +172,9 @@ def _figure(spread: list[State], receded: list[State], up: list[float], down: li
                     label=name,
                     x=[state.mean_pressure / 1e3 for state in leg],
                     y=[state.contact_fraction - f for state, f in zip(leg, exact, strict=True)],
-                    style=style,
+                    style="points",
                 )
-                for name, leg, exact, style in legs
+                for name, leg, exact in legs
             ],
         ),
     )
