@@ -22,10 +22,11 @@ from bem.equilibrium import Balance, System, balance, energy_noise
 from bem.gap import GapMinima
 from bem.hierarchical import IllConditionedSystemError
 from bem.patches import Patches
+from bem.touching import CrestsAhead
 
 FloatArray = NDArray[np.float64]
 
-DESCENT_STEPS = 10_000  # a thousand wavelengths; jumps of the paper's profile took up to 47 (three realisations)
+DESCENT_STEPS = 10_000  # evaluations; jumps of three realisations of the paper's profile took up to 47
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
 LARGEST_ROOM = 0.5  # of the shortest wavelength, in which the steps of an edge are measured
 LARGEST_EXPANSION = 0.2  # of the shortest wavelength, by which an edge with K < 0 moves at once
@@ -53,7 +54,8 @@ class Descent:
     ----------
     status : str
         `converged`, `separated` (the last patch vanished), `complete_contact` (the last gap closed),
-        `touched` (a crest touched ahead of an edge), `not_converged` or `ill_conditioned`.
+        `touched` (a crest touched ahead of an edge), `not_converged` (also before an edge runs into patches that are
+        not its own) or `ill_conditioned`.
     patches : Patches
         Where it ended.
     balance : Balance or None
@@ -63,7 +65,7 @@ class Descent:
     evaluations : int
         Number of evaluations.
     touching : GapMinima or None
-        Crests that touched.
+        Crests that touched, dimensionless; their gaps are those of `patches`.
     """
 
     status: Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
@@ -136,7 +138,7 @@ def descend(
     closure: float,
     largest_step: float,
     resolution_floor: Callable[[Patches], Resolution] | None = None,
-    contacts: Callable[[Patches, Balance], GapMinima | None] | None = None,
+    contacts: CrestsAhead | None = None,
 ) -> Descent:
     """Minimise the potential from the given edges, letting patches vanish and gaps close.
 
@@ -153,10 +155,12 @@ def descend(
         Trust radius in units of the room of the edges; small values follow the descent path closely.
     resolution_floor : callable, optional
         Least resolution of given patches, where others than `patches` are near.
-    contacts : callable, optional
-        Finds the crests that touch after a step from patches to a balance; the descent ends there.
+    contacts : CrestsAhead, optional
+        Finds the crests that touch after a step; the descent ends there, or before edges reach patches that it knows.
     """
     changes: list[Change] = []
+    seen = patches
+    others = None if contacts is None else contacts.occupied
     radius = largest_step / 2
     evaluations = 0
     here: Balance | None = None
@@ -174,6 +178,8 @@ def descend(
                 wider = _expanded(system, here)
                 if wider is None:
                     return Descent("not_converged", patches, here, tuple(changes), evaluations)
+                if others is not None and wider.joined(others) is None:
+                    return Descent("not_converged", patches, here, tuple(changes), evaluations)
                 patches, penetration, here = wider, here.state.penetration, None
                 continue
             vanished = vanished or _vanishing(system, here)
@@ -185,7 +191,7 @@ def descend(
                         "separated" if gone[0].kind == "detachment" else "complete_contact"
                     )
                     return Descent(status, patches, None, tuple(changes), evaluations)
-                patches, penetration, here = remaining, here.state.penetration, None
+                patches, penetration, here, seen = remaining, here.state.penetration, None, remaining
                 radius = largest_step / 2
                 continue
             room = _room(system, here, largest_step)
@@ -196,6 +202,8 @@ def descend(
                 return Descent("converged", patches, here, tuple(changes), evaluations)
             predicted = -float(gradient @ step + 0.5 * step @ hessian @ step)
             trial = patches.moved(step * room)
+            if others is not None and trial.joined(others) is None:
+                return Descent("not_converged", patches, here, tuple(changes), evaluations)
             wanted = _at_least(resolve(system.elastic, trial, tolerance), resolution)
             if resolution is not None and not _equal(wanted, resolution):
                 resolution = wanted
@@ -213,7 +221,7 @@ def descend(
             good = ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1]
             closing = ahead.state.stress_intensity <= 0
             if good and np.all(step[closing] > 0):
-                touching = None if contacts is None else contacts(patches, ahead)
+                touching, seen = (None, seen) if contacts is None else contacts(seen, ahead)
                 patches, here, penetration = trial, ahead, ahead.state.penetration
                 if touching is not None:
                     return Descent("touched", patches, here, tuple(changes), evaluations, touching)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bem.collocation import Evaluation, Resolution, resolve
 from bem.control import PenetrationControl
-from bem.descent import Descent, descend, pull_off_half_width
+from bem.descent import descend, pull_off_half_width
 from bem.equilibrium import Balance, System
 from bem.gap import GapMinima, gap_field, low_minima
 from bem.logarithmic_potential import LogarithmicPotential
@@ -30,7 +30,7 @@ IntArray = NDArray[np.int64]
 LOCAL_STEP, LOCAL_CLOSURE = 0.2, 1e-4
 GLOBAL_STEP = 0.4
 NEIGHBOURS = 4
-AVALANCHE_ROUNDS = 200
+AVALANCHE_ROUNDS = 200  # besides one for every touch of a crest
 TIED = 1e-3  # relative difference in depth of contacts that form at the same instant
 
 SettledStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
@@ -102,29 +102,30 @@ def settle(
         patches, active, formed = _with_new_contacts(system, patches, found)
         changes += formed
     ahead = CrestsAhead(system, allowed)
-    for _ in range(AVALANCHE_ROUNDS):
-        found = None
+    for _ in range(_most_rounds(system)):
         if active is not None and state is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
-            patches, local = _settled_locally(system, patches, state, target, tolerance, active, allowed)
-            if local is not None:
-                changes += [(change.kind, change.position) for change in local.changes]
-                local_evaluations += local.evaluations
-                found = local.touching
-        if found is None:
-            end = descend(system, patches, penetration, target, tolerance, closure, GLOBAL_STEP, None, ahead)
-            evaluations += end.evaluations
-            changes += [(change.kind, change.position) for change in end.changes]
-            if end.status != "converged" and end.status != "touched":
-                return Settled(end.status, end.balance, tuple(changes), evaluations, local_evaluations)
-            assert end.balance is not None
-            patches, state = end.patches, end.balance.state
-            penetration = state.penetration
-            found = interpenetration(system, state, allowed) if end.touching is None else end.touching
-            if found.position.size == 0:
-                return Settled("converged", end.balance, tuple(changes), evaluations, local_evaluations)
+            patches, local, count = _settled_locally(system, patches, state, target, tolerance, active, allowed)
+            changes += local
+            local_evaluations += count
+        end = descend(system, patches, penetration, target, tolerance, closure, GLOBAL_STEP, None, ahead)
+        evaluations += end.evaluations
+        changes += [(change.kind, change.position) for change in end.changes]
+        if end.status != "converged" and end.status != "touched":
+            return Settled(end.status, end.balance, tuple(changes), evaluations, local_evaluations)
+        assert end.balance is not None
+        patches, state = end.patches, end.balance.state
+        penetration = state.penetration
+        found = interpenetration(system, state, allowed) if end.touching is None else end.touching
+        if found.position.size == 0:
+            return Settled("converged", end.balance, tuple(changes), evaluations, local_evaluations)
         patches, active, formed = _with_new_contacts(system, patches, found)
         changes += formed
     return Settled("not_converged", None, tuple(changes), evaluations, local_evaluations)
+
+
+def _most_rounds(system: System) -> int:
+    """How often an avalanche may go on: beside equilibria that interpenetrate, every crest may touch, and again."""
+    return AVALANCHE_ROUNDS + 2 * int(system.elastic.profile.crests[0].size)
 
 
 def first_contact(system: System, positions: FloatArray) -> Patches:
@@ -174,13 +175,21 @@ def _settled_locally(
     tolerance: float,
     active: IntArray,
     allowed: float,
-) -> tuple[Patches, Descent | None]:
-    """Descend near the active patches in the frozen field of the others; the patches come back joined."""
+) -> tuple[Patches, list[tuple[str, float]], int]:
+    """Descend near the active patches in the frozen field of the others, touch by touch.
+
+    Returns
+    -------
+    patches : Patches
+        Joined with the others; those given where the local problem has no answer that fits among them.
+    changes : list of (kind, position)
+    evaluations : int
+    """
     count = patches.count
     reach = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
     members = np.unique((active[:, None] + reach) % count)
     if members.size > count // 2:
-        return patches, None
+        return patches, [], 0
     far = np.setdiff1d(np.arange(count), members)
     state = system.control.reach(state, target)
     penetration = system.control.guess(state.penetration, target)
@@ -204,13 +213,20 @@ def _settled_locally(
     floor = Resolution(whole.nodes[members], whole.modes[members])
 
     def at_least(trial: Patches) -> Resolution:
-        return floor if trial.count == inner.count else resolve(local.elastic, trial, tolerance)
+        return floor if trial.count == members.size else resolve(local.elastic, trial, tolerance)
 
     ahead = CrestsAhead(local, allowed, outer)
-    end = descend(local, inner, penetration, penetration, tolerance, LOCAL_CLOSURE, LOCAL_STEP, at_least, ahead)
+    changes: list[tuple[str, float]] = []
+    evaluations = 0
+    for _ in range(_most_rounds(system)):
+        end = descend(local, inner, penetration, penetration, tolerance, LOCAL_CLOSURE, LOCAL_STEP, at_least, ahead)
+        evaluations += end.evaluations
+        changes += [(change.kind, change.position) for change in end.changes]
+        if end.touching is None:
+            break
+        inner, _, formed = _with_new_contacts(local, end.patches, end.touching)
+        changes += formed
     if end.status == "separated":
-        return outer, end
-    joined = ordered(np.concatenate([outer.left, end.patches.left]), np.concatenate([outer.right, end.patches.right]))
-    if end.status == "complete_contact" or not joined.is_ordered:
-        return patches, replace(end, changes=(), touching=None)
-    return joined, end
+        return outer, changes, evaluations
+    joined = None if end.status == "complete_contact" else outer.joined(end.patches)
+    return (patches, [], evaluations) if joined is None else (joined, changes, evaluations)

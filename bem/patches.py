@@ -93,6 +93,11 @@ class Patches:
         right[index] = self.right[following] + (TWO_PI if following == 0 else 0.0)
         return ordered(np.delete(self.left, following), np.delete(right, following))
 
+    def joined(self, others: Patches) -> Patches | None:
+        """These patches and others in order; None where any two of them overlap."""
+        both = ordered(np.concatenate([self.left, others.left]), np.concatenate([self.right, others.right]))
+        return both if both.is_ordered else None
+
     def canonical(self) -> Patches:
         """The same patches with every left edge in [0, 2 pi), in order."""
         return ordered(self.left, self.right)

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rough_surfaces import bearing_cut
+from rough_surfaces import bearing_cut, rough_profile
 
 from bem import gap
-from bem.collocation import Elastic, evaluate
+from bem.collocation import Elastic, Resolution, evaluate
 from bem.gap import gap_field, low_minima
-from bem.patches import Patches
+from bem.logarithmic_potential import LogarithmicPotential
+from bem.patches import TWO_PI, Patches
 from bem.profile import Profile
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
@@ -221,3 +222,22 @@ def test_displacement_of_one_point_is_the_same_alone_and_among_many():
     x, _, owner = clustered(field.state.patches, 60)
     alone = [field.displacement(x[k : k + 1], owner[k : k + 1])[0] for k in range(0, x.size, 7)]
     np.testing.assert_allclose(alone, field.displacement(x, owner)[::7], rtol=0, atol=4e-14)  # measured 1.3e-14
+
+
+@pytest.mark.parametrize("turn", [-1, 0, 1])
+def test_gap_of_some_patches_in_the_field_of_the_others_is_that_of_all(turn):
+    profile = rough_profile(60, 1, 0.7).scaled()
+    patches, penetration = bearing_cut(profile, 0.2)
+    whole = evaluate(Elastic(profile), patches, penetration, 1e-12)
+    some = np.arange(2, patches.count // 2 + 2)
+    far = np.repeat(~np.isin(np.arange(patches.count), some), whole.resolution.modes)
+    field = LogarithmicPotential(whole.skeleton_nodes()[far], whole.skeleton[far])
+    near = Patches(patches.left[some] + turn * TWO_PI, patches.right[some] + turn * TWO_PI)
+    resolution = Resolution(whole.resolution.nodes[some], whole.resolution.modes[some])
+    part = Elastic(profile, backgrounds=(field,))
+    local = evaluate(part, near, penetration, 1e-12, resolution)
+    gaps = np.repeat(some[:-1], 9)
+    x = patches.right[gaps] + patches.gap_after[gaps] * np.tile(np.linspace(0.1, 0.9, 9), some.size - 1)
+    here = gap_field(part, local)(x + turn * TWO_PI, gaps - 2)
+    expected = gap_field(Elastic(profile), whole)(x, gaps)
+    np.testing.assert_allclose(here, expected, rtol=0, atol=6e-15)  # measured 2.4e-15

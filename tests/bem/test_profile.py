@@ -89,6 +89,12 @@ def test_crests_lie_in_the_period(phase):
     assert 0 <= position[0] < 1.0
 
 
+def test_crests_ascend_also_where_one_lies_across_the_end_of_the_period():
+    position, height = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0], [1e-3, 2e-3]).crests
+    np.testing.assert_allclose(position, [np.pi - 1e-3, 2 * np.pi - 1e-3], atol=1e-9)
+    assert height[0] < height[1]
+
+
 def test_every_crest_of_a_wave_is_found():
     position, height = Profile.from_harmonics(1.0, [7], [2.0], [0.3]).crests
     expected = np.sort((np.arange(7) - 0.3 / (2 * np.pi)) / 7 % 1)
