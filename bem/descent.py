@@ -157,6 +157,7 @@ def descend(
         Least resolution of given patches, where others than `patches` are near.
     contacts : CrestsAhead, optional
         Finds the crests that touch after a step; the descent ends there, or before edges reach patches that it knows.
+        Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
     """
     changes: list[Change] = []
     seen = patches
@@ -176,9 +177,7 @@ def descend(
             vanished = _closing(system, here)
             if vanished is None and not here.opening:
                 wider = _expanded(system, here)
-                if wider is None:
-                    return Descent("not_converged", patches, here, tuple(changes), evaluations)
-                if others is not None and wider.joined(others) is None:
+                if wider is None or (others is not None and wider.joined(others) is None):
                     return Descent("not_converged", patches, here, tuple(changes), evaluations)
                 patches, penetration, here = wider, here.state.penetration, None
                 continue

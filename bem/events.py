@@ -43,7 +43,7 @@ class Settled:
     Attributes
     ----------
     status : str
-        As of a descent.
+        As of a descent; a crest that touches does not end an event.
     balance : Balance or None
         The new equilibrium, if there are edges in it.
     changes : tuple of (kind, position)

@@ -27,7 +27,7 @@ from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
 FloatArray = NDArray[np.float64]
 
 # of the scene rippled_wave; SI units
-AMPLITUDE, RIPPLE, ORDER, WORK = 1e-4, 2e-6, 30, 0.066
+AMPLITUDE, RIPPLE, ORDER, WORK = 1e-4, 2e-6, 30, 0.062
 LOADING, UNLOADING = (0.0, 1e3, 3e3, 6e3, 1e4, 1.4e4), (1.2e4, 1e4, 6e3, 3e3, 0.0, -1e3, -1.6e3)
 HARMONICS = [AMPLITUDE, *[0.0] * (ORDER - 2), RIPPLE]
 LEAST, MOST = 0.03, 0.5  # contact fractions; at the least one p(f) < 0 falls, and it passes the highest load below MOST
@@ -35,22 +35,22 @@ POINTS_PER_RIPPLE = 16
 LEAST_RELEASED = 1e-3  # of the work of adhesion, by a jump: measured 0.026 to 0.09; next to folds there are lesser ones
 
 
-def mean_pressure(fraction: float, work: float = WORK) -> float:
-    """Mean pressure of one patch in equilibrium, in Pa, at a contact fraction and a work of adhesion in J/m^2."""
-    return one_patch_mean_pressure(np.pi * fraction, HARMONICS, work)
+def mean_pressure(fraction: float) -> float:
+    """Mean pressure of one patch in equilibrium, in Pa, at a contact fraction."""
+    return one_patch_mean_pressure(np.pi * fraction, HARMONICS, WORK)
 
 
-def turning_points(work: float = WORK) -> FloatArray:
+def turning_points() -> FloatArray:
     """Contact fractions at which p(f) has a maximum or a minimum, ascending, (n,)."""
     grid = np.linspace(LEAST, MOST, int(POINTS_PER_RIPPLE * ORDER * (MOST - LEAST) / 2))
-    pressure = np.array([mean_pressure(float(f), work) for f in grid])
+    pressure = np.array([mean_pressure(float(f)) for f in grid])
     rise = np.sign(np.diff(pressure))
     turning = np.flatnonzero(rise[1:] != rise[:-1]) + 1
     found = []
     for i in turning:
         sign = 1.0 if pressure[i] < pressure[i - 1] else -1.0
         best = minimize_scalar(
-            lambda f, sign=sign: sign * mean_pressure(f, work),
+            lambda f, sign=sign: sign * mean_pressure(f),
             bounds=(grid[i - 1], grid[i + 1]),
             method="bounded",
             options={"xatol": 1e-12},
@@ -59,12 +59,12 @@ def turning_points(work: float = WORK) -> FloatArray:
     return np.array(found)
 
 
-def spreading(turning: FloatArray, pressure: float, work: float = WORK) -> float:
+def spreading(turning: FloatArray, pressure: float) -> float:
     """First contact fraction at which p(f) rises to a load in Pa; ValueError where it does not below MOST."""
     stops = [*turning.tolist(), MOST]
     for start, stop in pairwise(stops):
-        if mean_pressure(start, work) < pressure <= mean_pressure(stop, work):
-            return float(brentq(lambda f: mean_pressure(f, work) - pressure, start, stop, xtol=1e-15))
+        if mean_pressure(start) < pressure <= mean_pressure(stop):
+            return float(brentq(lambda f: mean_pressure(f) - pressure, start, stop, xtol=1e-15))
     raise ValueError(f"mean pressure: {pressure:g} Pa is not reached below a contact fraction of {MOST:g}")
 
 

@@ -195,6 +195,11 @@ def _one_sided(original: Function, size: float) -> Function:
     return wrong
 
 
+def _unnoticed(original: Function, size: float) -> Function:
+    """Energy never tells that Newton left the branch."""
+    return lambda *given, **named: bool(original(*given, **named)) and size < 1
+
+
 def _released_to_wrong_unit(original: Function, size: float) -> Function:
     """The energy an event releases, by a factor."""
 
@@ -311,6 +316,12 @@ BEM_FAULTS: tuple[Fault, ...] = (
         "bem.half_space:within_patch",
         _open_kernel,
         "log sinc absent",
+    ),
+    Fault(
+        "bem-leap-unnoticed",
+        "a leap of Newton to another branch is taken for the branch",
+        "bem.branch:misses_energy",
+        _unnoticed,
     ),
     Fault(
         "bem-gap-every-second-point",
