@@ -14,11 +14,13 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatterSciNotation, LogLocator
 
 from validation.report.figures import COLOURS, MARKERS, SETTINGS
 from validation.runner import write_atomically
 
 WIDE = 64  # characters of a label with which two columns do not fit
+LABELLED = 2.5  # decades of an axis up to which twice and five times a power of ten have labels as well
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,9 @@ def draw(plot: Plot) -> Figure:
             axes.plot(x, y, "--", color=COLOURS[index % len(COLOURS)], linewidth=1.0, label=label)
         axes.set_xscale(plot.xscale)
         axes.set_yscale(plot.yscale)
+        if plot.xscale == "log":
+            axes.xaxis.set_minor_locator(LogLocator(subs=(2, 5)))
+            axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(LABELLED, LABELLED)))
         for label, upper in plot.bands:
             axes.axvspan(axes.get_xlim()[0] if plot.xscale == "linear" else 1e-18, upper, color="#999999", alpha=0.18,
                          linewidth=0, label=label)  # fmt: skip
