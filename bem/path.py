@@ -353,9 +353,10 @@ class Path:
                 released = before - complete_potential(self.system, self.complete, start.balance.state, value)
             return Point(settled.status, value, None, path_events(changes, value, penetration, load, released))
         ahead = Point(settled.status, value, settled.balance, (), tangent(self.system.control, settled.balance))
-        if not settled.changes and not self._jumped(start, ahead):
+        jumped = bool(settled.changes) or self._jumped(start, ahead)
+        released = self._released(start.balance, start.value, settled.balance, value, tolerance) if jumped else 0.0
+        if not settled.changes and released <= 0:
             return ahead
-        released = self._released(start.balance, start.value, settled.balance, value, tolerance)
         return self._point_after(settled, value, (*broken, *settled.changes), released)
 
     def _point_after(
