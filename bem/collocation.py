@@ -17,7 +17,7 @@ complete; resolution set by `tolerance` (relative error of K about 3e-2 times it
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -122,6 +122,18 @@ class Evaluation:
         charge = self.resolution.nodes * (ROUNDING * np.maximum(largest, 1.0) + POSITION_ROUNDING * self.rms_slope)
         from_heights = HEIGHT_ROUNDING * penetration_rate * np.abs(self.stress_intensity_rate)
         return np.asarray(np.tile(charge * np.sqrt(np.pi / self.patches.half_width), 2) + from_heights)
+
+    def shifted(self, change: float) -> Evaluation:
+        """The state of the same patches after a change of the penetration, on which it depends linearly."""
+        return replace(
+            self,
+            penetration=self.penetration + change,
+            stress_intensity=self.stress_intensity + change * self.stress_intensity_rate,
+            load=self.load + change * self.load_rate,
+            elastic_energy=self.elastic_energy + change * (self.load + change * self.load_rate / 2),
+            edge_slope=self.edge_slope + change * self.edge_slope_rate,
+            skeleton=self.skeleton + change * self.skeleton_rate,
+        )
 
     def skeleton_nodes(self) -> FloatArray:
         """Positions of the skeleton charges, (unknowns,)."""

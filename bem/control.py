@@ -11,7 +11,7 @@ The potential is U for beta = 0, else U + alpha Delta^2 / (2 beta) - target Delt
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ class PenetrationControl:
         """What the control holds fixed, in a state."""
         return penetration
 
-    def potential(self, state: Evaluation, energy: float, target: float) -> float:
+    def potential(self, penetration: float, energy: float, target: float) -> float:
         """The energy that an equilibrium minimises."""
         return energy
 
@@ -80,16 +80,7 @@ class LinearControl:
 
     def reach(self, state: Evaluation, target: float) -> Evaluation:
         """The state carried to the target along Delta at fixed edges."""
-        shift = (target - self.value(state.penetration, state.load)) * self.rate(state)
-        return replace(
-            state,
-            penetration=state.penetration + shift,
-            stress_intensity=state.stress_intensity + shift * state.stress_intensity_rate,
-            load=state.load + shift * state.load_rate,
-            elastic_energy=state.elastic_energy + shift * (state.load + shift * state.load_rate / 2),
-            edge_slope=state.edge_slope + shift * state.edge_slope_rate,
-            skeleton=state.skeleton + shift * state.skeleton_rate,
-        )
+        return state.shifted((target - self.value(state.penetration, state.load)) * self.rate(state))
 
     def guess(self, penetration: float, target: float) -> float:
         """Penetration at which to evaluate: any would do; that of the last state."""
@@ -99,10 +90,9 @@ class LinearControl:
         """What the control holds fixed, in a state."""
         return self.penetration_weight * penetration + self.load_weight * load
 
-    def potential(self, state: Evaluation, energy: float, target: float) -> float:
+    def potential(self, penetration: float, energy: float, target: float) -> float:
         """The energy that an equilibrium minimises."""
-        spring = self.penetration_weight * state.penetration / 2 - target
-        return energy + spring * state.penetration / self.load_weight
+        return energy + (self.penetration_weight * penetration / 2 - target) * penetration / self.load_weight
 
     def force(self, state: Evaluation) -> float:
         """Derivative of the potential by the target, in equilibrium or at fixed edges."""

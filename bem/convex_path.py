@@ -18,8 +18,9 @@ from bem.collocation import Elastic, Evaluation
 from bem.complete_contact import CompleteContact
 from bem.control import Control, LinearControl
 from bem.grid_contact import GridProblem, grid_problem
-from bem.increments import Effort, Increments, PathEvent, PathStatus
+from bem.increments import Effort, Increments
 from bem.nonadhesive import solve_contact
+from bem.path_events import FIRST_TOUCH, NO_ERROR, PathEvent, PathStatus, path_events
 
 FloatArray = NDArray[np.float64]
 
@@ -69,8 +70,8 @@ class ConvexPath:
         else:
             self.effort.accepted += 1
         if ahead.status == "converged" and point.status == "separated":
-            touched = tuple(PathEvent("first_touch", 0.0, 0.0, 0.0, float(crest), 0.0) for crest in self.crests)
-            ahead = replace(ahead, events=touched)
+            changes = tuple(("first_touch", float(crest)) for crest in self.crests)
+            ahead = replace(ahead, events=path_events(changes, FIRST_TOUCH, NO_ERROR, 0.0, 0.0))
         yield ahead
 
     def at(self, value: float) -> ContactPoint:

@@ -15,7 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from bem.path import Path, Point
+from bem.path import Path
+from bem.path_point import Point
 
 SECANT_STEPS = 30
 NEWTON_STEPS = 6
@@ -87,10 +88,10 @@ def _root(path: Path, before: Point, after: Point, load: float) -> Point | None:
 
 def may_meet(path: Path, before: Point, after: Point, load: float) -> bool:
     """Whether the load is met between two points with edges, or may have been before an event that lowered it."""
-    if (_load(before) - load) * (_load(after) - load) <= 0:
+    if min(_load(before), _load(after)) < load <= max(_load(before), _load(after)):
         return True
     low, high = sorted((before.value, after.value))
-    return bool(after.events) and low <= _ahead(path, before, load) <= high
+    return (after.last or bool(after.events)) and low <= _ahead(path, before, load) <= high
 
 
 def _tracking(path: Path) -> Path:

@@ -167,7 +167,12 @@ def balance(
 ) -> Balance:
     """Evaluate the forces on the edges at the target; `penetration` is where load control starts from."""
     state = evaluate(system.elastic, patches, system.control.guess(penetration, target), tolerance, resolution)
-    state = system.control.reach(state, target)
+    return forces(system, system.control.reach(state, target), target)
+
+
+def forces(system: System, state: Evaluation, target: float) -> Balance:
+    """Forces on the edges of an evaluated state that is at the target."""
+    patches = state.patches
     edges, intensity = edge_positions(patches), state.stress_intensity
     work = system.law.work_of_adhesion(edges)
     jacobian = stress_intensity_jacobian(state)
@@ -187,7 +192,7 @@ def balance(
         hessian=system.control.stiffen(hessian, load_gradient, state),
         fixed_penetration_hessian=hessian,
         load_gradient=load_gradient,
-        potential=system.control.potential(state, energy, target),
+        potential=system.control.potential(state.penetration, energy, target),
         energy=energy,
         rounding=state.rounding(system.control.penetration_rate(state)),
     )

@@ -44,6 +44,8 @@ class Settled:
     ----------
     status : str
         As of a descent; a crest that touches does not end an event.
+    target : float
+        The value of the control at which it happened.
     balance : Balance or None
         The new equilibrium, if there are edges in it.
     changes : tuple of (kind, position)
@@ -53,6 +55,7 @@ class Settled:
     """
 
     status: SettledStatus
+    target: float
     balance: Balance | None
     changes: tuple[tuple[str, float], ...]
     evaluations: int
@@ -111,16 +114,16 @@ def settle(
         evaluations += end.evaluations
         changes += [(change.kind, change.position) for change in end.changes]
         if end.status != "converged" and end.status != "touched":
-            return Settled(end.status, end.balance, tuple(changes), evaluations, local_evaluations)
+            return Settled(end.status, target, end.balance, tuple(changes), evaluations, local_evaluations)
         assert end.balance is not None
         patches, state = end.patches, end.balance.state
         penetration = state.penetration
         found = interpenetration(system, state, allowed) if end.touching is None else end.touching
         if found.position.size == 0:
-            return Settled("converged", end.balance, tuple(changes), evaluations, local_evaluations)
+            return Settled("converged", target, end.balance, tuple(changes), evaluations, local_evaluations)
         patches, active, formed = _with_new_contacts(system, patches, found)
         changes += formed
-    return Settled("not_converged", None, tuple(changes), evaluations, local_evaluations)
+    return Settled("not_converged", target, None, tuple(changes), evaluations, local_evaluations)
 
 
 def _most_rounds(system: System) -> int:

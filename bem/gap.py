@@ -194,13 +194,26 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
     _, first = np.unique(gap[lowest] * (np.max(sizes) + 1) + column[lowest], return_index=True)  # stretches overlap
     around = lowest[first] + np.array([[-1], [0], [1]])
     x, owner = x[around], gap[around].ravel()
+    vertex, depth = _lowest(field, x, owner)
+    return GapMinima(vertex, depth, gap[lowest[first]])
+
+
+def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMinima:
+    """Minima of the gap near given places in it, (n,) each, by the same parabolas; places may lie a grid cell off."""
+    reach = TWO_PI / (POINTS_PER_WAVELENGTH * field.elastic.profile.max_order)
+    vertex, depth = _lowest(field, position + reach * np.array([[-1.0], [0.0], [1.0]]), np.tile(gap, 3))
+    return GapMinima(vertex, depth, gap)
+
+
+def _lowest(field: GapField, x: FloatArray, owner: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Places and depths of minima of the gap from three points around each, (3, n), on ever shorter bases."""
     vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
     reach = np.minimum(x[1] - x[0], x[2] - x[1])
     for _ in range(REFINEMENTS):
         reach = reach / REFINEMENT_RATIO
         x = np.stack([vertex - reach, vertex, vertex + reach])
         vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
-    return GapMinima(vertex, depth, gap[lowest[first]])
+    return vertex, depth
 
 
 def _looked_at(field: GapField, sizes: IntArray, threshold: float) -> Iterator[Points]:

@@ -1,4 +1,4 @@
-"""What every path has, with adhesion or without: sizes of its increments, counts of its work, its events.
+"""What every path has, with adhesion or without: sizes of its increments and counts of its work.
 
 Dimensionless.
 """
@@ -6,7 +6,6 @@ Dimensionless.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -15,8 +14,6 @@ from bem.scene import Scene
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
 COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
-
-PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
 
 
 @dataclass(frozen=True)
@@ -94,26 +91,3 @@ class Effort:
         """Add what an event cost."""
         self.evaluations += evaluations
         self.local_evaluations += local_evaluations
-
-
-@dataclass(frozen=True)
-class PathEvent:
-    """A discontinuity of the path; the energy of an avalanche is booked on its first event."""
-
-    kind: str
-    value: float
-    penetration: float
-    load: float
-    position: float
-    energy_released: float
-
-
-def path_events(
-    changes: tuple[tuple[str, float], ...], value: float, penetration: float, load: float, released: float
-) -> tuple[PathEvent, ...]:
-    """Events of an avalanche; a jump of the edges alone is a (saddle-node) bifurcation."""
-    named = changes or (("bifurcation", np.nan),)
-    return tuple(
-        PathEvent(kind, value, penetration, load, position % (2 * np.pi), released if i == 0 else 0.0)
-        for i, (kind, position) in enumerate(named)
-    )

@@ -19,7 +19,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Evaluation, evaluate
+from bem.collocation import evaluate
 from bem.complete_contact import CompleteContact
 from bem.equilibrium import System
 from bem.patches import TWO_PI, Patches, ordered
@@ -63,7 +63,7 @@ def first_gap(system: System, complete: CompleteContact, separation: float) -> P
     return with_gap(position, min(float(width), 0.5 * TWO_PI))
 
 
-def complete_potential(system: System, complete: CompleteContact, some_state: Evaluation, value: float) -> float:
-    """The potential under control of complete contact; `some_state` only lends its form."""
-    joined = replace(some_state, penetration=system.elastic.profile.max_height)
-    return system.control.potential(joined, complete.elastic_energy + complete.adhesion_energy, value)
+def complete_potential(system: System, complete: CompleteContact, value: float) -> float:
+    """The potential under control of complete contact."""
+    energy = complete.elastic_energy + complete.adhesion_energy
+    return system.control.potential(system.elastic.profile.max_height, energy, value)

@@ -11,54 +11,26 @@ depend on the smallest increment is a property to verify, not to assume.  Dimens
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.assessment import Assessment, assess_equilibrium
-from bem.branch import misses_energy, symmetry_breaking, tangent, unstable_patches
-from bem.collocation import Evaluation
+from bem.branch import tangent
 from bem.complete_contact import CompleteContact
-from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, correct, energy_noise
-from bem.events import Settled, first_contact, interpenetration, settle
+from bem.equilibrium import LARGEST_NEWTON_STEP, System, balance, correct
+from bem.events import first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
-from bem.increments import Effort, Increments, PathEvent, PathStatus, path_events
+from bem.increments import Effort, Increments
+from bem.jumps import Jumps
+from bem.limit_points import before_fold
 from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
 from bem.patches import Patches
+from bem.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, path_events
+from bem.path_point import Point
 
 FloatArray = NDArray[np.float64]
-
-TOLD = 1e-3  # error of the energy that an event releases, above which it is evaluated more finely
-
-
-@dataclass(frozen=True, eq=False)
-class Point:
-    """A state on the path: an equilibrium, or none where the surfaces are apart or fully joined.
-
-    Attributes
-    ----------
-    value : float
-        Of the control.
-    balance : Balance or None
-        Forces on the edges, where there are any.
-    events : tuple of PathEvent
-        What happened on the way here.
-    rate, curvature : (2 L,) arrays or None
-        First derivative and half the second derivative of the outward motion of the edges by tau.
-    """
-
-    status: PathStatus
-    value: float
-    balance: Balance | None = None
-    events: tuple[PathEvent, ...] = ()
-    rate: FloatArray | None = None
-    curvature: FloatArray | None = None
-
-    @property
-    def state(self) -> Evaluation | None:
-        """The evaluation behind the balance."""
-        return None if self.balance is None else self.balance.state
 
 
 @dataclass
@@ -84,6 +56,11 @@ class Path:
     flaw: float | None = None
     effort: Effort = field(default_factory=Effort)
     step: float = 0.0
+
+    @property
+    def jumps(self) -> Jumps:
+        """What finds the ends of branches and jumps from them."""
+        return Jumps(self.system, self.increments, self.complete, self.effort)
 
     def advance(self, point: Point, goal: float) -> Iterator[Point]:
         """Yield every accepted point from `point` to the goal; the last one is at the goal or has failed."""
@@ -124,30 +101,101 @@ class Path:
                 continue
             self.effort.rejected += 1
             overshoot, shorter = self._bracket(point, found, step, shortest)
-            if overshoot > 1.05 * shortest:
+            points = self._past_event(point, accepted, found, (value, end), overshoot <= 1.05 * shortest)
+            if not points and overshoot > 1.05 * shortest:
                 if found is None:
                     blocked = value
                 self.step = shorter
                 continue
-            point = self._resolve(point if accepted is None else accepted, value, found)
+            points = points or [self.jumps.unlocated(point if accepted is None else accepted, value, found)]
+            yield from points
+            point = points[-1]
             self.step = max(step, self.increments.largest / 8)
             blocked = None
-            yield point
             if point.status in ("not_converged", "ill_conditioned"):
                 return
 
-    def polish(self, point: Point) -> Point:
-        """The point at the accuracy of a target; an event within the coarse accuracy is resolved here."""
+    def _past_event(
+        self,
+        point: Point,
+        ahead: Point | None,
+        found: GapMinima | None,
+        ends: tuple[float, float],
+        thorough: bool,
+    ) -> list[Point]:
+        """The end of the branch of a point and the state behind the jump; nothing where it is not located.
+
+        Parameters
+        ----------
+        point, ahead : Point
+            On the branch; None where Newton left it on the way.
+        found : GapMinima or None
+            Where the second interpenetrates.
+        ends : (float, float)
+            Where it was to be, and how far the path goes.
+        thorough : bool
+            Whether shorter increments are no alternative.
+        """
+        if ahead is not None and found is not None:
+            return self.jumps.from_touch(point, ahead, found)
+        reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
+        limit = self.jumps.limit_point(point, reach, thorough)
+        if limit is None or direction * (point.value - limit.exact.value) > self.increments.smallest:
+            return []
+        if direction * (limit.exact.value - ends[1]) <= 0:
+            return self.jumps.from_limit(limit, reach)
+        state = limit.balance.state
+        if limit.kind == "bifurcation":
+            return []
+        near = self._corrected(before_fold(limit, ends[1]), state.penetration, ends[1])
+        return [] if near is None else [near]
+
+    def _corrected(
+        self, patches: Patches, penetration: float, value: float, interpenetrating: bool = False
+    ) -> Point | None:
+        """The equilibrium near given edges at the accuracy of a target; None without one, or where a gap closed."""
+        if not patches.is_ordered:
+            return None
+        inc = self.increments
+        fine = correct(self.system, patches, penetration, value, inc.fine_tolerance, inc.fine_closure)
+        self.effort.evaluations += fine.evaluations
+        if fine.balance is None:
+            return None
+        if not interpenetrating and interpenetration(self.system, fine.balance.state, inc.allowed).position.size:
+            return None
+        return Point("converged", value, fine.balance, (), tangent(self.system.control, fine.balance))
+
+    def polish(self, point: Point, direction: float) -> Point:
+        """The point at the accuracy of a target; a branch that ends within the coarse accuracy is left here.
+
+        Parameters
+        ----------
+        point : Point
+        direction : float
+            Sign of the motion of the control that led here.
+        """
         if point.balance is None:
             return Point(point.status, point.value)
-        inc, state = self.increments, point.balance.state
-        fine = correct(self.system, state.patches, state.penetration, point.value, inc.fine_tolerance, inc.fine_closure)
+        inc, state, value = self.increments, point.balance.state, point.value
+        fine = correct(self.system, state.patches, state.penetration, value, inc.fine_tolerance, inc.fine_closure)
         self.effort.evaluations += fine.evaluations
+        found = None
         if fine.balance is not None:
-            point = Point("converged", point.value, fine.balance, (), point.rate, point.curvature)
+            polished = Point("converged", value, fine.balance, (), point.rate, point.curvature)
             found = interpenetration(self.system, fine.balance.state, inc.allowed)
-            return point if found.position.size == 0 else self._resolve(point, point.value, found, fine=True)
-        return self._resolve(point, point.value, None, fine=True)
+            if found.position.size == 0:
+                return polished
+            before = self.polished_at(polished, value - direction * inc.smallest / 8, True)
+            points = [] if before is None else self.jumps.from_touch(before, polished, found)
+        else:
+            points = self._past_event(point, None, None, (value + direction * inc.smallest / 8, value), True)
+        if not points:
+            return self.jumps.unlocated(point, value, found, fine=True)
+        if points[-1].value != value and points[-1].balance is not None:
+            points += self.advance(points[-1], value)
+        events = [event for behind in points for event in behind.events]
+        final = self.polish(points[-1], direction)
+        return replace(final, events=(*events, *final.events))
 
     def afresh(self, point: Point) -> Point:
         """A point from which the path goes on as if it began there, so that a stored state restarts it exactly."""
@@ -155,18 +203,13 @@ class Path:
         rate = None if point.balance is None else tangent(self.system.control, point.balance)
         return Point(point.status, point.value, point.balance, (), rate)
 
-    def polished_at(self, point: Point, value: float) -> Point | None:
-        """The point at another control value on the same branch, at the accuracy of a target, if there is one."""
+    def polished_at(self, point: Point, value: float, interpenetrating: bool = False) -> Point | None:
+        """The point of the same branch at another value of the control, at the accuracy of a target, or None."""
         assert point.balance is not None
-        inc, here = self.increments, point.balance.state
-        predicted = here.patches.moved(self._predicted(point, value))
-        if not predicted.is_ordered:
-            return None
-        fine = correct(self.system, predicted, here.penetration, value, inc.fine_tolerance, inc.fine_closure)
-        self.effort.evaluations += fine.evaluations
-        if fine.balance is None or interpenetration(self.system, fine.balance.state, inc.allowed).position.size:
-            return None
-        return Point("converged", value, fine.balance, (), tangent(self.system.control, fine.balance))
+        state = point.balance.state
+        return self._corrected(
+            state.patches.moved(self._predicted(point, value)), state.penetration, value, interpenetrating
+        )
 
     def _predicted(self, point: Point, value: float) -> FloatArray:
         """Outward motion of the edges from a point to another control value, to second order."""
@@ -196,7 +239,8 @@ class Path:
         if settled.balance is None:
             return Point(settled.status, touch)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
-        return self._point_after(settled, touch, changes, -settled.balance.potential)
+        touched = self.jumps.behind(FIRST_TOUCH, NO_ERROR, settled, changes)
+        return Point("not_converged", touch) if touched is None else touched
 
     @property
     def _closing_value(self) -> float:
@@ -206,15 +250,17 @@ class Path:
     def _closed(self, point: Point, value: float) -> tuple[PathEvent, ...]:
         """The last gaps close where the separation vanishes: a continuous end of the branch, no energy is released."""
         assert point.balance is not None
-        state = point.balance.state
-        middles = state.patches.right + state.patches.gap_after / 2
-        changes = tuple(("complete_contact", float(x)) for x in middles)
-        return path_events(changes, value, self.system.elastic.profile.max_height, state.load, 0.0)
+        patches = point.balance.state.patches
+        changes = tuple(("complete_contact", float(x)) for x in patches.right + patches.gap_after / 2)
+        return path_events(changes, self._fully_joined(value), NO_ERROR, 0.0, 0.0)
 
-    def _complete_load(self, value: float) -> float:
-        """Load of complete contact at a value of a control that knows the load."""
-        control = self.system.control
-        return (value - control.penetration_weight * self.system.elastic.profile.max_height) / control.load_weight
+    def _fully_joined(self, value: float) -> Exact:
+        """Complete contact at a value of the control; the tension under which the last gap closes has no bound."""
+        control, highest = self.system.control, self.system.elastic.profile.max_height
+        if control.load_weight == 0:
+            return Exact(highest, highest, np.nan, complete_potential(self.system, self.complete, highest))
+        load = (value - control.penetration_weight * highest) / control.load_weight
+        return Exact(value, highest, load, complete_potential(self.system, self.complete, value))
 
     def _opened(self, point: Point, goal: float) -> Point:
         """Complete contact at the goal, or the equilibrium into which it opens on the way there."""
@@ -223,31 +269,30 @@ class Path:
         if system.control.load_weight == 0:
             if goal >= self._closing_value:
                 return Point("complete_contact", goal)
-            value = max(goal, highest - inc.smallest)
-            start, at = first_gap(system, self.complete, highest - value), value
+            value = at = max(goal, highest - inc.smallest)
+            start = first_gap(system, self.complete, highest - value)
         else:
-            if self.flaw is None:
+            flaw = self.flaw
+            if flaw is None:
                 return Point("complete_contact", goal)
-            load = opening_load(system, self.complete, self.flaw, inc.fine_tolerance)
-            value = min(point.value, system.control.value(highest, load))
+            load = opening_load(system, self.complete, flaw, inc.fine_tolerance)
+            value, at = min(point.value, system.control.value(highest, load)), highest
             if goal > value:
                 return Point("complete_contact", goal)
-            start, at = with_gap(lowest_pressure(self.complete), 1.02 * self.flaw), highest
+            start = with_gap(lowest_pressure(self.complete), 1.02 * flaw)
         settled = settle(system, start, at, value, inc.tolerance, inc.closure, inc.allowed)
         self.effort.book(settled.evaluations, settled.local_evaluations)
-        opening = (("opening", lowest_pressure(self.complete)),)
-        changes = (*opening, *settled.changes)
-        if settled.balance is None:
-            opened = path_events(opening, value, highest, self._complete_load(value), np.nan)
-            if settled.status != "separated":
-                return Point(settled.status, value, None, opened)
-            pulled = (("pull_off", settled.changes[-1][1]),)
-            return Point(settled.status, value, None, (*opened, *path_events(pulled, value, 0.0, 0.0, np.nan)))
-        released = 0.0
-        if self.flaw is not None and system.control.load_weight > 0:
-            flawed = with_gap(lowest_pressure(self.complete), self.flaw)
-            released = balance(system, flawed, highest, value, inc.tolerance).potential - settled.balance.potential
-        return self._point_after(settled, value, changes, released)
+        opening, joined = ("opening", lowest_pressure(self.complete)), self._fully_joined(value)
+        if system.control.load_weight == 0:
+            if settled.balance is None or settled.changes:
+                return Point("not_converged", value)
+            events = path_events((opening,), joined, NO_ERROR, 0.0, 0.0)
+            return Point("converged", value, settled.balance, events, tangent(system.control, settled.balance))
+        assert self.flaw is not None
+        flawed = balance(system, with_gap(opening[1], self.flaw), highest, value, inc.fine_tolerance)
+        opened = replace(joined, potential=flawed.potential)
+        behind = self.jumps.behind(opened, NO_ERROR, settled, (opening, *settled.changes))
+        return Point("not_converged", value) if behind is None else behind
 
     def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:
         """Newton from the predicted edges; the new point (None: left the branch) and its interpenetrations."""
@@ -264,41 +309,10 @@ class Path:
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
         rate = tangent(self.system.control, corrected.balance)
         ahead = Point("converged", value, corrected.balance, (), rate, (rate - point.rate) / (2 * change))
-        if self._jumped(point, ahead):
+        if self.jumps.misses_energy(point, ahead):
             return None, None
         found = interpenetration(self.system, corrected.balance.state, inc.allowed)
         return ahead, (found if found.position.size else None)
-
-    def _jumped(self, start: Point, end: Point) -> bool:
-        """Whether more energy went missing between two points than the forces along one branch account for.
-
-        Newton can step over a short unstable stretch of the path.  What the coarse evaluations suspect, the accuracy
-        of targets decides: coarse energies and tangents may be no better than what adhesion adds to them.
-        """
-        assert start.balance is not None and end.balance is not None and start.rate is not None and end.rate is not None
-        inc, system, change, rates = self.increments, self.system, end.value - start.value, (start.rate, end.rate)
-        if not misses_energy(system, (start.balance, end.balance), rates, change, inc.tolerance):
-            return False
-        ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
-        return misses_energy(system, ends, rates, change, inc.fine_tolerance)
-
-    def _finer(self, here: Balance, value: float) -> Balance:
-        """The forces on the same edges at the accuracy of a target."""
-        self.effort.evaluations += 1
-        state = here.state
-        return balance(self.system, state.patches, state.penetration, value, self.increments.fine_tolerance)
-
-    def _released(self, before: Balance, start: float, after: Balance, value: float, tolerance: float) -> float:
-        """Potential that a jump sets free, at the accuracy of targets where energies of this tolerance do not tell."""
-        released = self._pushed(before, value - start) - after.potential
-        if energy_noise(self.system, before, after, tolerance) > TOLD * abs(released):
-            released = self._pushed(self._finer(before, start), value - start) - self._finer(after, value).potential
-        return released
-
-    def _pushed(self, here: Balance, change: float) -> float:
-        """The potential after a change of the target at fixed edges."""
-        control = self.system.control
-        return here.potential + change * (control.force(here.state) + change / 2 * control.force_rate(here.state))
 
     def _bracket(self, point: Point, found: GapMinima | None, step: float, shortest: float) -> tuple[float, float]:
         """How far a failed increment went beyond its event at most, and the increment to try instead."""
@@ -314,59 +328,6 @@ class Path:
         before = gap_field(self.system.elastic, state)(found.position, found.gap)
         fraction = float(np.min(np.maximum(before, 0.0) / (np.maximum(before, 0.0) - found.depth)))
         return step * (1 - fraction), max(min(step * fraction + shortest / 2, 0.9 * step), shortest)
-
-    def _resolve(self, start: Point, value: float, found: GapMinima | None, fine: bool = False) -> Point:
-        """Settle an event at `value`: from the last good edges, or from an equilibrium that interpenetrates (found).
-
-        What the accuracy between targets leaves undecided (a shallow minimum, or none) that of targets decides.
-        A jump of the edges that releases no energy is none: Newton only did not reach that far.
-        """
-        assert start.balance is not None
-        inc = self.increments
-        unstable = unstable_patches(start.balance) if found is None else None
-        for tolerance, closure in ((inc.tolerance, inc.closure), (inc.fine_tolerance, inc.fine_closure))[int(fine) :]:
-            settled = settle(
-                self.system,
-                start.balance.state.patches,
-                start.balance.state.penetration,
-                value,
-                tolerance,
-                closure,
-                inc.allowed,
-                unstable,
-                found,
-                start.balance.state,
-            )
-            self.effort.book(settled.evaluations, settled.local_evaluations)
-            if settled.status != "not_converged":
-                break
-        broken = symmetry_breaking(start.balance) if found is None and settled.changes else ()
-        if settled.balance is None:
-            changes, load = (*broken, *settled.changes), 0.0
-            penetration = self.system.control.guess(start.balance.state.penetration, value)
-            released, before = np.nan, self._pushed(start.balance, value - start.value)
-            if settled.status == "separated":
-                changes = (*changes[:-1], ("pull_off", changes[-1][1]))
-                released = before if self.system.control.load_weight == 0 else np.nan  # a dead tension falls for ever
-            elif settled.status == "complete_contact":
-                penetration, load = self.system.elastic.profile.max_height, start.balance.state.load
-                released = before - complete_potential(self.system, self.complete, start.balance.state, value)
-            return Point(settled.status, value, None, path_events(changes, value, penetration, load, released))
-        ahead = Point(settled.status, value, settled.balance, (), tangent(self.system.control, settled.balance))
-        jumped = bool(settled.changes) or self._jumped(start, ahead)
-        released = self._released(start.balance, start.value, settled.balance, value, tolerance) if jumped else 0.0
-        if not settled.changes and released <= 0:
-            return ahead
-        return self._point_after(settled, value, (*broken, *settled.changes), released)
-
-    def _point_after(
-        self, settled: Settled, value: float, changes: tuple[tuple[str, float], ...], released: float
-    ) -> Point:
-        """The equilibrium after an event, with its events."""
-        assert settled.balance is not None
-        state = settled.balance.state
-        events = path_events(changes, value, state.penetration, state.load, released)
-        return Point(settled.status, value, settled.balance, events, tangent(self.system.control, settled.balance))
 
     def _shortest(self, point: Point) -> float:
         """The smallest increment; less where within it edges at rest would lose all their stress intensity.

@@ -104,14 +104,29 @@ class State:
 
 
 @dataclass(frozen=True)
+class EventError:
+    """Estimated absolute error of the numbers of an event, in their units."""
+
+    penetration: float
+    mean_pressure: float | None
+    energy_released: float | None
+
+
+@dataclass(frozen=True)
 class Event:
-    """A change of topology or stability; `position` in m, `energy_released` in J/m^2."""
+    """A change of topology or stability; `position` in m, `energy_released` in J/m^2.
+
+    Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is None where
+    the last gap closes, or the first opens, under a given separation: the tension there has no bound.  The energy of
+    an avalanche stands with its first event; it is None where a dead tension pulls off.
+    """
 
     kind: str
     penetration: float
-    mean_pressure: float
+    mean_pressure: float | None
     position: float | None
     energy_released: float | None
+    error_estimate: EventError
 
 
 @dataclass(frozen=True)
@@ -335,7 +350,8 @@ def _event(stored: dict[str, Any]) -> Event:
     return Event(
         kind=stored["kind"],
         penetration=_float(stored["penetration"]),
-        mean_pressure=_float(stored["mean_pressure"]),
+        mean_pressure=_optional(stored["mean_pressure"]),
         position=_optional(stored["position"]),
         energy_released=_optional(stored["energy_released"]),
+        error_estimate=EventError(**stored["error_estimate"]),
     )

@@ -26,7 +26,8 @@ from bem.effects import effects_of
 from bem.flat import flat_states
 from bem.increments import increments_of
 from bem.patches import PatchPressure, ordered
-from bem.path import Path, Point, restart
+from bem.path import Path, restart
+from bem.path_point import Point
 from bem.problem import Problem, pose
 from bem.profile import Profile
 from bem.result import Event, Progress, Result, State, provenance
@@ -172,6 +173,22 @@ class _Run:
             self._take_branch("loading" if goal > self.point.value else "unloading")
         if self._out_of_reach(goal):
             return "unreachable"
+        before = self.point
+        ended = self._follow_to(goal, index)
+        if ended is not None:
+            return ended
+        polished = self._polished(self.point, np.sign(goal - before.value))
+        if polished.status in ("not_converged", "ill_conditioned"):
+            return "not_converged"
+        self.point = polished
+        if isinstance(self.path, Path) and isinstance(polished, Point):
+            self.point = self.path.afresh(polished)
+        self._keep(polished, target=True)
+        return None
+
+    def _follow_to(self, goal: float, index: int) -> str | None:
+        """Follow the path to a goal, storing what is asked for on the way; the status of the path where it ends."""
+        direction = np.sign(goal - self.point.value)
         for point in self._advance(goal):
             before, self.point = self.point, point
             self.record.events += [event_of(self.problem, event) for event in point.events]
@@ -184,18 +201,16 @@ class _Run:
             if self._lost_under_load(point, goal):
                 self._keep(point, target=True, status="unreachable")
                 return "unreachable"
+            if isinstance(point, Point) and point.last:
+                continue
             if point.value != goal and abs(point.value - self.kept) >= self._largest_increment():
-                between = self._polished(point)
+                between = self._polished(point, direction)
                 if between.status in ("not_converged", "ill_conditioned"):
                     return "not_converged"
                 self._keep(between, target=False)
-        polished = self._polished(self.point)
-        if polished.status in ("not_converged", "ill_conditioned"):
-            return "not_converged"
-        self.point = polished
-        if isinstance(self.path, Path) and isinstance(polished, Point):
-            self.point = self.path.afresh(polished)
-        self._keep(polished, target=True)
+                if between.events:  # the path goes on behind them
+                    self.point = between
+                    return self._follow_to(goal, index)
         return None
 
     def _advance(self, goal: float) -> Iterator[AnyPoint]:
@@ -206,10 +221,11 @@ class _Run:
         assert isinstance(self.point, ContactPoint)
         return self.path.advance(self.point, goal)
 
-    def _polished(self, point: AnyPoint) -> AnyPoint:
+    def _polished(self, point: AnyPoint, direction: float) -> AnyPoint:
+        """The point at the accuracy of a target; `direction` is the sign of the motion of the control."""
         if isinstance(self.path, Path):
             assert isinstance(point, Point)
-            polished = self.path.polish(point)
+            polished = self.path.polish(point, direction)
             self.record.events += [event_of(self.problem, event) for event in polished.events]
             return polished
         return point
@@ -292,9 +308,9 @@ class _Run:
 
     def _may_meet(self, before: AnyPoint, after: AnyPoint, loads: tuple[float, float], load: float) -> bool:
         """Whether a load is crossed between two points, the loads of which are given, or may have been."""
-        if isinstance(before, Point) and isinstance(after, Point) and after.events:
+        if isinstance(before, Point) and isinstance(after, Point):
             assert isinstance(self.path, Path)
-            return may_meet(self.path, before, after, load)
+            return not before.last and may_meet(self.path, before, after, load)
         return min(loads) < load <= max(loads)
 
     def _crossing(self, before: AnyPoint, after: AnyPoint, load: float) -> AnyPoint | None:

@@ -13,9 +13,9 @@ from bem.assessment import Assessment, Quantities
 from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
 from bem.flat import FlatState
-from bem.increments import PathEvent
+from bem.path_events import PathEvent
 from bem.problem import Problem
-from bem.result import Certificate, ErrorEstimate, Event, State
+from bem.result import Certificate, ErrorEstimate, Event, EventError, State
 
 FloatArray = NDArray[np.float64]
 
@@ -191,13 +191,19 @@ def flat_state(flat: FlatState, adhesion_energy: float, branch: str) -> State:
 
 def event_of(problem: Problem, event: PathEvent) -> Event:
     """An event of the path in SI units."""
-    scales = problem.scales
+    height, energy = problem.scales.height, problem.scales.energy_per_area
+    at, error = event.at, event.error
     return Event(
         kind=event.kind,
-        penetration=event.penetration * scales.height,
-        mean_pressure=problem.mean_pressure(event.load),
-        position=event.position * scales.length if math.isfinite(event.position) else None,
-        energy_released=event.energy_released * scales.energy_per_area,
+        penetration=at.penetration * height,
+        mean_pressure=problem.mean_pressure(at.load) if math.isfinite(at.load) else None,
+        position=event.position * problem.scales.length if math.isfinite(event.position) else None,
+        energy_released=event.energy_released * energy if math.isfinite(event.energy_released) else None,
+        error_estimate=EventError(
+            penetration=_margin(error.penetration) * height,
+            mean_pressure=problem.mean_pressure(_margin(error.load)) if math.isfinite(at.load) else None,
+            energy_released=_margin(event.energy_error) * energy if math.isfinite(event.energy_released) else None,
+        ),
     )
 
 

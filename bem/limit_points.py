@@ -1,0 +1,445 @@
+"""Limit points: where a branch of equilibria ends or turns unstable, located by their own equation, with an error.
+
+At a limit point the equilibrium is neutral: with the gradient g of the potential, its Hessian H and the control tau
+
+    g(x, tau) = 0,   mu(x, tau) = 0,   mu the smallest eigenvalue of H, v its mode.
+
+At a fold the load works on the mode (v . dg/dtau != 0): Newton on both equations at once, the last row of which is
+d mu = D_v H v . dx + v . dH/dtau v dtau (Seydel, Practical Bifurcation and Stability Analysis, 2010, section 5.4).
+D_v H is a difference of exact Hessians, dH/dtau is exact: K is linear in tau at fixed edges.  Where the mode breaks a
+symmetry that loading keeps, the load does no work on it, and the branch continues unstable: mu changes sign along it
+(a bifurcation), which the secant finds, with the modes that break the symmetry at rest.  Coarse evaluations lead to
+the point, finer ones improve it, and what the last of these changes, with another resolution, is its error.
+Dimensionless.  Limits: at a fold one mode alone is neutral.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from bem.collocation import Resolution, finer, resolve
+from bem.equilibrium import Balance, System, balance, forces
+from bem.hierarchical import IllConditionedSystemError
+from bem.patches import Patches
+from bem.path_events import Exact
+
+FloatArray = NDArray[np.float64]
+
+STEPS = 8  # of Newton; it takes two to four
+LONGEST_STEP = 0.2  # of the room of an edge
+NEAR = 1e-3  # of the room: the rest of a step is left to finer evaluations
+CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
+CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
+SIDEWAYS = 1e-3  # of the room, over which D_v H is a difference
+SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
+SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
+DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the room
+LEAST_FORCE = 3.0  # times the closure between targets
+FELT = 1e-10  # of the work of adhesion: a force on a mode, which then breaks no symmetry that the profile has
+TIED = 1e-6  # relative difference of patches that are equal
+
+
+@dataclass(frozen=True, eq=False)
+class LimitPoint:
+    """An equilibrium at which a branch ends or loses its stability.
+
+    Attributes
+    ----------
+    kind : {"fold", "bifurcation"}
+    balance : Balance
+        Forces next to it.
+    exact, error : Exact
+        Its numbers, and what the last refinement changed.
+    modes : (2 L, n) array
+        Outward motions of the edges without resistance; one at a fold, to the side on which the potential falls.
+    bend : float
+        At a fold, -d2(tau)/ds2 / 2 on the branch, s in units of the mode.
+    evaluations : int
+    """
+
+    kind: Literal["fold", "bifurcation"]
+    balance: Balance
+    exact: Exact
+    error: Exact
+    modes: FloatArray
+    bend: float
+    evaluations: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Soft:
+    """Forces on the edges in fixed units of length, with the modes of their Hessian."""
+
+    here: Balance
+    value: float
+    scale: FloatArray
+    gradient: FloatArray
+    hessian: FloatArray
+    pull: FloatArray
+    eigenvalues: FloatArray
+    modes: FloatArray
+    eigenvalue_rate: float
+
+    @property
+    def mode(self) -> FloatArray:
+        """The softest one, (2 L,)."""
+        return np.asarray(self.modes[:, 0])
+
+    @property
+    def room(self) -> FloatArray:
+        """Room of the edges, (2 L,)."""
+        return np.asarray(self.here.state.patches.edge_room / self.scale)
+
+    def size(self, step: FloatArray) -> float:
+        """Largest part of its room by which an edge moves in a step."""
+        return float(np.max(np.abs(step) / self.room))
+
+
+class _LostError(Exception):
+    """A step that leads away from all equilibria."""
+
+
+def locate_limit_point(
+    system: System,
+    start: Balance,
+    value: float,
+    reach: float,
+    tolerances: tuple[float, float, float],
+    thorough: bool = False,
+) -> LimitPoint | None:
+    """The limit point that ends the branch of an equilibrium, None where none is found.
+
+    Parameters
+    ----------
+    system : System
+    start : Balance
+        At `value` of the control, before the limit point.
+    value, reach : float
+        Of the control, and how far it may change, with the sign of its motion.
+    tolerances : (float, float, float)
+        Of coarse evaluations, finer ones, and the last.
+    thorough : bool
+        Whether the branch is followed around its fold where Newton fails: almost symmetric profiles turn sharply.
+    """
+    try:
+        soft = _softness(system, start, value, start.scale)
+        broken = None
+        if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
+            for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
+                step = -np.linalg.solve(soft.hessian, soft.gradient)
+                here = _refined(system, soft, step, value, tolerances[1], False)
+                soft = _softness(system, here, value, start.scale)
+            broken = _neutral(system, soft, reach, tolerances, breaking=True)
+            if broken is not None and not _is_pushed(broken):
+                return broken
+        found = _neutral(system, soft, reach, tolerances, breaking=False)
+        if found is None and (thorough or broken is not None):
+            found = _around(system, soft, reach, tolerances)
+        return found or broken
+    except (_LostError, IllConditionedSystemError, np.linalg.LinAlgError):
+        return None
+
+
+def _softness(system: System, here: Balance, value: float, scale: FloatArray, last: FloatArray | None = None) -> _Soft:
+    """Forces and modes of a balance: the two softest where `last`, the softest one before, is given, else all."""
+    hessian = _scaled(here, scale)
+    if last is None:
+        eigenvalues, modes = eigh(hessian, check_finite=False)
+    else:
+        eigenvalues, modes = eigh(hessian, subset_by_index=[0, 1], check_finite=False)
+        modes *= np.sign(modes[:, 0] @ last) or 1.0
+    state, mode = here.state, modes[:, 0]
+    rate = system.control.rate(state)
+    change = 1e-2 * float(np.median(np.abs(state.stress_intensity / (state.stress_intensity_rate * rate))))
+    ahead, behind = (
+        float(mode @ _scaled(forces(system, state.shifted(by * rate), value + by), scale) @ mode)
+        for by in (change, -change)
+    )
+    return _Soft(
+        here=here,
+        value=value,
+        scale=scale,
+        gradient=here.gradient * scale,
+        hessian=hessian,
+        pull=here.load_gradient * scale * rate,
+        eigenvalues=eigenvalues,
+        modes=modes,
+        eigenvalue_rate=(ahead - behind) / (2 * change),
+    )
+
+
+def _scaled(here: Balance, scale: FloatArray) -> FloatArray:
+    return np.asarray((here.hessian + here.hessian.T) / 2 * np.outer(scale, scale))
+
+
+def _at(system: System, soft: _Soft, step: FloatArray, value: float, tolerance: float, like: Resolution) -> Balance:
+    """Forces after a step of the edges at a value of the control."""
+    state = soft.here.state
+    patches = state.patches.moved(step * soft.scale)
+    if not patches.is_ordered:
+        raise _LostError
+    here = balance(system, patches, state.penetration, value, tolerance, like)
+    if not here.opening:
+        raise _LostError
+    return here
+
+
+def _eigenvalue_gradient(system: System, soft: _Soft, tolerance: float) -> FloatArray:
+    """D_v H v, the derivative of the smallest eigenvalue by the edges, (2 L,)."""
+    step = SIDEWAYS / soft.size(soft.mode) * soft.mode
+    beside = _at(system, soft, step, soft.value, tolerance, soft.here.state.resolution)
+    return np.asarray((_scaled(beside, soft.scale) - soft.hessian) @ soft.mode * (soft.size(soft.mode) / SIDEWAYS))
+
+
+def _step(soft: _Soft, eigenvalue_gradient: FloatArray, breaking: bool) -> tuple[FloatArray, float]:
+    """Newton step of the edges and of the control towards g = 0, mu = 0; modes that break a symmetry stay at rest."""
+    basis = soft.modes[:, ~_broken(soft)] if breaking else np.eye(soft.pull.size)
+    size = basis.shape[1]
+    matrix = np.empty((size + 1, size + 1))
+    matrix[:size, :size], matrix[:size, size] = basis.T @ soft.hessian @ basis, basis.T @ soft.pull
+    matrix[size, :size], matrix[size, size] = eigenvalue_gradient @ basis, soft.eigenvalue_rate
+    step = np.linalg.solve(matrix, -np.append(basis.T @ soft.gradient, soft.eigenvalues[0]))
+    if not np.all(np.isfinite(step)):
+        raise _LostError
+    return np.asarray(basis @ step[:size]), float(step[size])
+
+
+def _broken(soft: _Soft) -> NDArray[np.bool_]:
+    """Which soft modes break a symmetry that loading keeps, (number of modes,)."""
+    cosine = np.abs(soft.modes.T @ soft.pull) / np.linalg.norm(soft.pull)
+    return np.asarray((cosine < SYMMETRIC) & (soft.eigenvalues < 2 * abs(soft.eigenvalues[0]) + SOFT))
+
+
+def _neutral(
+    system: System, soft: _Soft, reach: float, tolerances: tuple[float, float, float], breaking: bool
+) -> LimitPoint | None:
+    """Newton on the equilibrium and its neutrality: a fold, or the point where a symmetry breaks."""
+    coarse, fine, finest = tolerances
+    begin, evaluations = soft.value, 0
+    resolution = resolve(system.elastic, soft.here.state.patches, coarse)
+    for _ in range(STEPS):
+        gradient = _eigenvalue_gradient(system, soft, coarse)
+        step, change = _step(soft, gradient, breaking)
+        evaluations += 1
+        size = soft.size(step)
+        if size <= NEAR:
+            break
+        part = min(1.0, LONGEST_STEP / size)
+        value = soft.value + part * change
+        if not -0.5 <= (value - begin) / reach <= 2:
+            return None
+        here = _at(system, soft, part * step, value, coarse, resolution)
+        soft = _softness(system, here, value, soft.scale, None if breaking else soft.mode)
+        evaluations += 1
+    else:
+        return None
+    found: list[Exact] = []
+    for tolerance in (fine, fine, finest):
+        if len(found) == 1 and tolerance == fine and size <= CLOSE:
+            continue
+        here = _refined(system, soft, step, soft.value + change, tolerance, tolerance == finest)
+        soft = _softness(system, here, soft.value + change, soft.scale, None if breaking else soft.mode)
+        evaluations += 1
+        step, change = _step(soft, gradient, breaking)
+        size = soft.size(step)
+        if size > 10 * NEAR:
+            return None
+        found.append(_after_step(system, here, soft.value, step * soft.scale, change))
+    error = found[-1].apart(found[-2], system.control.force(soft.here.state))
+    if breaking:
+        broken = _broken(soft)
+        if not broken[0]:
+            return None
+        return LimitPoint(
+            "bifurcation", soft.here, found[-1], error, soft.modes[:, broken] * soft.scale[:, None], 0.0, evaluations
+        )
+    cubic, work = float(gradient @ soft.mode), float(soft.pull @ soft.mode)
+    if soft.eigenvalues[1:2].min(initial=1.0) <= 0 or cubic * work * reach <= 0:
+        return None  # another limit point lies before this one, or this one begins a branch
+    mode = -np.sign(cubic) * soft.mode * soft.scale
+    return LimitPoint("fold", soft.here, found[-1], error, mode[:, None], cubic / (2 * work), evaluations)
+
+
+def before_fold(limit: LimitPoint, value: float) -> Patches:
+    """Edges on the branch that a fold ends, at a value of the control close before it."""
+    back = np.sqrt(max((limit.exact.value - value) / limit.bend, 0.0))
+    return limit.balance.state.patches.moved(-back * limit.modes[:, 0])
+
+
+def at_rest(
+    system: System, here: Balance, value: float, tolerances: tuple[float, float]
+) -> tuple[Balance, Exact, Exact] | None:
+    """A coarse equilibrium improved: forces, numbers, and what the last refinement changed; None where it moves far.
+
+    Parameters
+    ----------
+    system : System
+    here : Balance
+        At `value` of the control.
+    value : float
+    tolerances : (float, float)
+        Of the two evaluations.
+    """
+    outward: FloatArray = np.zeros(here.work.size)
+    size = np.inf
+    found: list[Exact] = []
+    for tolerance in (tolerances[0], *tolerances):
+        if len(found) == 1 and tolerance == tolerances[0] and size <= CLOSE:
+            continue
+        patches = here.state.patches.moved(outward)
+        if not patches.is_ordered:
+            return None
+        wanted = resolve(system.elastic, patches, tolerance)
+        resolution = finer(wanted) if tolerance == tolerances[1] else wanted
+        here = balance(system, patches, here.state.penetration, value, tolerance, resolution)
+        outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
+        size = float(np.max(np.abs(outward) / here.state.patches.edge_room))
+        if size > LONGEST_STEP:
+            return None
+        found.append(_after_step(system, here, value, outward, 0.0))
+    return here, found[-1], found[-1].apart(found[-2], 0.0)
+
+
+def _around(system: System, soft: _Soft, reach: float, tolerances: tuple[float, float, float]) -> LimitPoint | None:
+    """The fold of a branch that turns sharply, met by following it by its length, with the control as an unknown.
+
+    Source: Keller, Numerical Methods in Bifurcation Problems (1987), section 5.
+    """
+    begin, length, way = soft.value, LONGEST_STEP / 4, _tangent(soft, _along(soft) * reach)
+    for _ in range(CONTINUED):
+        try:
+            ahead = _continued(system, soft, length, way, tolerances[0])
+            turned = _tangent(ahead, way[0])
+        except _LostError:
+            ahead, turned = soft, way
+        if not -0.5 <= (ahead.value - begin) / reach <= 2:
+            return None
+        if turned[1] * way[1] < 0 and ahead.eigenvalues[1:2].min(initial=1.0) > 0:
+            near = _continued(system, soft, length * way[1] / (way[1] - turned[1]), way, tolerances[0])
+            found = _neutral(system, near, reach, tolerances, breaking=False)
+            if found is not None:
+                return found
+        if ahead is soft or ahead.eigenvalues[0] <= 0:
+            length /= 3
+            if length < NEAR / 10:
+                return None
+            continue
+        soft, way, length = ahead, turned, min(1.5 * length, LONGEST_STEP)
+    return None
+
+
+def _along(soft: _Soft) -> FloatArray:
+    """Motion of the edges along the branch by the control, (2 L,)."""
+    return np.asarray(-np.linalg.solve(soft.hessian, soft.pull))
+
+
+def _tangent(soft: _Soft, along: FloatArray) -> tuple[FloatArray, float]:
+    """Motion of edges and control along a branch, on the side of a given motion, as long as the room of an edge."""
+    step = np.linalg.solve(_bordered(soft, along), np.append(np.zeros(along.size), 1.0))
+    size = soft.size(step[:-1]) * float(np.sign(along @ step[:-1]))
+    return np.asarray(step[:-1] / size), float(step[-1]) / size
+
+
+def _continued(system: System, soft: _Soft, length: float, way: tuple[FloatArray, float], tolerance: float) -> _Soft:
+    """The state of the branch a length along its tangent."""
+    resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
+    step, change = length * way[0], length * way[1]
+    for _ in range(CORRECTIONS):
+        here = _at(system, soft, step, soft.value + change, tolerance, resolution)
+        soft = _softness(system, here, soft.value + change, soft.scale, soft.mode)
+        both = np.linalg.solve(_bordered(soft, way[0]), -np.append(soft.gradient, 0.0))
+        step, change = both[:-1], float(both[-1])
+        if soft.size(step) <= NEAR * length:
+            return soft
+    raise _LostError
+
+
+def _bordered(soft: _Soft, along: FloatArray) -> FloatArray:
+    """Derivatives of the forces by edges and control, and a last row for the motion along a direction."""
+    size = along.size
+    matrix = np.zeros((size + 1, size + 1))
+    matrix[:size, :size], matrix[:size, size], matrix[size, :size] = soft.hessian, soft.pull, along
+    return matrix
+
+
+def _refined(system: System, soft: _Soft, step: FloatArray, value: float, tolerance: float, other: bool) -> Balance:
+    """Forces after a step, at a finer tolerance; with another resolution than it asks for, where errors are wanted."""
+    wanted = resolve(system.elastic, soft.here.state.patches.moved(step * soft.scale), tolerance)
+    return _at(system, soft, step, value, tolerance, finer(wanted) if other else wanted)
+
+
+def _after_step(system: System, here: Balance, value: float, outward: FloatArray, change: float) -> Exact:
+    """Numbers of the state to which short motions of the edges and of the control lead, to second order."""
+    state, control = here.state, system.control
+    rate = control.rate(state)
+    carried = float(here.load_gradient @ outward)
+    deeper = rate * (change - control.load_weight * carried)
+    work = float(here.gradient @ outward + outward @ here.hessian @ outward / 2) + change * rate * carried
+    work += change * (control.force(state) + change / 2 * control.force_rate(state))
+    return Exact(
+        value + change,
+        state.penetration + deeper,
+        state.load + carried + state.load_rate * deeper,
+        here.potential + work,
+    )
+
+
+def departure(system: System, limit: LimitPoint, tolerance: float, closure: float) -> tuple[FloatArray, bool, int]:
+    """A way from a limit point, whether forces lead on along it, and the number of evaluations.
+
+    Parameters
+    ----------
+    system : System
+    limit : LimitPoint
+    tolerance, closure : float
+        Of the evaluations, and of max |G/w - 1|: weaker forces say nothing.
+
+    Returns
+    -------
+    outward : (2 L,) array
+        Motion of the edges, the shortest on which they feel a force.
+    leads_on : bool
+        Whether the force is along the motion; against it all the way where another branch begins continuously.
+    evaluations : int
+    """
+    state, direction = limit.balance.state, _direction(limit)
+    motion = direction / np.max(np.abs(direction) / state.patches.edge_room)
+    force, outward, evaluations = -np.inf, motion, 0
+    for part in DEPARTURES:
+        for sign in (1.0,) if limit.kind == "fold" else (1.0, -1.0):
+            moved = state.patches.moved(sign * part * motion)
+            here = balance(system, moved, state.penetration, limit.exact.value, tolerance)
+            evaluations += 1
+            along = -sign * float(here.gradient @ motion) / float(here.work @ np.abs(motion))
+            if along > force:
+                force, outward = along, sign * part * motion
+        if force > LEAST_FORCE * closure:
+            return outward, True, evaluations
+    return outward, False, evaluations
+
+
+def _is_pushed(limit: LimitPoint) -> bool:
+    """Whether a force acts along the modes of a bifurcation: the profile does not quite have the symmetry."""
+    unit = limit.modes / np.linalg.norm(limit.modes, axis=0)
+    return float(np.linalg.norm(limit.balance.gradient @ unit)) > FELT * float(np.max(limit.balance.work))
+
+
+def _direction(limit: LimitPoint) -> FloatArray:
+    """Outward motion of the edges, (2 L,): the mode of a fold; at a bifurcation that in which a force acts, or the one
+    nearest to a single patch that shrinks, among equal ones the first."""
+    modes = limit.modes
+    if limit.kind == "fold":
+        return np.asarray(modes[:, 0])
+    unit = modes / np.linalg.norm(modes, axis=0)
+    if _is_pushed(limit):
+        return np.asarray(-unit @ (limit.balance.gradient @ unit))
+    count = limit.balance.state.patches.count
+    shrink = -(unit[:count] + unit[count:])
+    share = np.linalg.norm(shrink, axis=1)
+    first = int(np.flatnonzero(share >= (1 - TIED) * share.max())[0])
+    return np.asarray(unit @ shrink[first])

@@ -1,0 +1,59 @@
+"""Events of a path: what happened, in which state, with the errors of its numbers.  Dimensionless."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
+
+
+@dataclass(frozen=True)
+class Exact:
+    """Numbers of a state, or their errors, dimensionless: value of the control, Delta, load and potential."""
+
+    value: float
+    penetration: float
+    load: float
+    potential: float
+
+    def apart(self, other: Exact, force: float) -> Exact:
+        """Sizes of the differences; potentials are compared at the same value of the control, on which `force` acts."""
+        value = self.value - other.value
+        return Exact(
+            abs(value),
+            abs(self.penetration - other.penetration),
+            abs(self.load - other.load),
+            abs(self.potential - other.potential - force * value),
+        )
+
+
+NO_ERROR = Exact(0.0, 0.0, 0.0, 0.0)
+FIRST_TOUCH = Exact(0.0, 0.0, 0.0, 0.0)  # where any control starts to feel the contact
+
+
+@dataclass(frozen=True)
+class PathEvent:
+    """A discontinuity of the path, in the state from which it jumps, with the errors of its numbers.
+
+    The energy of an avalanche is booked on its first event.
+    """
+
+    kind: str
+    position: float
+    at: Exact
+    error: Exact
+    energy_released: float
+    energy_error: float
+
+
+def path_events(
+    changes: tuple[tuple[str, float], ...], at: Exact, error: Exact, released: float, released_error: float
+) -> tuple[PathEvent, ...]:
+    """Events of an avalanche that starts at a state."""
+    return tuple(
+        PathEvent(kind, position % (2 * np.pi), at, error, *((released, released_error) if i == 0 else (0.0, 0.0)))
+        for i, (kind, position) in enumerate(changes)
+    )

@@ -1,0 +1,121 @@
+"""Touch points: where the gap beside a branch of equilibria closes on a crest, located to the accuracy of a target.
+
+Between two points of a branch the edges follow a cubic in the control, from which Newton corrects them; the least of
+the gaps that closed in between vanishes at the touch, found by the secant within its bracket.  Gaps that vanish there
+to within `TIED` touch together.  The last two states are evaluated at different accuracies; by how much the touch
+moved is its error.  Dimensionless.  Limits: the branch reaches beyond the touch, as it does until contact forms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.equilibrium import Balance, System, correct
+from bem.gap import GapMinima, gap_field, minima_near
+from bem.patches import Patches
+from bem.path_events import Exact
+
+FloatArray = NDArray[np.float64]
+
+STEPS = 20
+TOUCHED = 1e-10  # of the rms height: a gap that is closed
+NEARLY = 1e-6  # the same for the evaluations that are not the last
+TIED = 1e-9  # of the rms height: gaps that close together
+RESOLVED = 1e-3  # of the bracket: points farther apart give the slope of the gap
+CLOSURE = 0.1  # of |G/w - 1| over the tolerance of the evaluation
+
+
+@dataclass(frozen=True, eq=False)
+class TouchPoint:
+    """An equilibrium beside which a gap has just closed.
+
+    Attributes
+    ----------
+    balance : Balance
+    exact, error : Exact
+        Its numbers, and what the last refinement changed.
+    touching : GapMinima
+        The crests in contact.
+    evaluations : int
+    """
+
+    balance: Balance
+    exact: Exact
+    error: Exact
+    touching: GapMinima
+    evaluations: int
+
+
+def locate_touch(
+    system: System,
+    branch: Callable[[float], Patches],
+    penetration: float,
+    ends: tuple[float, float],
+    gaps: tuple[FloatArray, FloatArray],
+    found: GapMinima,
+    tolerances: tuple[float, float],
+) -> TouchPoint | None:
+    """The touch between two points of a branch; None where Newton does not follow the branch.
+
+    Parameters
+    ----------
+    system : System
+    branch : callable
+        Edges near those of the branch at a value of the control.
+    penetration : float
+        From which load control starts.
+    ends : (float, float)
+        Values of the control before and behind the touch.
+    gaps : ((n,) array, (n,) array)
+        The gaps in question there; some of the first may, all of the second must be negative.
+    found : GapMinima
+        Where these gaps are.
+    tolerances : (float, float)
+        Of the evaluations that lead to the touch, and of the last.
+    """
+    first, last = ends
+    low, high = (first, float(gaps[0].min())), (last, float(gaps[1].min()))
+    crossing = gaps[0] / (gaps[0] - gaps[1])
+    value = first + (last - first) * float(np.clip(crossing.min(), 0.0, 1.0))
+    before: Exact | None = None
+    slope = (high[1] - low[1]) / (last - first)
+    near, evaluations, known = found, 0, [low, high]
+    for _ in range(STEPS):
+        tolerance = tolerances[int(before is not None)]
+        patches = branch(value)
+        if not patches.is_ordered:
+            return None
+        corrected = correct(system, patches, penetration, value, tolerance, CLOSURE * tolerance)
+        evaluations += corrected.evaluations
+        if corrected.balance is None:
+            return None
+        here = corrected.balance
+        near = minima_near(gap_field(system.elastic, here.state), near.position, found.gap)
+        depth = float(near.depth.min())
+        nearest = min(known, key=lambda point: abs(point[0] - value))
+        if abs(value - nearest[0]) > RESOLVED * abs(last - first):
+            slope = (depth - nearest[1]) / (value - nearest[0])
+            known.append((value, depth))
+        change = -depth / slope
+        deeper = change / (system.control.penetration_weight + system.control.load_weight * here.stiffness)
+        exact = Exact(
+            value + change,
+            here.state.penetration + deeper,
+            here.state.load + deeper * here.stiffness,
+            here.potential + change * system.control.force(here.state),
+        )
+        if before is not None and abs(depth) <= TOUCHED:
+            tied = near.depth <= near.depth.min() + TIED
+            touching = GapMinima(near.position[tied], np.full(int(tied.sum()), -TOUCHED), near.gap[tied])
+            error = exact.apart(before, system.control.force(here.state))
+            return TouchPoint(here, exact, error, touching, evaluations)
+        if before is None and abs(depth) <= NEARLY:
+            before = exact
+        value += change
+        if not min(ends) - abs(last - first) / 10 <= value <= max(ends) + abs(last - first) / 10:
+            return None
+    return None
