@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 UNBOOKED = 1e-3  # energy that may go missing in an increment, over the work of adhesion that its edges turned over
-SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which they are orthogonal
+ASTRAY = 1e-3, 0.3  # of the room, and of the largest motion
 
 
 def tangent(control: Control, here: Balance) -> FloatArray:
@@ -65,6 +65,27 @@ def misses_energy(
     return abs(missing) > max(UNBOOKED * turned_over, abs(curved) / 2) + energy_noise(system, first, last, tolerance)
 
 
+def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], change: float) -> bool:
+    """Whether edges moved otherwise than the tangents at both ends say: Newton leapt from one branch to another.
+
+    Along a branch the trapezoidal rule leaves a part of the motion that falls with the square of the increment; over a
+    short unstable stretch, which energy may not show, it leaves most of it.
+
+    Parameters
+    ----------
+    ends : (Balance, Balance)
+        Equilibria with equally many patches.
+    rates : ((2 L,) array, (2 L,) array)
+        Tangents there.
+    change : float
+        Of the target from one to the other.
+    """
+    patches, there = ends[0].state.patches, ends[1].state.patches
+    moved = np.concatenate([patches.left - there.left, there.right - patches.right])
+    astray = float(np.max(np.abs(moved - change * (rates[0] + rates[1]) / 2) / patches.edge_room))
+    return astray > ASTRAY[0] + ASTRAY[1] * float(np.max(np.abs(moved) / patches.edge_room))
+
+
 def softest_mode(here: Balance) -> FloatArray:
     """Outward motion of the edges in the mode of least scaled stiffness, (2 L,), each in units of its scale."""
     _, mode = eigh(here.scaled_hessian, subset_by_index=[0, 0])
@@ -75,13 +96,3 @@ def unstable_patches(here: Balance) -> IntArray:
     """Patches that move most in the softest mode of the Hessian."""
     size = np.abs(softest_mode(here))
     return np.unique(np.flatnonzero(size > 0.3 * size.max()) % here.state.patches.count)
-
-
-def symmetry_breaking(here: Balance) -> tuple[tuple[str, float], ...]:
-    """A bifurcation where the softest mode does no work with the load: it breaks a symmetry that loading keeps."""
-    mode, patches = softest_mode(here), here.state.patches
-    pull = here.load_gradient * here.scale
-    if abs(mode @ pull) > SYMMETRIC * np.linalg.norm(pull):
-        return ()
-    moving = int(np.argmax(np.abs(mode))) % patches.count
-    return (("bifurcation", float(patches.center[moving])),)

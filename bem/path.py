@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.assessment import Assessment, assess_equilibrium
-from bem.branch import tangent
+from bem.branch import strays, tangent
 from bem.complete_contact import CompleteContact
 from bem.equilibrium import LARGEST_NEWTON_STEP, System, balance, correct
 from bem.events import first_contact, interpenetration, settle
@@ -309,7 +309,9 @@ class Path:
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
         rate = tangent(self.system.control, corrected.balance)
         ahead = Point("converged", value, corrected.balance, (), rate, (rate - point.rate) / (2 * change))
-        if self.jumps.misses_energy(point, ahead):
+        if strays((point.balance, corrected.balance), (point.rate, rate), change) or self.jumps.misses_energy(
+            point, ahead
+        ):
             return None, None
         found = interpenetration(self.system, corrected.balance.state, inc.allowed)
         return ahead, (found if found.position.size else None)
