@@ -15,7 +15,7 @@ Dimensionless.  Limits: at a fold one mode alone is neutral.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -40,7 +40,7 @@ SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which 
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
 DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the room
 LEAST_FORCE = 3.0  # times the closure between targets
-FELT = 1e-10  # of the work of adhesion: a force on a mode, which then breaks no symmetry that the profile has
+FELT = 1e-9  # of the work of adhesion: a force on a mode, which then breaks no symmetry that the profile has
 TIED = 1e-6  # relative difference of patches that are equal
 
 
@@ -131,16 +131,16 @@ def locate_limit_point(
         broken = None
         if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
             for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
-                step = -np.linalg.solve(soft.hessian, soft.gradient)
-                here = _refined(system, soft, step, value, tolerances[1], False)
+                here = _refined(system, soft, _to_rest(soft), value, tolerances[1], False)
                 soft = _softness(system, here, value, start.scale)
             broken = _neutral(system, soft, reach, tolerances, breaking=True)
             if broken is not None and not _is_pushed(broken):
                 return broken
+            tolerances = (tolerances[1], *tolerances[1:])  # coarse evaluations may be less symmetric than the profile
         found = _neutral(system, soft, reach, tolerances, breaking=False)
         if found is None and (thorough or broken is not None):
             found = _around(system, soft, reach, tolerances)
-        return found or broken
+        return found or (broken if thorough else None)
     except (_LostError, IllConditionedSystemError, np.linalg.LinAlgError):
         return None
 
@@ -255,9 +255,10 @@ def _neutral(
         broken = _broken(soft)
         if not broken[0]:
             return None
-        return LimitPoint(
-            "bifurcation", soft.here, found[-1], error, soft.modes[:, broken] * soft.scale[:, None], 0.0, evaluations
-        )
+        modes = soft.modes[:, broken] * soft.scale[:, None]
+        shift = _push(here, modes) ** (2 / 3) / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
+        error = replace(error, value=error.value + shift)
+        return LimitPoint("bifurcation", here, found[-1], error, modes, 0.0, evaluations)
     cubic, work = float(gradient @ soft.mode), float(soft.pull @ soft.mode)
     if soft.eigenvalues[1:2].min(initial=1.0) <= 0 or cubic * work * reach <= 0:
         return None  # another limit point lies before this one, or this one begins a branch
@@ -315,22 +316,26 @@ def _around(system: System, soft: _Soft, reach: float, tolerances: tuple[float, 
         try:
             ahead = _continued(system, soft, length, way, tolerances[0])
             turned = _tangent(ahead, way[0])
+            if turned[1] * way[1] < 0 and ahead.eigenvalues[1:2].min(initial=1.0) > 0:
+                near = _continued(system, soft, length * way[1] / (way[1] - turned[1]), way, tolerances[0])
+                found = _neutral(system, near, reach, tolerances, breaking=False)
+                if found is not None:
+                    return found
         except _LostError:
-            ahead, turned = soft, way
-        if not -0.5 <= (ahead.value - begin) / reach <= 2:
-            return None
-        if turned[1] * way[1] < 0 and ahead.eigenvalues[1:2].min(initial=1.0) > 0:
-            near = _continued(system, soft, length * way[1] / (way[1] - turned[1]), way, tolerances[0])
-            found = _neutral(system, near, reach, tolerances, breaking=False)
-            if found is not None:
-                return found
-        if ahead is soft or ahead.eigenvalues[0] <= 0:
+            ahead = None
+        within = ahead is not None and ahead.eigenvalues[0] > 0 and -0.5 <= (ahead.value - begin) / reach <= 2
+        if ahead is not None and within:
+            soft, way, length = ahead, turned, min(1.5 * length, LONGEST_STEP)
+        else:
             length /= 3
             if length < NEAR / 10:
                 return None
-            continue
-        soft, way, length = ahead, turned, min(1.5 * length, LONGEST_STEP)
     return None
+
+
+def _to_rest(soft: _Soft) -> FloatArray:
+    """Newton step of the edges to the equilibrium at the same control, (2 L,)."""
+    return np.asarray(-np.linalg.solve(soft.hessian, soft.gradient))
 
 
 def _along(soft: _Soft) -> FloatArray:
@@ -425,8 +430,13 @@ def departure(system: System, limit: LimitPoint, tolerance: float, closure: floa
 
 def _is_pushed(limit: LimitPoint) -> bool:
     """Whether a force acts along the modes of a bifurcation: the profile does not quite have the symmetry."""
-    unit = limit.modes / np.linalg.norm(limit.modes, axis=0)
-    return float(np.linalg.norm(limit.balance.gradient @ unit)) > FELT * float(np.max(limit.balance.work))
+    return _push(limit.balance, limit.modes) > FELT
+
+
+def _push(here: Balance, modes: FloatArray) -> float:
+    """Force along modes over the work of adhesion."""
+    unit = modes / np.linalg.norm(modes, axis=0)
+    return float(np.linalg.norm(here.gradient @ unit) / np.max(here.work))
 
 
 def _direction(limit: LimitPoint) -> FloatArray:

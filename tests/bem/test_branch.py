@@ -1,4 +1,4 @@
-"""A branch near one of its points: what is about to jump, which modes break a symmetry, what energy tells of a leap."""
+"""A branch near one of its points: what is about to jump, and what says that Newton leapt to another branch."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bem.adhesion import UniformLaw
-from bem.branch import misses_energy, symmetry_breaking, tangent, unstable_patches
+from bem.branch import misses_energy, strays, tangent, unstable_patches
 from bem.collocation import Elastic
 from bem.control import PenetrationControl
 from bem.descent import descend
@@ -31,13 +31,6 @@ def test_the_patch_about_to_jump_is_found_whatever_its_size(soft):
     np.testing.assert_array_equal(unstable_patches(with_stiffness(share)), [soft])
 
 
-@pytest.mark.parametrize(("pull", "breaks"), [([0.0, 1.0, 0.0, 1.0], True), ([1.0, 1.0, 1.0, 1.0], False)])
-def test_a_mode_on_which_the_load_does_no_work_breaks_a_symmetry(pull, breaks):
-    here = replace(with_stiffness([0.1, 1.0, 1.0, 1.0]), load_gradient=np.array(pull))
-    found = symmetry_breaking(here)
-    assert found == ((("bifurcation", pytest.approx(0.5)),) if breaks else ())
-
-
 RIPPLED = System(
     Elastic(Profile.from_harmonics(2 * np.pi, [1, 40], [1.0, 0.02])), UniformLaw(0.03), PenetrationControl()
 )
@@ -59,3 +52,15 @@ def test_energy_tells_a_leap_to_another_branch(start, end, left):
     ends = at_rest(start, 0.4), at_rest(end, 0.4 + change)
     rates = tangent(RIPPLED.control, ends[0]), tangent(RIPPLED.control, ends[1])
     assert misses_energy(RIPPLED, ends, rates, change, 1e-8) == left
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "left"),
+    [(SMALLER, SMALLER, False), (LARGER, LARGER, False), (SMALLER, LARGER, True), (LARGER, SMALLER, True)],
+    ids=["along one branch", "along the other", "to the next ripple", "back to it"],
+)
+def test_tangents_say_that_the_edges_left_their_branch(start, end, left):
+    change = 1e-3
+    ends = at_rest(start, 0.4), at_rest(end, 0.4 + change)
+    rates = tangent(RIPPLED.control, ends[0]), tangent(RIPPLED.control, ends[1])
+    assert strays(ends, rates, change) == left

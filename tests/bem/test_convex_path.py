@@ -55,7 +55,7 @@ def test_the_goal_takes_one_increment():
 
 def test_first_touch_is_an_event_at_the_highest_crest():
     (event,) = reached(fresh(), 0.5).events
-    assert (event.kind, event.value, event.load, event.energy_released) == ("first_touch", 0.0, 0.0, 0.0)
+    assert (event.kind, event.at.value, event.at.load, event.energy_released) == ("first_touch", 0.0, 0.0, 0.0)
     assert PROBLEM.profile.height(np.array([event.position]))[0] == pytest.approx(PROBLEM.profile.max_height)
 
 

@@ -12,7 +12,8 @@ from bem.branch import tangent
 from bem.complete_contact import complete_contact
 from bem.equilibrium import System
 from bem.increments import Increments
-from bem.path import Path, Point, restart
+from bem.path import Path, restart
+from bem.path_point import Point
 from bem.problem import pose
 from bem.scene import parse_scene
 from bem.solver import solve
@@ -305,7 +306,7 @@ def test_energy_before_an_event_is_above_that_after_it(rough_points):
 
 def test_tangent_is_the_motion_of_the_edges(rough_points):
     path, points = rough_points
-    point = path.polish(next(p for p in points if p.state and p.state.patches.count >= 3 and not p.events))
+    point = path.polish(next(p for p in points if p.state and p.state.patches.count >= 3 and not p.events), 1.0)
     step = 1e-3
     ahead, back = (path.polished_at(point, point.value + d) for d in (step, -step))
     count = point.state.patches.count
@@ -317,7 +318,7 @@ def test_tangent_is_the_motion_of_the_edges(rough_points):
 
 def test_restart_stands_where_the_path_stood(rough_points):
     path, points = rough_points
-    point = path.polish(next(p for p in points if p.state and p.state.patches.count >= 3 and not p.events))
+    point = path.polish(next(p for p in points if p.state and p.state.patches.count >= 3 and not p.events), 1.0)
     again = restart(path, point.state.patches, point.state.penetration, point.value)
     np.testing.assert_allclose(again.state.patches.left, point.state.patches.left, atol=1e-11)
 
@@ -334,7 +335,7 @@ def test_error_estimate_covers_a_coarse_state():
     path, point = rough_path()
     path.increments = Increments(0.02, 0.0008, tolerance=1e-3, closure=1e-4, fine_tolerance=1e-11, fine_closure=1e-11)
     *_, coarse = path.advance(point, 0.8)
-    fine, judged = path.polish(coarse), path.assess(coarse)
+    fine, judged = path.polish(coarse, 1.0), path.assess(coarse)
     true = abs(fine.state.patches.contact_fraction - coarse.state.patches.contact_fraction) * 2 * np.pi
     assert true <= 3 * abs(judged.correction.contact_length) + 1e-12
     assert abs(fine.state.load - coarse.state.load) <= 3 * abs(judged.correction.load) + 1e-12

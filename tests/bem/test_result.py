@@ -17,6 +17,7 @@ from bem.result import (
     Effect,
     ErrorEstimate,
     Event,
+    EventError,
     Result,
     State,
     provenance,
@@ -55,7 +56,10 @@ RESULT = Result(
     effects=(Effect("half_space", True, "no [layer]", 1.5),),
     provenance=provenance(SCENE),
     states=(STATE, replace(STATE, target=False)),
-    events=(Event("first_touch", 0.0, 0.0, 0.003, 1e-9), Event("pull_off", 0.0, 0.0, None, None)),
+    events=(
+        Event("first_touch", 0.0, 0.0, 0.003, 1e-9, EventError(1e-15, 1e-9, 1e-16)),
+        Event("pull_off", 0.0, None, None, None, EventError(1e-15, None, None)),
+    ),
     status="converged",
     fields={"x_0": np.linspace(0, 1, 5), "pressure_0": np.array([np.nan, 1.0]), "patch_0": np.array([0, 1])},
 )

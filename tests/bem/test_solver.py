@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
-from bem.path import Path, Point
+from bem.path import Path
+from bem.path_point import Point
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
@@ -166,9 +167,9 @@ def test_a_state_between_targets_that_cannot_be_polished_ends_the_path(monkeypat
     """It would be stored at the accuracy between targets, under the name of a converged one."""
     polish, asked = Path.polish, []
 
-    def failing(path, point):
+    def failing(path, point, direction):
         asked.append(point.value)
-        return polish(path, point) if len(asked) < 3 else Point("not_converged", point.value)
+        return polish(path, point, direction) if len(asked) < 3 else Point("not_converged", point.value)
 
     monkeypatch.setattr(Path, "polish", failing)
     found = solve(rough_scene(TARGETS))
