@@ -2,10 +2,10 @@
 
 On a branch the load is a smooth function of the control value.  With adhesion it is found by Newton with the stiffness
 of the branch and the predictor of the path, first at the accuracy between targets, then at that of a target.  Where
-Newton leaves the branch or the two points, the Illinois form of the secant takes its place.  Where events lie in
-between, the path is followed again in ever smaller increments, so that several of them come apart; then the branch
-before the one left is searched up to its end, and the branch after it.  A load that events lower is met several times:
-the first counts.  Without adhesion load control leads there at once (convex_path.py).  Dimensionless.
+Newton leaves the branch or the two points, the Illinois form of the secant takes its place, from the second point where
+that is the fold or the touch that ends the branch; where that fails, the path is followed again in smaller increments.
+A load that events lower is met several times: the first counts.  Without adhesion load control leads there at once
+(convex_path.py).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -20,22 +20,21 @@ from bem.path_point import Point
 
 SECANT_STEPS = 30
 NEWTON_STEPS = 6
-BISECTIONS = 8
 LOAD_ACCURACY = 1e-11
 COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
-REFINEMENTS, REFINEMENT = 3, 16  # an event next to the load is located to 16^-3 of the smallest increment
+REFINEMENTS, REFINEMENT = 3, 16  # finer paths where Newton does not reach the load, and how much finer each is
 REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # of evaluations in finer increments
 COARSE_CLOSURE = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
 
 
 def at_load(path: Path, before: Point, after: Point, load: float) -> Point | None:
-    """The polished point between two points at which the load is `load`; None when an event jumped over it.
+    """The polished point between two points at which the load is `load`; None where there is none.
 
     Parameters
     ----------
     path : Path
     before, after : Point
-        With edges; an event at `after` ends the branch there.
+        Of one branch, with edges.
     load : float
         Dimensionless load per period.
     """
@@ -43,20 +42,16 @@ def at_load(path: Path, before: Point, after: Point, load: float) -> Point | Non
 
 
 def _first(path: Path, before: Point, after: Point, load: float, refinements: int) -> Point | None:
-    """The state in which the load is first reached; events in between come apart in that many finer paths.
-
-    Where Newton does not reach so far on a branch without events, a finer path leads closer as well.
-    """
-    if not after.events or refinements == 0:
-        found = _root(path, before, after, load)
-        if found is not None or refinements == 0:
-            return found
+    """The state in which the load is first reached; where Newton does not reach so far, in that many finer paths."""
+    found = _root(path, before, after, load)
+    if found is not None or refinements == 0:
+        return found
     reach = abs(after.value - before.value)
     points = [before, *_refined(path, reach).advance(before, after.value)]
     if points[-1].balance is None:
         return _root(path, before, after, load)
     for first, last in pairwise(points):
-        if may_meet(path, first, last, load):
+        if not first.last and may_meet(path, first, last, load):
             found = _first(path, first, last, load, refinements - 1)
             if found is not None:
                 return found
@@ -91,7 +86,7 @@ def may_meet(path: Path, before: Point, after: Point, load: float) -> bool:
     if min(_load(before), _load(after)) < load <= max(_load(before), _load(after)):
         return True
     low, high = sorted((before.value, after.value))
-    return (after.last or bool(after.events)) and low <= _ahead(path, before, load) <= high
+    return after.last and low <= _ahead(path, before, load) <= high
 
 
 def _tracking(path: Path) -> Path:
@@ -102,17 +97,12 @@ def _tracking(path: Path) -> Path:
 
 
 def _between(path: Path, before: Point, after: Point, load: float, accuracy: float) -> Point | None:
-    """The point of this load on the branch of either end, to a relative accuracy of the load."""
-    forth = [before, *(_branch_to(path, before, after.value) if after.events else [after])]
-    back = [after, *(_branch_to(path, after, before.value) if after.events else [])]
-    enclosing = [
-        (p, q) for branch in (forth, back) for p, q in pairwise(branch) if (_load(p) - load) * (_load(q) - load) <= 0
-    ]
-    if not enclosing:
+    """The point of this load on the branch between two points, to a relative accuracy of the load."""
+    ends = (before.value, _load(before) - load), (after.value, _load(after) - load)
+    if ends[0][1] * ends[1][1] > 0:
         return None
-    base, end = enclosing[0]
-    ends = (base.value, _load(base) - load), (end.value, _load(end) - load)
-    return _secant(path, base, *ends, load, accuracy)
+    found = _secant(path, before, *ends, load, accuracy)
+    return _secant(path, after, *ends, load, accuracy) if found is None and after.last else found
 
 
 def _secant(
@@ -167,21 +157,6 @@ def _ahead(path: Path, point: Point, load: float) -> float:
     control = path.system.control
     miss = point.balance.state.load - load
     return point.value - miss * (control.penetration_weight / point.balance.stiffness + control.load_weight)
-
-
-def _branch_to(path: Path, before: Point, value: float) -> list[Point]:
-    """Points on the branch of `before` up to where Newton follows it on the way to an event at `value`."""
-    points, beyond, trial = [before], value, value
-    for _ in range(BISECTIONS):
-        found = path.polished_at(points[-1], trial)
-        if found is None:
-            beyond = trial
-        else:
-            points.append(found)
-            if trial == value:
-                break
-        trial = (points[-1].value + beyond) / 2
-    return points[1:]
 
 
 def _load(point: Point) -> float:

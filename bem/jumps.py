@@ -80,7 +80,7 @@ class Jumps:
         if touch is None:
             return []
         self.effort.evaluations += touch.evaluations
-        end = Point("converged", touch.exact.value, touch.balance, last=True)
+        end = self._with_tangent(Point("converged", touch.exact.value, touch.balance, last=True))
         settled = self._settled(touch.balance, touch.balance.state.patches, touch.exact.value, None, touch.touching)
         after = self.behind(touch.exact, touch.error, settled, settled.changes)
         return [] if after is None else [end, after]
@@ -119,7 +119,8 @@ class Jumps:
             return [self._with_tangent(end)] if settled.balance is not None else []
         changes = (place, *settled.changes) if broken or not settled.changes else settled.changes
         behind = self.behind(limit.exact, limit.error, settled, changes)
-        return [] if behind is None else [Point("converged", limit.exact.value, limit.balance, last=True), behind]
+        end = Point("converged", limit.exact.value, limit.balance, last=True, fold=None if broken else limit)
+        return [] if behind is None else [end, behind]
 
     def unlocated(self, start: Point, value: float, found: GapMinima | None, fine: bool = False) -> Point:
         """The state at `value` behind an end of the branch that was not located, from the last good edges.

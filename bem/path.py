@@ -207,9 +207,11 @@ class Path:
         """The point of the same branch at another value of the control, at the accuracy of a target, or None."""
         assert point.balance is not None
         state = point.balance.state
-        return self._corrected(
-            state.patches.moved(self._predicted(point, value)), state.penetration, value, interpenetrating
-        )
+        if point.fold is None:
+            patches = state.patches.moved(self._predicted(point, value))
+        else:
+            patches = before_fold(point.fold, value)
+        return self._corrected(patches, state.penetration, value, interpenetrating)
 
     def _predicted(self, point: Point, value: float) -> FloatArray:
         """Outward motion of the edges from a point to another control value, to second order."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bem.collocation import Evaluation
 from bem.equilibrium import Balance
+from bem.limit_points import LimitPoint
 from bem.path_events import PathEvent, PathStatus
 
 FloatArray = NDArray[np.float64]
@@ -27,10 +28,12 @@ class Point:
     events : tuple of PathEvent
         What happened on the way here.
     rate, curvature : (2 L,) arrays or None
-        First derivative and half the second derivative of the outward motion of the edges by the control; None where
-        the branch ends, or begins without a known tangent.
+        First derivative and half the second derivative of the outward motion of the edges by the control; None at a
+        fold, and where a tangent is not known.
     last : bool
         Whether a branch ends here: the next point is at the same value, behind a jump.
+    fold : LimitPoint or None
+        The fold, where one ends the branch.
     """
 
     status: PathStatus
@@ -40,6 +43,7 @@ class Point:
     rate: FloatArray | None = None
     curvature: FloatArray | None = None
     last: bool = False
+    fold: LimitPoint | None = None
 
     @property
     def state(self) -> Evaluation | None:

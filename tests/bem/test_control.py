@@ -58,8 +58,8 @@ def test_rate_is_the_derivative_of_the_penetration_by_the_target(control, target
 @pytest.mark.parametrize("change", [0.3, -0.7])
 def test_force_does_the_work_that_the_potential_grows_by_at_fixed_edges(control, target, change):
     here, there = reached(control, target), reached(control, target + change)
-    growth = control.potential(there, there.elastic_energy, target + change)
-    growth -= control.potential(here, here.elastic_energy, target)
+    growth = control.potential(there.penetration, there.elastic_energy, target + change)
+    growth -= control.potential(here.penetration, here.elastic_energy, target)
     work = change * (control.force(here) + change / 2 * control.force_rate(here))
     assert work == pytest.approx(growth, rel=1e-11)
 
