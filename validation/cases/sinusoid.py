@@ -261,7 +261,7 @@ def _convergence() -> Outcome:
             norm="absolute",
             expected=[0.0],
             computed=[intensity_error[-1]],
-            tolerance=Tolerance(value=5e-15, measured=MEASURED_PLATEAU[1]),
+            tolerance=Tolerance(value=2e-14, measured=MEASURED_PLATEAU[1]),
         ),
     )
     dense_unknowns, dense_error = _dense_errors(wave, psi)
@@ -286,7 +286,7 @@ def _convergence() -> Outcome:
     return Outcome(rows=rows, figures=(figure,), counts={"unknowns": unknowns[-1]})
 
 
-MEASURED_PLATEAU = (3e-16, 1.5e-15)
+MEASURED_PLATEAU = (3e-16, 7.4e-15)  # rounding: the largest over the BLAS kernels of five processors (least 1.4e-15)
 
 SMALLEST_SHOWN = 1e-17
 
