@@ -1,6 +1,7 @@
 """Options shared by all tests: slow tests on demand, reproducible property tests, pinned BLAS threads, interrupts."""
 
 import signal
+from collections.abc import Generator
 
 import pytest
 from hypothesis import settings
@@ -8,19 +9,33 @@ from threadpoolctl import threadpool_limits
 
 settings.register_profile("reproducible", derandomize=True, deadline=None)
 settings.load_profile("reproducible")
+SLOW = "slow: run with --run-slow"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--run-slow", action="store_true", help="also run the tests marked slow")
+    parser.addoption("--no-skips", action="store_true", help="what is absent fails a test; only slow ones are skipped")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if config.getoption("--run-slow"):
         return
-    skip = pytest.mark.skip(reason="slow: run with --run-slow")
+    skip = pytest.mark.skip(reason=SLOW)
     for item in items:
         if "slow" in item.keywords:
             item.add_marker(skip)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """With --no-skips a test that is skipped, but for being slow, fails."""
+    report = yield
+    skipped = report.skipped and not hasattr(report, "wasxfail")
+    if skipped and call.excinfo and item.config.getoption("--no-skips") and SLOW not in str(call.excinfo.value):
+        report.outcome, report.longrepr = "failed", f"skipped in spite of --no-skips: {call.excinfo.value}"
+    return report
 
 
 @pytest.fixture(autouse=True, scope="session")

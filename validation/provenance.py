@@ -37,7 +37,7 @@ def provenance() -> dict[str, Any]:
         "system": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "cores": os.cpu_count() or 0,
-        "blas": ", ".join(sorted({f"{pool['internal_api']} {pool['version']}" for pool in blas})) or "unknown",
+        "blas": ", ".join(sorted({_library(pool) for pool in blas})) or "unknown",
         "blas_threads_per_worker": 1,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "sources_sha256": sources_digest(),
@@ -92,6 +92,11 @@ def _version(name: str) -> str:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
         return "not installed"
+
+
+def _library(pool: dict[str, Any]) -> str:
+    """Name and version of a BLAS, and the processor whose kernels it uses."""
+    return " ".join(str(pool[key]) for key in ("internal_api", "version", "architecture") if pool.get(key))
 
 
 def _processor() -> str:

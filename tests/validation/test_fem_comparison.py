@@ -102,5 +102,5 @@ def test_every_scene_of_the_cases_is_one_the_reference_takes():
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
 def test_compliance_of_a_thin_layer_is_the_uniform_one(nu):
     thickness = 1e-3
-    uniform = thickness * (1 - 2 * nu) * (1 + nu) / (1 - nu)
-    assert layer_compliance(1.0, thickness, 1.0, nu) == pytest.approx(uniform, rel=1e-4, abs=1e-9)
+    uniform = thickness * (1 - 2 * nu) * (1 + nu) / (1 - nu) or thickness**3  # incompressible: 4/3 (1 - nu^2) q^2 t^3
+    assert layer_compliance(1.0, thickness, 1.0, nu) == pytest.approx(uniform, rel=5e-6)  # measured 1.8e-6, at 0.5

@@ -20,14 +20,13 @@ EXACT = [name for name in DIGITS if name not in ("layer", "error estimate")]
 @pytest.mark.parametrize("name", EXACT)
 def test_effect_holds_its_digits_on_the_sinusoid(name):
     error, _, _ = DIGITS[name]()
-    assert error < 2e-14  # 5e-15 for the slope term, the rest below
+    assert error < 2e-14  # at most 6.7e-15, over the kernels that OpenBLAS has for five processors
 
 
 def test_estimated_error_is_above_the_true_one():
-    error, _, told = DIGITS["error estimate"]()
+    _, _, told = DIGITS["error estimate"]()
     estimated, true = (float(part.split()[1].rstrip(";")) for part in told.split(":")[1].split(", "))
-    assert true < estimated < 1e-10  # 8e-16, 1.1e-13
-    assert error < estimated
+    assert true < estimated < 1e-13  # at most 2.4e-15 and 2.7e-14, over the kernels of five processors
 
 
 @pytest.mark.slow

@@ -261,7 +261,7 @@ def _convergence() -> Outcome:
             norm="absolute",
             expected=[0.0],
             computed=[intensity_error[-1]],
-            tolerance=Tolerance(value=5e-15, measured=MEASURED_PLATEAU[1]),
+            tolerance=Tolerance(value=2e-14, measured=MEASURED_PLATEAU[1]),
         ),
     )
     dense_unknowns, dense_error = _dense_errors(wave, psi)
@@ -286,13 +286,14 @@ def _convergence() -> Outcome:
     return Outcome(rows=rows, figures=(figure,), counts={"unknowns": unknowns[-1]})
 
 
-MEASURED_PLATEAU = (3e-16, 1.5e-15)
+MEASURED_PLATEAU = (3e-16, 7.4e-15)  # rounding: the largest over the BLAS kernels of five processors (least 1.4e-15)
 
 SMALLEST_SHOWN = 1e-17
 
-# errors measured on one machine; alpha: mean pressure, penetration, pull-off (0: contact fraction, mean pressure)
+# errors measured, alpha = 0 the largest over the BLAS kernels of five processors (least 1.3e-11);
+# alpha: mean pressure, penetration, pull-off (0: contact fraction, mean pressure)
 MEASURED = {
-    0.0: (2e-11, 8.2e-13),
+    0.0: (5.5e-11, 8.2e-13),
     0.1: (2.0e-14, 4.4e-14, 3.0e-4),
     0.3: (1.5e-13, 1.6e-13, 2.9e-5),
     0.5: (5.3e-13, 2.3e-13, 1.2e-3),

@@ -68,16 +68,19 @@ def algebraic(sizes: Sequence[float], errors: Sequence[float], plateau: float = 
 
 
 def geometric(sizes: Sequence[float], errors: Sequence[float]) -> Rate:
-    """Factor rho of error = C rho^-size; the plateau is the least error.
+    """Factor rho of error = C rho^-size; the plateau is the largest error from where errors no longer fall.
+
+    The least error will not do: at rounding it may be zero by chance, and points of the plateau are then fitted.
 
     Examples
     --------
-    >>> found = geometric([4, 6, 8, 10, 12], [1e-4, 1e-6, 1e-8, 1e-16, 1e-16])
+    >>> found = geometric([4, 6, 8, 10, 12, 14], [1e-4, 1e-6, 1e-8, 1e-18, 1e-16, 1e-17])
     >>> round(found.value, 12), found.used, found.plateau
     (10.0, (0, 1, 2), 1e-16)
     """
     size, error = _arrays(sizes, errors)
-    plateau = float(error.min())
+    rises = (error[:-1] < BEFORE) & (error[1:] >= error[:-1])
+    plateau = float(np.max(error[np.argmax(np.append(rises, True)) :]))
     falling = (error > ABOVE_PLATEAU * plateau) & (error < BEFORE)
     first_flat = int(np.argmax(error <= ABOVE_PLATEAU * plateau))
     used = np.flatnonzero(falling[:first_flat])
