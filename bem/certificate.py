@@ -36,6 +36,7 @@ ROUNDING = 5e-13  # rms heights; of the displacement on a patch, over the larges
 GAP_POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192
 REFINEMENTS, NARROWER = 6, 3  # of a minimum: the last points are 1/243 as far apart as the first
+ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
 
 
 @dataclass(frozen=True)
@@ -222,11 +223,25 @@ def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> Fl
 
 
 def _tension(pressure: PatchPressure) -> FloatArray:
-    """Largest tension of each patch (its regular part q) over the mean of q, (L,)."""
+    """Largest tension of each patch (its regular part q) over the mean of q, (L,).
+
+    Half a wave of the last coefficient takes two points; where q may be tensile between them its minimum is followed.
+    """
     tension = np.empty(pressure.left.size)
     for who, rows in _by_size(pressure.charges):
-        load = np.maximum(np.abs(rows[:, 0]), SMALLEST_CHARGE * rows.shape[1])
-        tension[who] = -np.min(regular_part(rows, rows.shape[1]), axis=1) / load
+        points, order = 2 * rows.shape[1], np.arange(rows.shape[1])
+        q = regular_part(rows, points)
+        lowest = np.min(q, axis=1)
+        before, here, after = q[:, :-2], q[:, 1:-1], q[:, 2:]
+        sag = before + after - 2 * here  # more than what a minimum between the points may lie lower
+        for row, k in zip(*np.nonzero((here <= before) & (here < after) & (here < sag)), strict=True):
+            angle, reach = (k + 1) * np.pi / points, np.pi / points
+            for _ in range(ZOOMS):
+                around = angle + reach * ZOOM_POINTS
+                values = np.cos(np.multiply.outer(around, order)) @ rows[row]
+                angle, reach = around[np.argmin(values)], reach / 4
+                lowest[row] = min(lowest[row], float(values.min()))
+        tension[who] = -lowest / np.maximum(np.abs(rows[:, 0]), SMALLEST_CHARGE * rows.shape[1])
     return tension
 
 

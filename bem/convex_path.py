@@ -1,7 +1,9 @@
 """The path of a contact without adhesion: one solution for each target, no history.
 
 The problem is convex, so the state depends on the target alone, and so does the way to it: each target is solved from
-its own solution on a grid (grid_contact.py), whatever came before, to the same digits.  Dimensionless.
+its own solution on a grid (grid_contact.py), whatever came before, to the same digits.  Where gaps are so narrow that
+unknowns on patches cannot resolve them, as the last ones before complete contact are, they carry the unknowns
+themselves (last_gaps.py), from where lone cracks would be.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -15,26 +17,35 @@ from numpy.typing import NDArray
 
 from bem.assessment import Assessment, assess_contact
 from bem.collocation import Elastic, Evaluation
-from bem.complete_contact import CompleteContact
+from bem.completed_body import CompletedBody
 from bem.control import Control, LinearControl
+from bem.gap_series import GapEvaluation
+from bem.gaps import Gaps, gaps_of
 from bem.grid_contact import GridProblem, grid_problem
 from bem.increments import Effort, Increments
+from bem.last_gaps import Condition, assess_gaps, condition_of, lone_cracks, solve_gaps
 from bem.nonadhesive import solve_contact
 from bem.path_events import FIRST_TOUCH, NO_ERROR, PathEvent, PathStatus, path_events
 
 FloatArray = NDArray[np.float64]
 
 LOAD_CONTROL = LinearControl(0.0, 1.0)
+NARROW = 1e-3  # lone cracks narrower than this part of the contact beside them carry the unknowns from the start
+LONE = 0.3  # largest half width of a gap, over the shortest wavelength / 2 pi, that a lone crack is an estimate of
 
 
 @dataclass(frozen=True, eq=False)
 class ContactPoint:
-    """A state on the path; no evaluation where the surfaces are apart or fully joined."""
+    """A state on the path; no evaluation where the surfaces are apart or fully joined.
+
+    `separation` is what was asked for where that is more than its difference to `value`, which is rounded.
+    """
 
     status: PathStatus
     value: float
-    state: Evaluation | None = None
+    state: Evaluation | GapEvaluation | None = None
     events: tuple[PathEvent, ...] = ()
+    separation: float | None = None
 
 
 @dataclass
@@ -47,8 +58,8 @@ class ConvexPath:
         As for `solve_contact`.
     increments : Increments
         Only the fine tolerances are used.
-    complete : CompleteContact
-        Closed form of complete contact, where load control ends.
+    body : CompletedBody
+        Complete contact, where load control ends, and what it takes to open gaps in it.
     crests : (n,) array
         Positions of the highest crests (more than one when equally high).
     """
@@ -56,15 +67,15 @@ class ConvexPath:
     elastic: Elastic
     control: Control
     increments: Increments
-    complete: CompleteContact
+    body: CompletedBody
     crests: FloatArray
     effort: Effort = field(default_factory=Effort)
 
-    def advance(self, point: ContactPoint, goal: float) -> Iterator[ContactPoint]:
-        """Yield the point at the goal."""
-        if point.value == goal:
+    def advance(self, point: ContactPoint, goal: float, separation: float | None = None) -> Iterator[ContactPoint]:
+        """Yield the point at the goal, at this separation where that is what is controlled."""
+        if point.value == goal and point.separation == separation:
             return
-        ahead = self.at(goal)
+        ahead = self.at(goal, separation)
         if ahead.status in ("not_converged", "ill_conditioned"):
             self.effort.rejected += 1
         else:
@@ -74,9 +85,9 @@ class ConvexPath:
             ahead = replace(ahead, events=path_events(changes, FIRST_TOUCH, NO_ERROR, 0.0, 0.0))
         yield ahead
 
-    def at(self, value: float) -> ContactPoint:
-        """The point at a value of the control."""
-        return self._solved(self.control, value)
+    def at(self, value: float, separation: float | None = None) -> ContactPoint:
+        """The point at a value of the control, at this separation where that is what is controlled."""
+        return replace(self._solved(self.control, value, separation), separation=separation)
 
     def at_load(self, load: float) -> ContactPoint:
         """The point at a load, whatever the control: where the path crosses it."""
@@ -92,25 +103,59 @@ class ConvexPath:
         """Stiffness and estimated errors, from a finer evaluation."""
         assert point.state is not None
         self.effort.evaluations += 1
+        if isinstance(point.state, GapEvaluation):
+            return assess_gaps(point.state, condition_of(self.body, self.control, point.value, point.separation))
         tolerance = 1e-2 * self.increments.fine_tolerance
         return assess_contact(self.elastic, self.control, point.state, point.value, tolerance)
 
-    def _solved(self, control: Control, value: float) -> ContactPoint:
-        """The state at a value of a control."""
+    def _solved(self, control: Control, value: float, separation: float | None = None) -> ContactPoint:
+        """The state at a value of a control: by its patches, or by its gaps where these are narrow."""
         if value <= 0:
             return ContactPoint("separated", value)
-        if value >= control.value(self.elastic.profile.max_height, self.complete.least_load):
+        above = value >= control.value(self.body.max_height, self.body.complete.least_load)
+        if separation <= 0 if separation is not None else above:
             return ContactPoint("complete_contact", value)
+        condition = condition_of(self.body, control, value, separation)
+        gaps, deficit = lone_cracks(self.body, condition)
+        if self._are_narrow(gaps):
+            return self._by_gaps(condition, value, gaps, deficit)
         inc, start = self.increments, self._grid.patches(control, value)
-        penetration = self.elastic.profile.max_height / 2
         solved = solve_contact(
-            self.elastic, control, start, penetration, value, inc.fine_tolerance, inc.fine_closure, inc.allowed
+            self.elastic,
+            control,
+            start,
+            self.body.max_height / 2,
+            value,
+            inc.fine_tolerance,
+            inc.fine_closure,
+            inc.allowed,
         )
         self.effort.evaluations += solved.evaluations
-        if solved.state is None or solved.status != "converged":  # there is contact, and a gap, at any value between
+        if solved.status != "converged":  # there is contact, and a gap, at any value between
+            known = gaps if solved.patches is None else gaps_of(solved.patches)
+            found = self._by_gaps(condition, value, known, deficit)
+            if found.state is not None or solved.state is None:
+                return found
+        assert solved.state is not None  # also where that gap is too much for unknowns in gaps, and taken for contact
+        self.effort.unknowns = max(self.effort.unknowns, solved.state.unknowns)
+        return ContactPoint("converged", value, solved.state)
+
+    def _by_gaps(self, condition: Condition, value: float, gaps: Gaps, deficit: float) -> ContactPoint:
+        """The state found from these gaps."""
+        solved = solve_gaps(self.body, condition, gaps, deficit)
+        self.effort.evaluations += solved.evaluations
+        if solved.status == "closed":
+            return ContactPoint("complete_contact", value)
+        if solved.state is None or solved.status != "converged":
             return ContactPoint("ill_conditioned" if solved.status == "ill_conditioned" else "not_converged", value)
         self.effort.unknowns = max(self.effort.unknowns, solved.state.unknowns)
         return ContactPoint("converged", value, solved.state)
+
+    def _are_narrow(self, gaps: Gaps) -> bool:
+        """Whether gaps are so narrow, one of them at least, that lone cracks are a start and patches none."""
+        lone = np.all(gaps.half_width * self.body.pressure.max_order <= LONE)
+        narrowest = np.min(2 * gaps.half_width / np.minimum(gaps.patch_before, gaps.patch_after), initial=0.0)
+        return bool(lone and narrowest < NARROW)
 
     @cached_property
     def _grid(self) -> GridProblem:

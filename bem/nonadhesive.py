@@ -44,17 +44,25 @@ TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
-ContactStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
+MOST_MODES = 1000  # of a patch beside a narrow gap: what costs more here costs least where gaps are the unknown
+MOST_OPENED = 3  # times that gaps are opened: a gap as narrow as those taken for contact is closed and opened for ever
+DOUBTFUL = 1e-9  # of the mean pressure of a patch: the accuracy at which a dip may be a gap too narrow to be seen here
+
+ContactStatus = Literal["converged", "separated", "complete_contact", "narrow_gaps", "not_converged", "ill_conditioned"]
 
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Outcome of `solve_contact`: the state when converged, and the number of evaluations."""
+    """Outcome of `solve_contact`: the state when converged, and the number of evaluations.
+
+    With `narrow_gaps` there may be gaps too narrow for unknowns on patches; `patches` are those around the wider ones.
+    """
 
     status: ContactStatus
     state: Evaluation | None
     closure: float
     evaluations: int
+    patches: Patches | None = None
 
 
 def edge_closure(state: Evaluation) -> float:
@@ -114,9 +122,11 @@ def solve_contact(
         Interpenetration that is not a contact, dimensionless.
     """
     measure = remaining = np.inf
-    accuracy, closed_gap = COARSEST, COARSELY_CLOSED
+    accuracy, closed_gap, opened = COARSEST, COARSELY_CLOSED, 0
     damping, last_sign, steps = np.ones(2 * patches.count), np.zeros(2 * patches.count), 0
     for count in range(1, ITERATIONS + 1):
+        if _modes_beside_gaps(patches, max(tolerance, accuracy)) > MOST_MODES:
+            return Contact("narrow_gaps", None, measure, count - 1, patches)
         try:
             at = control.guess(penetration, target)
             state = control.reach(evaluate(elastic, patches, at, max(tolerance, accuracy)), target)
@@ -129,11 +139,15 @@ def solve_contact(
         changed: Patches | None = None
         finer = accuracy
         if not tensile and accuracy <= tolerance and _closed(state, control, closure):
-            changed = _with_opened_gaps(elastic, pressure) or _with_new_contacts(elastic, state, allowed)
+            changed, left = _with_opened_gaps(elastic, pressure)
+            opened += changed is not None
+            if left or opened > MOST_OPENED:
+                return Contact("narrow_gaps", state if changed is None else None, measure, count, patches)
+            changed = changed or _with_new_contacts(elastic, state, allowed)
             if changed is None:
                 before, remaining = remaining, _remaining(state)
                 if remaining <= LEFT_OVER * closure * np.sum(patches.width) or remaining > 0.5 * before:
-                    return Contact("converged", state, measure, count)
+                    return Contact("converged", state, measure, count, patches)
             else:
                 finer = COARSE
         if changed is None:
@@ -189,14 +203,25 @@ def _least_gap(elastic: Elastic, width: FloatArray, closed_gap: float) -> FloatA
     return closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * width)
 
 
-def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> Patches | None:
+def _modes_beside_gaps(patches: Patches, tolerance: float) -> float:
+    """Modes of the patch with the narrowest gap beside it."""
+    clearance = np.minimum(patches.gap_before, patches.gap_after)
+    return float(np.max(chebyshev.coupling_modes(patches.width, clearance, tolerance)))
+
+
+def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> tuple[Patches | None, bool]:
     """Patches with a gap where the pressure inside dips below zero between its nodes; None when it does nowhere.
 
-    A gap 2g wide that is taken for contact leaves a parabola of tension sqrt 2 g wide (Galin, chapter 2).
+    A gap 2g wide that is taken for contact leaves a parabola of tension sqrt 2 g wide (Galin, chapter 2).  And whether
+    there may be one that is too narrow to be opened here.
     """
+    left_over = False
     for i, between in _dips(pressure).items():
         at, value, bend = min((_minimum(pressure.charges[i], *span) for span in between), key=lambda found: found[1])
-        if not (value < 0 < bend):
+        if not (value < DOUBTFUL * abs(float(pressure.charges[i][0])) and bend > 0):
+            continue
+        left_over = True
+        if value >= 0:
             continue
         first, last = pressure.left[i], pressure.right[i]
         half = (last - first) / 2 * float(np.sqrt(-4 * value / bend))
@@ -204,8 +229,8 @@ def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> Patches | No
         beside = np.array([min(middle - first, last - middle)])
         if 2 * half > OPENING_GAP * float(_least_gap(elastic, beside, CLOSED_GAP)[0]) and half < 0.5 * float(beside[0]):
             left, right = np.insert(pressure.left, i + 1, middle + half), np.insert(pressure.right, i, middle - half)
-            return ordered(left, right)
-    return None
+            return ordered(left, right), False
+    return None, left_over
 
 
 def _dips(pressure: PatchPressure) -> dict[int, list[tuple[float, float, float]]]:

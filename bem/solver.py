@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bem.complete_contact import CompleteContact, complete_contact
+from bem.completed_body import CompletedBody
 from bem.convex_path import ContactPoint, ConvexPath
 from bem.crossing import at_load, may_meet
 from bem.effects import effects_of
@@ -168,13 +169,17 @@ class _Run:
 
     def _reach(self, index: int) -> str | None:
         """Follow the path to one target; None to go on, else the status with which the path ends."""
-        goal = self.goals[index][1]
+        goal, separation = self.goals[index][1], self._separation(self.goals[index][0])
         if goal != self.point.value:
             self._take_branch("loading" if goal > self.point.value else "unloading")
+        elif separation is not None and isinstance(self.point, ContactPoint):
+            closer = (self.point.separation or 0.0) - separation
+            if closer != 0:
+                self._take_branch("loading" if closer > 0 else "unloading")
         if self._out_of_reach(goal):
             return "unreachable"
         before = self.point
-        ended = self._follow_to(goal, index)
+        ended = self._follow_to(goal, separation, index)
         if ended is not None:
             return ended
         polished = self._polished(self.point, np.sign(goal - before.value))
@@ -186,10 +191,10 @@ class _Run:
         self._keep(polished, target=True)
         return None
 
-    def _follow_to(self, goal: float, index: int) -> str | None:
+    def _follow_to(self, goal: float, separation: float | None, index: int) -> str | None:
         """Follow the path to a goal, storing what is asked for on the way; the status of the path where it ends."""
         direction = np.sign(goal - self.point.value)
-        for point in self._advance(goal):
+        for point in self._advance(goal, separation):
             before, self.point = self.point, point
             self.record.events += [event_of(self.problem, event) for event in point.events]
             self._report(index)
@@ -210,16 +215,20 @@ class _Run:
                 self._keep(between, target=False)
                 if between.events:  # the path goes on behind them
                     self.point = between
-                    return self._follow_to(goal, index)
+                    return self._follow_to(goal, separation, index)
         return None
 
-    def _advance(self, goal: float) -> Iterator[AnyPoint]:
+    def _separation(self, target: float) -> float | None:
+        """The separation that a target asks for, dimensionless and to its last digit; None under another control."""
+        return target / self.problem.scales.height if self.scene.loading.control == "separation" else None
+
+    def _advance(self, goal: float, separation: float | None) -> Iterator[AnyPoint]:
         """Points on the way to a goal; the goal itself when the path already stands there."""
         if isinstance(self.path, Path):
             assert isinstance(self.point, Point)
             return self.path.advance(self.point, goal)
         assert isinstance(self.point, ContactPoint)
-        return self.path.advance(self.point, goal)
+        return self.path.advance(self.point, goal, separation)
 
     def _polished(self, point: AnyPoint, direction: float) -> AnyPoint:
         """The point at the accuracy of a target; `direction` is the sign of the motion of the control."""
@@ -421,7 +430,7 @@ class _Run:
         patches = ordered(edges[:, 0], edges[:, 1])
         if isinstance(self.path, Path):
             return restart(self.path, patches, penetration, value)
-        return self.path.at(value)
+        return self.path.at(value, self._separation(state.separation))
 
 
 def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyPath:
@@ -430,7 +439,8 @@ def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyP
     highest = positions[heights >= heights.max() - TOUCHING]
     increments = increments_of(scene, problem)
     if problem.law is None:
-        return ConvexPath(problem.elastic, problem.control, increments, complete, highest)
+        body = CompletedBody(complete, problem.profile.max_height, problem.compliance_ratio)
+        return ConvexPath(problem.elastic, problem.control, increments, body, highest)
     equilibrium = import_module("bem.equilibrium")
     system = equilibrium.System(problem.elastic, problem.law, problem.control)
     flaw = None if scene.loading.flaw is None else scene.loading.flaw / problem.scales.length

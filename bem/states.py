@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem import certificate
+from bem import certificate, gap_certificate
 from bem.assessment import Assessment, Quantities
 from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
 from bem.flat import FlatState
+from bem.gap_series import GapEvaluation
 from bem.path_events import PathEvent
 from bem.problem import Problem
 from bem.result import Certificate, ErrorEstimate, Event, EventError, State
@@ -35,7 +36,7 @@ class Cost:
 
 def equilibrium_state(
     problem: Problem,
-    state: Evaluation,
+    state: Evaluation | GapEvaluation,
     assessment: Assessment,
     tolerance: float,
     branch: str,
@@ -56,26 +57,15 @@ def equilibrium_state(
     cost : Cost
     """
     scales = problem.scales
-    pressure = state.pressure()
-    demands = certificate.Demands(closure=CLOSURE, interpenetration=max(1e-10, 1e-3 * tolerance))
-    judged = certificate.certify(
-        problem.profile,
-        pressure,
-        state.penetration,
-        assessment.work,
-        min_eigenvalue=assessment.min_eigenvalue,
-        hessian_asymmetry=assessment.hessian_asymmetry,
-        compliance_ratio=problem.compliance_ratio,
-        intensity_rounding=state.rounding(problem.control.penetration_rate(state)),
-        demands=demands,
-    )
+    judged = _judged(problem, state, assessment, tolerance)
     patches = state.patches.canonical()
     mean_pressure = problem.mean_pressure(state.load)
     penetration = state.penetration * scales.height
+    apart = state.separation * scales.height if isinstance(state, GapEvaluation) else None  # no difference of heights
     return State(
         branch=branch,
         penetration=penetration,
-        separation=problem.surface.max_height - penetration,
+        separation=problem.surface.max_height - penetration if apart is None else apart,
         total_displacement=_total_displacement(problem, penetration, mean_pressure),
         mean_pressure=mean_pressure,
         contact_fraction=patches.contact_fraction,
@@ -90,7 +80,7 @@ def equilibrium_state(
         stress_intensity_max=float(np.max(state.stress_intensity)) * scales.stress_intensity,
         contact_stiffness=assessment.stiffness / (2 * np.pi) * scales.stiffness,
         stable_at_fixed_load=assessment.stable_at_fixed_load,
-        error_estimate=_error_estimate(problem, assessment.correction),
+        error_estimate=_error_estimate(problem, assessment.correction, apart),
         certificate=Certificate(
             closure=judged.closure,
             min_gap=judged.min_gap * scales.height,
@@ -107,8 +97,39 @@ def equilibrium_state(
     )
 
 
-def _error_estimate(problem: Problem, correction: Quantities) -> ErrorEstimate:
-    """The size of each correction in SI units, with a margin, never below rounding."""
+def _judged(
+    problem: Problem, state: Evaluation | GapEvaluation, assessment: Assessment, tolerance: float
+) -> certificate.Certificate:
+    """The certificate, by pressures or by gaps, whichever were the unknowns."""
+    if isinstance(state, GapEvaluation):
+        gaps = state.gaps
+        return gap_certificate.certify_gaps(
+            problem.profile,
+            gap_certificate.OpenGaps(gaps.anchor, gaps.shift, gaps.half_width, state.opening),
+            state.deficit,
+            state.mean_pressure,
+            state.separation,
+            penetration=state.penetration,
+            compliance_ratio=problem.compliance_ratio,
+        )
+    return certificate.certify(
+        problem.profile,
+        state.pressure(),
+        state.penetration,
+        assessment.work,
+        min_eigenvalue=assessment.min_eigenvalue,
+        hessian_asymmetry=assessment.hessian_asymmetry,
+        compliance_ratio=problem.compliance_ratio,
+        intensity_rounding=state.rounding(problem.control.penetration_rate(state)),
+        demands=certificate.Demands(closure=CLOSURE, interpenetration=max(1e-10, 1e-3 * tolerance)),
+    )
+
+
+def _error_estimate(problem: Problem, correction: Quantities, separation: float | None) -> ErrorEstimate:
+    """The size of each correction in SI units, with a margin, never below rounding.
+
+    The separation is that of a state given by its gaps, which rounds relative to itself.
+    """
     scales = problem.scales
     stress, height, energy = scales.stress / (2 * np.pi), scales.height, scales.energy_per_area
     penetration = _margin(correction.penetration) * height
@@ -117,11 +138,14 @@ def _error_estimate(problem: Problem, correction: Quantities) -> ErrorEstimate:
         share = problem.mean_compliance * stress / height  # of the mean compression in the displacement of the plate
         moved = correction.penetration + share * correction.load
         total = (_margin(moved) + share * ROUNDING) * height
+    apart = penetration
+    if separation is not None:
+        apart = SAFETY * abs(correction.penetration) * height + ROUNDING * separation
     return ErrorEstimate(
         mean_pressure=_margin(correction.load) * stress,
         contact_fraction=_margin(correction.contact_length) / (2 * np.pi),
         penetration=penetration,
-        separation=penetration,
+        separation=apart,
         total_displacement=total,
         elastic_energy=_margin(correction.elastic_energy) * energy,
         adhesion_energy=_margin(correction.adhesion_energy) * energy,

@@ -9,10 +9,15 @@ import pytest
 
 from bem import certificate, displacement
 from bem.certificate import Demands, certify
+from bem.collocation import evaluate
+from bem.control import LinearControl
 from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.displacement import DisplacementField, GapPoints
-from bem.patches import PatchPressure
+from bem.patches import Patches, PatchPressure
+from bem.problem import pose
 from bem.profile import Profile
+from bem.scene import parse_scene
+from bem.sensitivities import stress_intensity_jacobian
 
 
 @dataclass(frozen=True)
@@ -294,6 +299,31 @@ def test_tension_without_adhesion_is_not_ok():
     valley = Profile(profile.period, profile.orders, -profile.amplitudes, profile.phases)
     state = solved(valley, np.array([-2.0]), np.array([2.0]), 1.2, None, fixed=True)
     assert any("tension without adhesion" in reason for reason in state.certify().reasons)
+
+
+def test_a_gap_taken_for_contact_between_the_nodes_is_tension():
+    """Orders 1 and 2 just below complete contact, with one patch for two: the tension left is narrower than a node."""
+    profile = Profile.from_harmonics(2 * np.pi, [1, 2], [1.0, 1.0]).scaled()
+    scene = parse_scene(
+        {
+            "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+            "profile": {"kind": "harmonics", "period": 0.01, "orders": [1, 2], "amplitudes": [1e-4, 1e-4]}
+            | {"phases": [0.0, 0.0]},
+            "loading": {"control": "mean_pressure", "targets": [86393.687]},
+        }
+    )
+    problem = pose(scene, scene.surface())
+    valley = float(np.arccos(-1 / 8))
+    patch = Patches(np.array([valley - 2 * np.pi + 2.3e-3]), np.array([valley - 2.3e-3]))
+    load = problem.load_of(86393.687)
+    for _ in range(20):
+        state = LinearControl(0.0, 1.0).reach(evaluate(problem.elastic, patch, 1.0, 1e-8), load)
+        slope = np.diagonal(stress_intensity_jacobian(state))
+        patch = patch.moved(np.clip(-state.stress_intensity / slope, -1e-3, 1e-3))
+    judged = certify(profile, state.pressure(), state.penetration, None)
+    assert judged.closure <= 1e-8
+    assert judged.min_gap >= -1e-10
+    assert [reason.split(" 2")[0] for reason in judged.reasons] == ["tension without adhesion"]  # 2.0e-6 of the mean
 
 
 def test_a_pressure_that_is_not_a_number_is_not_ok(adhesive):

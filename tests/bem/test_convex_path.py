@@ -19,7 +19,7 @@ def fresh(control=None):
     path = _path_for(SCENE, PROBLEM, _complete())
     assert isinstance(path, ConvexPath)
     return ConvexPath(
-        path.elastic, control or PenetrationControl(), path.increments, path.complete, path.crests, path.effort
+        path.elastic, control or PenetrationControl(), path.increments, path.body, path.crests, path.effort
     )
 
 
@@ -79,8 +79,8 @@ def test_load_control_meets_penetration_control():
 
 def test_more_than_the_least_load_is_complete_contact():
     path = fresh(LinearControl(0.0, 1.0))
-    assert reached(path, 1.01 * path.complete.least_load).status == "complete_contact"
-    assert reached(path, 0.99 * path.complete.least_load).status == "converged"
+    assert reached(path, 1.01 * path.body.complete.least_load).status == "complete_contact"
+    assert reached(path, 0.99 * path.body.complete.least_load).status == "converged"
 
 
 def test_stiffness_is_the_slope_of_the_load():

@@ -4,6 +4,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.overview",
     "validation.cases.sinusoid",
     "validation.cases.complete",
+    "validation.cases.last_gaps",
     "validation.cases.merged_crests",
     "validation.cases.rippled_wave",
     "validation.cases.identities",

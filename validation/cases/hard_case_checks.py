@@ -24,7 +24,7 @@ from bem.result import Result, State, write_result
 from bem.scaling import Scales, Solid
 from bem.scene import Scene, parse_scene
 from bem.solver import solve
-from validation.cases.hard_case_crack import crack
+from validation.cases.hard_case_crack import closing, crack, valleys
 
 Table = dict[str, Any]
 Check = Callable[[Table, Scene, Result], list[str]]
@@ -40,6 +40,7 @@ HEIGHT_NOISE = 1e-13  # of the rms height, as seen in pressures; 4e-14 measured 
 # Of the pressure unit, or of the pressure where larger, and of the separation, a difference of rounded heights;
 # measured 6.9e-7 at a separation of 3e-13 m, 1.6e-8 at 1e-11 m.
 LAST_GAP = 2e-6
+CLOSING_LOAD, CLOSING_WIDTH = 2.5e-14, 5e-9  # measured 8.4e-15 of the load (1000 harmonics) and 1.6e-9 of the width
 WITHIN = 2000  # points within a patch, and again about its lowest pressure
 TENSION = 1e-9  # of the mean pressure of a patch: pressure that must not be tensile without adhesion
 EQUAL = 8e-12  # of the widths of patches; measured 2.9e-12 at 100 Pa, 2e-13 at larger loads
@@ -190,6 +191,20 @@ def last_gap(tables: Table, scene: Scene, result: Result) -> list[str]:
     if error <= LAST_GAP and wider <= LAST_GAP:
         return []
     return [f"crack missed by {error:.1e} of the pressure, {wider:.1e} of the separation at {state.separation:.4g}"]
+
+
+def closing_gaps(tables: Table, scene: Scene, result: Result) -> list[str]:
+    """Without adhesion, at the target of largest contact: missing load and widths of gaps are those of lone cracks."""
+    state = max(with_edges(result), key=lambda state: state.contact_fraction)
+    surface, modulus = scene.surface(), plane_strain_modulus(scene)
+    amplitudes = np.pi * modulus / surface.period * surface.orders * surface.amplitudes
+    complete = Profile(surface.period, surface.orders, amplitudes, surface.phases)
+    pressure, widths = closing(complete, modulus, state.separation)
+    share = abs(pressure - state.mean_pressure) / (valleys(complete)[0].min() * -1)
+    narrower = abs((1 - state.contact_fraction) * surface.period / float(widths.sum()) - 1)
+    if state.n_patches == widths.size and share <= CLOSING_LOAD and narrower <= CLOSING_WIDTH:
+        return []
+    return [f"{state.n_patches} gaps, load off by {share:.1e}, widths by {narrower:.1e} at {state.separation:.4g}"]
 
 
 def equal_until_bifurcation(tables: Table, scene: Scene, result: Result) -> list[str]:
@@ -346,7 +361,7 @@ CHECKS: dict[str, Check] = {
     check.__name__: check
     for check in (
         *(westergaard, johnson, dense, doubled, uniform_load, equal_patches, equal_until_bifurcation, shift, mirror),
-        *(compressive, tension_at_the_end, last_gap),
+        *(compressive, tension_at_the_end, last_gap, closing_gaps),
         *(units_up, units_down, plane_strain_only, target_alone, smaller_increments, restart),
     )
 }

@@ -10,15 +10,27 @@ phi_m).  A gap of half width c about x_0 is held open by the tension -p_0 - q on
 lambda tan(pi c/lambda) for pi c in K, which is exact for a uniform tension (a row of collinear cracks).  What else
 the row changes is of the order (c/lambda)^2.  So p_0 follows from the ends of the gap, and the separation gap/lambda
 from both.  About the lowest pressure -Q of q the mean pressure is Q - K/sqrt(pi c): tensile only once the gap is
-narrower than 2 c = 2 (K/Q)^2/pi, however near to complete contact a wider one is.  SI units.
+narrower than 2 c = 2 (K/Q)^2/pi, however near to complete contact a wider one is.
+
+Without adhesion K = 0, and gaps close at the lowest pressures -Q of q with the curvatures k: at the mean pressure Q - T
+the tension T - k t^2/2 holds open a gap of half width c with
+
+    T = k c^2/4,   s = gap/lambda = 2 pi T^2/(lambda E* k),
+
+the limit c -> 0; terms left out are of the relative order (Q - p_0)/Q, times the square of the highest order at most.
+SI units.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from numpy.typing import NDArray
 
 from bem.profile import Profile
 
+STEPS = 40  # of Newton's rule for the lowest pressure; from the grid it takes five
 POINTS = 200  # within the gap, at the cosines of equally spaced angles
 
 
@@ -49,3 +61,39 @@ def crack(surface: Profile, modulus: float, work: float, left: float, right: flo
     pressure = float(-varying.mean() - tension.mean())  # the mean over both ends
     opening = np.pi * half_width**2 / modulus * float(np.mean((-pressure - varying) * 2 * np.sin(angle) ** 2))
     return pressure, opening / period
+
+
+def valleys(pressure: Profile) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Values and curvatures of a profile at those local minima that are lowest to 1e-9 of its rms value, (n,) each."""
+    m = 2 * np.pi / pressure.period * pressure.orders
+    size = 64 * int(pressure.orders.max())
+    grid = np.arange(size) * (pressure.period / size)
+    found = []
+    on_grid = pressure.height(grid)
+    for x in grid[(on_grid <= np.roll(on_grid, 1)) & (on_grid < np.roll(on_grid, -1))]:
+        for _ in range(STEPS):
+            phase = m * x + pressure.phases
+            slope = -float(np.sum(pressure.amplitudes * m * np.sin(phase)))
+            bend = -float(np.sum(pressure.amplitudes * m**2 * np.cos(phase)))
+            x -= slope / bend
+        found.append((math.fsum(pressure.amplitudes * np.cos(m * x + pressure.phases)), bend))
+    value, curvature = np.array(found).T
+    lowest = value - value.min() <= 1e-9 * pressure.rms_height
+    return value[lowest], curvature[lowest]
+
+
+def closing(pressure: Profile, modulus: float, separation: float) -> tuple[float, NDArray[np.float64]]:
+    """Without adhesion, mean pressure (Pa) and widths (m) of equally deep last gaps at a separation (m).
+
+    Parameters
+    ----------
+    pressure : Profile
+        Pressure of complete contact less its mean, Pa.
+    modulus : float
+        E*, Pa.
+    separation : float
+        s.
+    """
+    value, curvature = valleys(pressure)
+    tension = np.sqrt(separation * pressure.period * modulus / (2 * np.pi * np.sum(1 / curvature)))
+    return float(-value.min() - tension), np.asarray(4 * np.sqrt(tension / curvature))

@@ -1,0 +1,99 @@
+"""What holds gaps open next to complete contact: the pressure of complete contact, to its last digits, and stiffness.
+
+Complete contact has the pressure p_0 + q(x), q = sum m h_m / ratio_m cos(m x + phi_m).  Next to it the tension that
+opens a gap is a small difference of p_0 and q: q is summed at single points without rounding of m x, and its changes
+from there as products of sines.  Dimensionless (scaling.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.complete_contact import CompleteContact
+from bem.profile import Profile
+
+FloatArray = NDArray[np.float64]
+
+EXACT_PHASE = float(1 << 24)  # positions are multiples of its inverse and a rest: order times the first is exact
+STIFFENING, MOST_TERMS = 1e-16, 1 << 16  # of a layer: relative size of the terms left out, and number of the others
+ROUNDING = 4e-16  # of q at a point, over its lowest value and the root of the sum of squares of its amplitudes
+
+
+@dataclass(frozen=True, eq=False)
+class CompletedBody:
+    """What holds gaps open: the pressure of complete contact, and the stiffness against opening.
+
+    Parameters
+    ----------
+    complete : CompleteContact
+    max_height : float
+        Of the profile.
+    compliance_ratio : callable, optional
+        Compliance of a layer over that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.
+    """
+
+    complete: CompleteContact
+    max_height: float
+    compliance_ratio: Callable[[FloatArray], FloatArray] | None = None
+
+    @property
+    def pressure(self) -> Profile:
+        """q: the zero-mean pressure of complete contact."""
+        return self.complete.pressure
+
+    @cached_property
+    def minima(self) -> tuple[FloatArray, FloatArray]:
+        """Where q has its local minima, ascending, and what it is there, (n,) each."""
+        q = self.pressure
+        x = Profile(q.period, q.orders, q.amplitudes, q.phases + np.pi).crests[0]
+        return x, self.at_anchor(x)
+
+    @cached_property
+    def lowest(self) -> float:
+        """Mean pressure of complete contact without tension, -min q."""
+        return -float(self.minima[1].min())
+
+    @cached_property
+    def rounding(self) -> float:
+        """Accuracy of q at an anchor less q at another, in double precision."""
+        return ROUNDING * (abs(self.lowest) + float(np.sqrt(np.sum(self.pressure.amplitudes**2))))
+
+    @cached_property
+    def stiffening(self) -> FloatArray:
+        """What a layer adds to the stiffness of the modes m = 1.., (n,); none for a half-space."""
+        if self.compliance_ratio is None:
+            return np.empty(0)
+        size = 16
+        while True:
+            m = np.arange(1.0, size + 1)
+            added = m / self.compliance_ratio(m) - m
+            if np.max(np.abs(added[-3:])) <= STIFFENING * max(1.0, float(np.max(np.abs(added)))) or size >= MOST_TERMS:
+                return np.asarray(added)
+            size *= 2
+
+    def waves_at(self, anchor: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Cosine and sine of m x + phi_m, (n, n_harmonics) each: the products m x are not rounded."""
+        m, phase = self.pressure.orders.astype(np.float64), self.pressure.phases
+        coarse = np.rint(anchor * EXACT_PHASE) / EXACT_PHASE
+        first, rest = np.multiply.outer(coarse, m), np.multiply.outer(anchor - coarse, m) + phase
+        cosine, sine = np.cos(first), np.sin(first)
+        return cosine * np.cos(rest) - sine * np.sin(rest), sine * np.cos(rest) + cosine * np.sin(rest)
+
+    def at_anchor(self, anchor: FloatArray) -> FloatArray:
+        """q at single points, to its last digits, (n,); the same for a point alone and among others."""
+        return np.asarray(np.sum(self.waves_at(anchor)[0] * self.pressure.amplitudes, axis=1))
+
+    def change_from_anchor(self, anchor: FloatArray, offset: FloatArray) -> FloatArray:
+        """q(anchor + offset) - q(anchor), relatively accurate however small the offsets, (G,) and (G, n)."""
+        m, amplitude = self.pressure.orders.astype(np.float64), self.pressure.amplitudes
+        change = np.empty(offset.shape)
+        for i, (cosine, sine) in enumerate(zip(*self.waves_at(anchor), strict=True)):
+            half = np.multiply.outer(offset[i] / 2, m)
+            rise = np.sin(half)
+            change[i] = -2 * ((rise * np.cos(half)) @ (amplitude * sine) + (rise * rise) @ (amplitude * cosine))
+        return change

@@ -1,0 +1,151 @@
+"""The last gaps before complete contact without adhesion, against closed forms that share no code with the solver.
+
+One wave is Westergaard's at any load: with S = p/p* the gap is (2/pi) asin(sqrt(1 - S)) of the period wide and the
+separation is D (1 - S + S ln S).  Elsewhere gaps are lone cracks as they close (hard_case_crack.py), at the lowest
+pressures of complete contact, with a layer too: every mode carries h_m over its compliance.  What the closed form
+leaves out is of the order of the missing load, what rounding leaves is 1e-16 over it: together least at 1e-8.  And of
+two equal gaps one is taken for contact: the certificate has to find the tension that is left there.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import bem
+from bem.certificate import certify
+from bem.contact_state import ContactState
+from bem.profile import Profile
+from bem.result import State
+from bem.scaling import Solid
+from bem.scene import parse_scene
+from validation.case import Case, Outcome
+from validation.cases.hard_case_crack import closing, valleys
+from validation.cases.hard_case_scenes import MODULUS, PERIOD, rough, scene, waves
+from validation.schema import Reference, Row, Tolerance
+
+FloatArray = NDArray[np.float64]
+
+AMPLITUDE = 1e-4
+DEFICITS = (1e-3, 1e-6, 1e-9, 1e-12)
+ONE_TAKEN = 86393.78  # Pa, 2e-7 from complete contact
+NEAR = 1e-8  # missing load at which lone cracks are compared
+PROFILES: dict[str, tuple[dict[str, Any], float | None, float]] = {
+    "two equal gaps": (waves([1, 2], [AMPLITUDE, AMPLITUDE]), None, 0.5),
+    "two gaps of orders 2 and 3": (waves([2, 3], [AMPLITUDE, AMPLITUDE]), None, 0.5),
+    "100 harmonics": (rough(100, seed=1), None, 0.5),
+    "layer of 0.05 periods": (waves([1, 2], [AMPLITUDE, AMPLITUDE]), 0.05 * PERIOD, 0.3),
+}
+CLOSED = Reference(kind="exact", source="Westergaard (1939); lone cracks as the gaps close", uncertainty=0.0)
+
+
+def _states(profile: dict[str, Any], control: str, targets: list[float], layer: float | None, nu: float) -> list[State]:
+    posed = parse_scene(scene(profile, control, targets, thickness=layer, poisson_ratio=nu))
+    return [state for state in bem.solve(posed).states if state.target]
+
+
+def complete_pressure(surface: Profile, layer: float | None, nu: float) -> Profile:
+    """Pressure of complete contact less its mean, Pa: h_m / c(q), Carbone and Mangialardi (2008)."""
+    q = 2 * np.pi / surface.period * surface.orders
+    compliance = 2 * (1 - nu**2) / (MODULUS * q)
+    if layer is not None:
+        y = q * layer
+        stiff = (3 - 4 * nu) * np.cosh(2 * y) + 2 * y**2 + 5 - 12 * nu + 8 * nu**2
+        compliance = compliance * ((3 - 4 * nu) * np.sinh(2 * y) - 2 * y) / stiff
+    return Profile(surface.period, surface.orders, surface.amplitudes / compliance, surface.phases)
+
+
+def _one_wave() -> tuple[Row, ...]:
+    """Gap and separation of one wave down to 1e-12 from complete contact, as errors of a load or of the period."""
+    modulus = MODULUS / (1 - 0.5**2)
+    highest = np.pi * modulus * AMPLITUDE / PERIOD
+    loads = [highest * (1 - deficit) for deficit in DEFICITS]
+    profile = waves([1], [AMPLITUDE])
+    states = _states(profile, "mean_pressure", loads, None, 0.5)
+    missing = np.array([(highest - load) / highest for load in loads])  # the difference of floating point numbers
+    k = np.arange(2, 30)
+    separations = np.sum(missing[:, None] ** k / (k * (k - 1.0)), axis=1)
+    gaps = 2 / np.pi * np.arcsin(np.sqrt(missing))
+    back = _states(profile, "separation", (AMPLITUDE * separations).tolist(), None, 0.5)
+    wider = np.array([1 - state.contact_fraction for state in states]) / gaps - 1
+    apart = np.array([state.separation for state in states]) / (AMPLITUDE * separations) - 1
+    fraction = np.array([state.contact_fraction for state in back]) - (1 - gaps)
+    kept = np.array([state.separation for state in back]) / (AMPLITUDE * separations) - 1
+    return (
+        _row("one wave at given load: relative error of the gap times missing load", 0.0, wider * missing, BY_LOAD),
+        _row("one wave at given load: relative error of s times missing load", 0.0, apart * missing, BY_LOAD),
+        _row("one wave at given separation: error of the contact fraction", 0.0, fraction, FRACTION),
+        _row("one wave at given separation: relative error of s", 0.0, kept, FRACTION),
+    )
+
+
+def _lone_cracks() -> tuple[Row, ...]:
+    """Number and widths of gaps, separation, and the load at that separation, at 1e-8 from complete contact."""
+    rows = []
+    for name, (profile, layer, nu) in PROFILES.items():
+        posed = parse_scene(scene(profile, "mean_pressure", [1.0], thickness=layer, poisson_ratio=nu))
+        surface, modulus = posed.surface(), MODULUS / (1 - nu**2)
+        complete = complete_pressure(surface, layer, nu)
+        value, curvature = valleys(complete)
+        highest = -float(value.min())
+        (state,) = _states(profile, "mean_pressure", [highest * (1 - NEAR)], layer, nu)
+        separation = 2 * np.pi / PERIOD * (highest * NEAR) ** 2 * float(np.sum(1 / curvature)) / modulus
+        (back,) = _states(profile, "separation", [separation], layer, nu)
+        pressure, widths = closing(complete, modulus, separation)
+        gap = (1 - state.contact_fraction) * PERIOD / float(widths.sum())
+        missing = (highest - back.mean_pressure) / (highest - pressure)
+        ratios = np.array([gap, state.separation / separation, missing])
+        rows.append(_row(f"{name}: gap, separation, missing load over those of lone cracks", 1.0, ratios, LONE))
+        good = [float(one.n_patches == value.size and one.certificate.ok) for one in (state, back)]
+        rows.append(_row(f"{name}: all gaps there and certified", 1.0, np.array(good), EITHER))
+    return tuple(rows)
+
+
+def _refused() -> Row:
+    """Of two equal gaps one taken for contact, on the edges of the other: whether tension is found in it."""
+    posed = parse_scene(scene(PROFILES["two equal gaps"][0], "mean_pressure", [ONE_TAKEN]))
+    (state,) = (state for state in bem.solve(posed).states if state.target)
+    surface, solid = posed.surface(), Solid(MODULUS, 0.5)
+    joined = ContactState(surface, solid, [[state.edges[0][0], state.edges[1][1]]], state.penetration, tolerance=1e-8)
+    depth = state.penetration / surface.rms_height
+    reasons = certify(surface.scaled(), joined.evaluation.pressure(), depth, None).reasons
+    found = float(any(reason.startswith("tension") for reason in reasons))
+    return _row("one of two gaps taken for contact: tension found (1: yes)", 1.0, np.array([found]), EITHER)
+
+
+def _row(quantity: str, expected: float, computed: FloatArray, tolerance: Tolerance) -> Row:
+    """Numbers that should all be the same."""
+    return Row(
+        quantity=quantity,
+        unit="",
+        reference=CLOSED,
+        norm="absolute",
+        expected=[expected] * computed.size,
+        computed=computed.tolist(),
+        tolerance=tolerance,
+    )
+
+
+def _last_gaps() -> Outcome:
+    return Outcome(rows=(*_one_wave(), *_lone_cracks(), _refused()))
+
+
+EITHER = Tolerance(value=0.5, measured=0.0, basis="required")  # of a yes or no
+BY_LOAD = Tolerance(value=1.5e-15, measured=4.9e-16)  # pressures round to 1e-16
+FRACTION = Tolerance(value=5e-16, measured=1.6e-16)  # as contact fractions do
+LONE = Tolerance(value=6e-7, measured=2e-7)  # what the closed form leaves out
+
+CASES = (
+    Case(
+        id="last-gaps",
+        group="closed forms",
+        level="quick",
+        question="Do the last gaps before complete contact without adhesion close as the closed forms say?",
+        equations="gap = 2/pi asin sqrt(1 - p/p*);  T = k c^2/4,  s = 2 pi T^2/(lambda E* k)",
+        sources=("westergaard1939", "tada2000", "carbone2008"),
+        compute=_last_gaps,
+        effects=("half_space", "layer", "load_control"),
+    ),
+)
