@@ -16,7 +16,7 @@ from pathlib import Path
 from types import FrameType
 
 from bem.effects import effects_of
-from bem.result import CorruptResultError, Result, digest, provenance, read_result, write_result
+from bem.result import FINAL_STATUSES, CorruptResultError, Result, digest, provenance, read_result, write_result
 from bem.scene import Scene
 
 PAUSE = 10.0
@@ -56,6 +56,11 @@ def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> 
         raise OutputFolderError(
             f"{folder}: holds the result of another scene (differs in {', '.join(differing)}); "
             "choose another folder, or --overwrite replaces it"
+        )
+    if stored.status not in FINAL_STATUSES and any(state.events is None for state in stored.states):
+        raise OutputFolderError(
+            f"{folder}: holds a result of an earlier version, which did not store the events before each state; "
+            "--overwrite computes it again"
         )
     return stored
 

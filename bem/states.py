@@ -42,7 +42,7 @@ def equilibrium_state(
     target: bool,
     cost: Cost,
 ) -> State:
-    """A state with contact patches and gaps, checked by its certificate.
+    """A state with contact patches and gaps; `converged` only if its certificate, which is independent, says so too.
 
     Parameters
     ----------
@@ -98,11 +98,12 @@ def equilibrium_state(
             truncation=judged.truncation,
             hessian_asymmetry=judged.hessian_asymmetry,
             ok=judged.ok,
+            reasons=judged.reasons,
         ),
         unknowns=cost.unknowns,
         evaluations=cost.evaluations,
         cpu_seconds=cost.cpu_seconds,
-        status="converged",
+        status="converged" if judged.ok else "not_converged",
         target=target,
     )
 
@@ -240,7 +241,9 @@ def _bare_state(
 
 
 def _total_displacement(problem: Problem, penetration: float, mean_pressure: float) -> float | None:
-    """Delta + c(0) sigma_0 of a layer, m; None for a half-space."""
+    """Delta + c(0) sigma_0 of a layer, m; None for a half-space, or where any pressure would do (nan)."""
     if problem.mean_compliance is None:
         return None
+    if math.isnan(mean_pressure):
+        return None if problem.mean_compliance else penetration
     return penetration + problem.mean_compliance * mean_pressure
