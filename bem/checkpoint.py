@@ -27,19 +27,25 @@ class OutputFolderError(ValueError):
     """An output folder that cannot be used; nothing was written."""
 
 
-def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> Result | None:
-    """The result to go on from, None to begin; nothing is written.
+def usable(folder: Path) -> None:
+    """Refuse what exists and is no folder.
 
     Raises
     ------
     OutputFolderError
-        The folder exists and neither resume nor overwrite is asked for; it is no folder; its result is corrupt or that
-        of another scene.
     """
-    if not folder.exists():
-        return None
-    if not folder.is_dir():
+    if folder.exists() and not folder.is_dir():
         raise OutputFolderError(f"{folder}: exists and is not a folder; choose another one")
+
+
+def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> Result | None:
+    """The result of an existing folder to go on from, None to begin; nothing is written.
+
+    Raises
+    ------
+    OutputFolderError
+        Neither resume nor overwrite is asked for; its result is corrupt or that of another scene.
+    """
     if overwrite:
         return None
     if not resume:
