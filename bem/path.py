@@ -24,7 +24,16 @@ from bem.equilibrium import LARGEST_NEWTON_STEP, Balance, System, balance, corre
 from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.increments import Effort, Increments, PathEvent, PathStatus, path_events
-from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
+from bem.opening import (
+    RESOLVED_GAP,
+    complete_potential,
+    first_gap,
+    flawed_potential,
+    lowest_pressure,
+    opened_gap,
+    opening_load,
+    with_gap,
+)
 from bem.patches import Patches
 
 FloatArray = NDArray[np.float64]
@@ -232,7 +241,7 @@ class Path:
             value = min(point.value, system.control.value(highest, load))
             if goal > value:
                 return Point("complete_contact", goal)
-            start, at = with_gap(lowest_pressure(self.complete), 1.02 * self.flaw), highest
+            start, at = opened_gap(system, self.complete, self.flaw, self._complete_load(value)), highest
         settled = settle(system, start, at, value, inc.tolerance, inc.closure, inc.allowed)
         self.effort.book(settled.evaluations, settled.local_evaluations)
         opening = (("opening", lowest_pressure(self.complete)),)
@@ -244,9 +253,13 @@ class Path:
             pulled = (("pull_off", settled.changes[-1][1]),)
             return Point(settled.status, value, None, (*opened, *path_events(pulled, value, 0.0, 0.0, np.nan)))
         released = 0.0
-        if self.flaw is not None and system.control.load_weight > 0:
-            flawed = with_gap(lowest_pressure(self.complete), self.flaw)
-            released = balance(system, flawed, highest, value, inc.tolerance).potential - settled.balance.potential
+        if self.flaw is not None and system.control.load_weight > 0 and self.flaw < RESOLVED_GAP:
+            load, ahead = self._complete_load(value), settled.balance
+            flawed = flawed_potential(system, self.complete, self.flaw, load, value, ahead.state)
+            released = flawed - ahead.potential
+        elif self.flaw is not None and system.control.load_weight > 0:
+            gap = with_gap(lowest_pressure(self.complete), self.flaw)
+            released = balance(system, gap, highest, value, inc.tolerance).potential - settled.balance.potential
         return self._point_after(settled, value, changes, released)
 
     def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:

@@ -24,6 +24,7 @@ REQUIRED = {
     "samples": ("file",),
 }
 OPTIONAL = {"self_affine": ("seed",), "harmonics": (), "samples": ("period", "harmonics", "detrend")}
+FLAWS = (1e-12, 0.95)  # loading.flaw over the period: what is left in contact beside a wider one is no flaw
 RANGE = ("start", "stop", "count")
 
 
@@ -154,8 +155,10 @@ def loading_mistakes(
             "a number > 0 (m): mean-pressure control from complete contact with adhesion needs it",
         )
     flaw = values.get("flaw")
-    if flaw is not None and period is not None and flaw >= period:
-        yield Mistake("loading.flaw", f"= {flaw:g}", f"a number > 0 and below profile.period = {period:g} (m)")
+    if flaw is not None and period is not None and not FLAWS[0] * period <= flaw <= FLAWS[1] * period:
+        lowest, highest = (share * period for share in FLAWS)
+        allowed = f"a number from {lowest:g} to {highest:g} (m), {FLAWS[0]:g} to {FLAWS[1]:g} times profile.period"
+        yield Mistake("loading.flaw", f"= {flaw:g}", allowed)
 
 
 def _path_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:

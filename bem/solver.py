@@ -229,6 +229,8 @@ class _Run:
                 if self._fails(between):
                     return "not_converged"
                 self._keep(between, target=False)
+        if self.point.value != goal:  # what opened at a flaw closed again, or came apart
+            return "not_converged"
         polished = self._polished(self.point)
         if self._fails(polished):
             return "not_converged"
