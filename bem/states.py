@@ -166,6 +166,7 @@ def complete_state(
         mean_pressure=mean_pressure,
         contact_fraction=1.0,
         energies=(complete.elastic_energy * scales.energy_per_area, complete.adhesion_energy * scales.energy_per_area),
+        left_out=complete.left_out * scales.energy_per_area,
         branch=branch,
         target=target,
         status="complete_contact",
@@ -213,8 +214,9 @@ def _bare_state(
     target: bool,
     status: str,
     cost: Cost,
+    left_out: float = 0.0,
 ) -> State:
-    """A state without edges: exact, so that only rounding limits it."""
+    """A state without edges: exact but for the elastic energy of a layer that is left out."""
     return State(
         branch=branch,
         penetration=penetration,
@@ -230,7 +232,7 @@ def _bare_state(
         stress_intensity_max=None,
         contact_stiffness=None,
         stable_at_fixed_load=None,
-        error_estimate=ErrorEstimate(mean_pressure=0.0, contact_fraction=0.0),
+        error_estimate=ErrorEstimate(0.0, 0.0, elastic_energy=left_out, total_energy=left_out),
         certificate=Certificate(None, None, None, None, None, ok=status != "unreachable"),
         unknowns=cost.unknowns,
         evaluations=cost.evaluations,
