@@ -221,8 +221,10 @@ class Path:
         return path_events(changes, value, self.system.elastic.profile.max_height, state.load, 0.0)
 
     def _complete_load(self, value: float) -> float:
-        """Load of complete contact at a value of a control that knows the load."""
+        """Load of complete contact at a value of the control; nan where the control leaves it open."""
         control = self.system.control
+        if control.load_weight == 0:
+            return np.nan
         return (value - control.penetration_weight * self.system.elastic.profile.max_height) / control.load_weight
 
     def _opened(self, point: Point, goal: float) -> Point:
