@@ -14,9 +14,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from bem.checkpoint import Checkpoint, OutputFolderError, interruptible, stored_result, uninterrupted
+from bem.checkpoint import Checkpoint, OutputFolderError, interruptible, stored_result, uninterrupted, usable
 from bem.console import effects_text, reporter, scene_text, summary, summary_line
 from bem.effects import effects_of, predicted_seconds
+from bem.folder_lock import FolderInUseError, locked
 from bem.result import FINAL_STATUSES, Progress, Result, write_result
 from bem.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene_rules import Mistake
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with interruptible():
             return command(options)
-    except (SceneError, OutputFolderError) as error:
+    except (SceneError, OutputFolderError, FolderInUseError) as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
@@ -91,11 +92,17 @@ def _run(options: argparse.Namespace) -> int:
     """Solve a scene into a folder."""
     scene = load_scene(options.scene)
     _keep_start(scene, options)
-    stored = stored_result(scene, options.out, options.resume, options.overwrite)
+    usable(options.out)
+    with locked(options.out) as new:
+        return _run_alone(scene, options, new)
+
+
+def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
+    """Solve a scene into a folder that is ours alone; `new` tells whether it was made for this."""
+    stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
     if stored is not None and stored.status in FINAL_STATUSES:
         result = stored
     else:
-        options.out.mkdir(parents=True, exist_ok=True)
         result = _solved(scene, options.out, stored, options.quiet)
     if options.overwrite:
         for old in (*(options.out / name for name in CURVES), *options.out.glob("shape_[0-9]*.png")):

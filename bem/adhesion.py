@@ -56,6 +56,11 @@ class UniformLaw:
 
     work: float
 
+    @property
+    def least_work(self) -> float:
+        """gamma: w where the profile has no slope, as on its crests; no shift of the profile changes it."""
+        return self.work
+
     def work_of_adhesion(self, x: FloatArray) -> FloatArray:
         """w at the positions x, same shape."""
         return np.full(x.shape, self.work)

@@ -10,6 +10,9 @@ derivatives there do,
 
 the first two integrated along K -> 0.  Dimensionless.  Limits: errors so large that the corrected edges overlap are
 reported as infinite; an event missed on the way is no error of a state (certificate.py looks for those).
+
+A layer that is left out of the equations acts on the finer evaluation as the field of the pressure found without it,
+which is its effect to first order; on the energy twice that, its work being half.
 """
 
 from __future__ import annotations
@@ -100,12 +103,14 @@ def assess_equilibrium(system: System, here: Balance, value: float, tolerance: f
         Finer than that of `here`.
     """
     state, resolution = here.state, finer(here.state.resolution)
+    system = replace(system, elastic=_with_left_out(system.elastic, state))
     fine = balance(system, state.patches, state.penetration, value, tolerance, resolution)
     corrected = state.patches.moved(np.asarray(-np.linalg.solve(fine.hessian, fine.gradient)))
     correction = UNKNOWN
     if corrected.is_ordered:
         exact = balance(system, corrected, state.penetration, value, tolerance, resolution)
         correction = _of_equilibrium(exact).minus(_of_equilibrium(here))
+        correction = _stiffened(correction, system.elastic, state, here.stiffness)
     return Assessment(
         work=here.work,
         adhesion_energy=here.energy - state.elastic_energy,
@@ -131,12 +136,14 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
         Finer than that of `state`.
     """
     at = control.guess(state.penetration, value)
+    elastic = _with_left_out(elastic, state)
     fine = control.reach(evaluate(elastic, state.patches, at, tolerance, finer(state.resolution)), value)
     jacobian = stress_intensity_jacobian(fine)
     outward = -fine.stress_intensity / np.diagonal(jacobian)
     correction = UNKNOWN
     if state.patches.moved(outward).is_ordered:
         correction = _moved(control, fine, jacobian, outward, value).minus(_of_contact(state))
+        correction = _stiffened(correction, elastic, state, state.load_rate)
     return Assessment(
         work=None,
         adhesion_energy=0.0,
@@ -146,6 +153,27 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
         stable_at_fixed_load=True,
         correction=correction,
     )
+
+
+def _with_left_out(elastic: Elastic, state: Evaluation) -> Elastic:
+    """With the field that a correction left out adds for the pressure of a state, as background."""
+    left_out, nodes, charges = elastic.left_out, state.skeleton_nodes(), state.skeleton
+    if left_out is None:
+        return elastic
+
+    def field(x: FloatArray) -> FloatArray:
+        return left_out.field(x, nodes, charges)
+
+    return replace(elastic, backgrounds=(*elastic.backgrounds, field))
+
+
+def _stiffened(correction: Quantities, elastic: Elastic, state: Evaluation, stiffness: float) -> Quantities:
+    """With what a correction left out adds to the stiffness: the share by which it adds to that of edges at rest."""
+    if elastic.left_out is None:
+        return correction
+    nodes, rate = state.skeleton_nodes(), state.skeleton_rate
+    share = float(rate @ elastic.left_out.field(nodes, nodes, rate)) / (np.pi * state.load_rate)
+    return replace(correction, stiffness=abs(correction.stiffness) + abs(share * stiffness))
 
 
 def _moved(control: Control, state: Evaluation, jacobian: FloatArray, outward: FloatArray, value: float) -> Quantities:

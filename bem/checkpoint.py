@@ -16,7 +16,7 @@ from pathlib import Path
 from types import FrameType
 
 from bem.effects import effects_of
-from bem.result import CorruptResultError, Result, digest, provenance, read_result, write_result
+from bem.result import FINAL_STATUSES, CorruptResultError, Result, digest, provenance, read_result, write_result
 from bem.scene import Scene
 
 PAUSE = 10.0
@@ -27,19 +27,25 @@ class OutputFolderError(ValueError):
     """An output folder that cannot be used; nothing was written."""
 
 
-def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> Result | None:
-    """The result to go on from, None to begin; nothing is written.
+def usable(folder: Path) -> None:
+    """Refuse what exists and is no folder.
 
     Raises
     ------
     OutputFolderError
-        The folder exists and neither resume nor overwrite is asked for; it is no folder; its result is corrupt or that
-        of another scene.
     """
-    if not folder.exists():
-        return None
-    if not folder.is_dir():
+    if folder.exists() and not folder.is_dir():
         raise OutputFolderError(f"{folder}: exists and is not a folder; choose another one")
+
+
+def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> Result | None:
+    """The result of an existing folder to go on from, None to begin; nothing is written.
+
+    Raises
+    ------
+    OutputFolderError
+        Neither resume nor overwrite is asked for; its result is corrupt or that of another scene.
+    """
     if overwrite:
         return None
     if not resume:
@@ -56,6 +62,11 @@ def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> 
         raise OutputFolderError(
             f"{folder}: holds the result of another scene (differs in {', '.join(differing)}); "
             "choose another folder, or --overwrite replaces it"
+        )
+    if stored.status not in FINAL_STATUSES and any(state.events is None for state in stored.states):
+        raise OutputFolderError(
+            f"{folder}: holds a result of an earlier version, which did not store the events before each state; "
+            "--overwrite computes it again"
         )
     return stored
 

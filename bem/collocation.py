@@ -53,11 +53,14 @@ class Elastic:
         Smooth additions to log|2 sin|; a half-space has none.
     backgrounds : tuple of callables
         Smooth fields int log|2 sin| sigma dx' of pressure outside these patches, (n,) positions to (n,) values.
+    left_out : KernelCorrection, optional
+        A correction too small to be solved with; error estimates hold what it changes (assessment.py).
     """
 
     profile: Profile
     corrections: tuple[KernelCorrection, ...] = ()
     backgrounds: tuple[Field, ...] = ()
+    left_out: KernelCorrection | None = None
 
 
 @dataclass(frozen=True, eq=False)

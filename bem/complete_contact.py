@@ -8,13 +8,17 @@ infinite tension to open.  Source: physics.md 4 and 6 of the design; Johnson, In
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bem.patches import Patches
 from bem.problem import Problem
 from bem.profile import Profile
+
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,12 +33,15 @@ class CompleteContact:
         Load per period below which the pressure is tensile somewhere.
     elastic_energy, adhesion_energy : float
         Per period, without the mean compression.
+    left_out : float
+        What a layer that is left out would add to the elastic energy.
     """
 
     pressure: Profile
     least_load: float
     elastic_energy: float
     adhesion_energy: float
+    left_out: float = 0.0
 
 
 def complete_contact(problem: Problem) -> CompleteContact:
@@ -52,4 +59,11 @@ def complete_contact(problem: Problem) -> CompleteContact:
         2 * np.pi * lowest,
         float(np.pi / 2 * np.sum(amplitude * profile.amplitudes)),
         0.0 if problem.law is None else problem.law.energy(whole),
+        left_out=0.0 if problem.left_out is None else _stiffening(profile, problem.left_out),
     )
+
+
+def _stiffening(profile: Profile, compliance_ratio: Callable[[FloatArray], FloatArray]) -> float:
+    """Elastic energy of complete contact on a layer of this compliance, less that on a half-space."""
+    stiffer = 1 / compliance_ratio(profile.orders.astype(np.float64)) - 1
+    return float(np.pi / 2 * np.sum(profile.orders * profile.amplitudes**2 * stiffer))

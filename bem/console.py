@@ -7,6 +7,7 @@ approached, unless the last line is younger than `TARGET_SECONDS`.  Nothing here
 from __future__ import annotations
 
 import json
+import math
 import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol, TextIO
@@ -109,12 +110,13 @@ def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
     last = result.states[-1] if result.states else None
     return {
         "status": result.status,
+        "failure": result.failure,
         "targets": targets,
         "target_states": len(result.targets),
         "states": len(result.states),
         "certified": sum(state.certificate.ok for state in result.states),
         "events": len(result.events),
-        "mean_pressure": None if last is None else last.mean_pressure,
+        "mean_pressure": None if last is None or math.isnan(last.mean_pressure) else last.mean_pressure,
         "contact_fraction": None if last is None else last.contact_fraction,
         "n_patches": None if last is None else last.n_patches,
         "evaluations": sum(state.evaluations for state in result.states),
@@ -126,10 +128,13 @@ def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
 def summary_line(facts: Mapping[str, Any]) -> str:
     """The summary on one line."""
     end = ""
-    if facts["mean_pressure"] is not None:
-        end = f"last at {facts['mean_pressure']:.6g} Pa, contact fraction {facts['contact_fraction']:.6g}; "
+    if facts["contact_fraction"] is not None:
+        pressure = "any pressure" if facts["mean_pressure"] is None else f"{facts['mean_pressure']:.6g} Pa"
+        end = f"last at {pressure}, contact fraction {facts['contact_fraction']:.6g}; "
+    why = "" if facts["failure"] is None else f" ({facts['failure']})"
     return (
-        f"{facts['status']}: {facts['target_states']} states at targets ({facts['targets']} targets in the scene), "
+        f"{facts['status']}{why}: "
+        f"{facts['target_states']} states at targets ({facts['targets']} targets in the scene), "
         f"{facts['certified']} of {facts['states']} states certified, {facts['events']} events; {end}"
         f"{facts['evaluations']} evaluations, {facts['cpu_seconds']:.1f} s -> {facts['out']}"
     )

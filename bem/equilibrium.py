@@ -32,6 +32,11 @@ LAYER_TRUNCATION = 5e-3  # the same over the tolerance itself, where a layer add
 class InterfaceLaw(Protocol):
     """Work of adhesion along the interface, dimensionless (adhesion.py)."""
 
+    @property
+    def least_work(self) -> float:
+        """A lower bound of w that no shift of the profile changes."""
+        ...
+
     def work_of_adhesion(self, x: FloatArray) -> FloatArray:
         """w at the positions x, same shape."""
         ...

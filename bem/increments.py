@@ -61,7 +61,7 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
 
 def _critical_intensity(problem: Problem) -> float:
     """Least critical K: the coarse evaluation, whose K is off by 3e-2 times its tolerance, must resolve it."""
-    return np.inf if problem.law is None else 2 * float(np.sqrt(problem.law.work_of_adhesion(np.zeros(1))[0]))
+    return np.inf if problem.law is None else 2 * float(np.sqrt(problem.law.least_work))
 
 
 def _jump_distance(problem: Problem) -> float:
@@ -72,9 +72,8 @@ def _jump_distance(problem: Problem) -> float:
     if problem.law is None:
         return np.inf
     profile = problem.profile
-    work = float(problem.law.work_of_adhesion(np.zeros(1))[0])
     curvature = float(np.sqrt(np.sum((profile.orders**2 * profile.amplitudes) ** 2) / 2))
-    return 0.5 * float(np.cbrt(work**2 / curvature))
+    return 0.5 * float(np.cbrt(problem.law.least_work**2 / curvature))
 
 
 @dataclass

@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from bem.assessment import Assessment, assess_equilibrium
 from bem.branch import strays, tangent
 from bem.complete_contact import CompleteContact
-from bem.equilibrium import LARGEST_NEWTON_STEP, System, balance, correct
+from bem.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.events import first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.increments import Effort, Increments
 from bem.jumps import Jumps
 from bem.limit_points import before_fold
-from bem.opening import complete_potential, first_gap, lowest_pressure, opening_load, with_gap
+from bem.opening import complete_potential, first_gap, lowest_pressure, opened_gap, opening_load
 from bem.patches import Patches
 from bem.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, path_events
 from bem.path_point import Point
@@ -281,7 +281,7 @@ class Path:
             value, at = min(point.value, system.control.value(highest, load)), highest
             if goal > value:
                 return Point("complete_contact", goal)
-            start = with_gap(lowest_pressure(self.complete), 1.02 * flaw)
+            start = opened_gap(system, self.complete, flaw, self._fully_joined(value).load)
         settled = settle(system, start, at, value, inc.tolerance, inc.closure, inc.allowed)
         self.effort.book(settled.evaluations, settled.local_evaluations)
         opening, joined = ("opening", lowest_pressure(self.complete)), self._fully_joined(value)
@@ -290,10 +290,7 @@ class Path:
                 return Point("not_converged", value)
             events = path_events((opening,), joined, NO_ERROR, 0.0, 0.0)
             return Point("converged", value, settled.balance, events, tangent(system.control, settled.balance))
-        assert self.flaw is not None
-        flawed = balance(system, with_gap(opening[1], self.flaw), highest, value, inc.fine_tolerance)
-        opened = replace(joined, potential=flawed.potential)
-        behind = self.jumps.behind(opened, NO_ERROR, settled, (opening, *settled.changes))
+        behind = self.jumps.behind(joined, NO_ERROR, settled, (opening, *settled.changes))
         return Point("not_converged", value) if behind is None else behind
 
     def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:

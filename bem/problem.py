@@ -1,7 +1,8 @@
 """From a scene (SI) to the dimensionless problem that its effects define.
 
 Only the modules of effects that the scene names are imported here: adhesion.py with [adhesion], layer.py with
-[layer] (unless the layer is so thick that it changes nothing to the tolerance).
+[layer].  A layer so thick that it changes less than a tenth of the tolerance is left out of the equations and kept for
+their error estimates.
 """
 
 from __future__ import annotations
@@ -40,6 +41,8 @@ class Problem:
         c(0) in m/Pa; None for a half-space.
     compliance_ratio : callable or None
         Compliance of the modes m >= 1 relative to the half-space; None for a half-space.
+    left_out : callable or None
+        The same of a layer that is left out of the equations.
     law : InterfaceLaw or None
         None without adhesion.
     """
@@ -52,6 +55,7 @@ class Problem:
     law: InterfaceLaw | None
     mean_compliance: float | None
     compliance_ratio: Callable[[FloatArray], FloatArray] | None
+    left_out: Callable[[FloatArray], FloatArray] | None = None
 
     def control_value(self, target: float, kind: str) -> float:
         """A target of the scene (m or Pa) as value of the control."""
@@ -87,15 +91,17 @@ def pose(scene: Scene, surface: Profile) -> Problem:
         adhesion: Any = import_module("bem.adhesion")
         interface = adhesion.Adhesion(scene.adhesion.work_of_adhesion, scene.adhesion.slope_term)
         law = adhesion.dimensionless_law(interface, profile, scales)
-    elastic, mean_compliance, ratio = Elastic(profile), None, None
+    elastic, mean_compliance, ratio, left_out = Elastic(profile), None, None, None
     if scene.layer is not None:
         layer = import_module("bem.layer").Layer(scene.layer.thickness)
         mean_compliance = layer.mean_compliance(solid)
-        if not layer.is_negligible(solid, surface.period, 0.1 * scene.accuracy.tolerance):
-            kernel = layer.kernel(solid, surface.period, KERNEL_TRUNCATION)
+        kernel = layer.kernel(solid, surface.period, KERNEL_TRUNCATION)
+        if layer.is_negligible(solid, surface.period, 0.1 * scene.accuracy.tolerance):
+            elastic, left_out = Elastic(profile, left_out=kernel if kernel.terms else None), kernel.ratio
+        else:
             elastic, ratio = Elastic(profile, (kernel,)), kernel.ratio
     control = _control(scene.loading.control, scales, mean_compliance)
-    return Problem(surface, profile, scales, elastic, control, law, mean_compliance, ratio)
+    return Problem(surface, profile, scales, elastic, control, law, mean_compliance, ratio, left_out)
 
 
 def _control(kind: str, scales: Scales, mean_compliance: float | None) -> Control:

@@ -34,6 +34,10 @@ FINAL_STATUSES = ("converged", "separated", "complete_contact")
 STATUSES = (*FINAL_STATUSES, "unreachable", "not_converged", "interrupted")
 
 
+class NotFiniteError(ArithmeticError):
+    """A number of a state came out as NaN or infinite: such a state does not exist."""
+
+
 class CorruptResultError(ValueError):
     """A stored result that cannot be trusted: damaged, incomplete or of another schema."""
 
@@ -66,7 +70,10 @@ class ErrorEstimate:
 
 @dataclass(frozen=True)
 class Certificate:
-    """A-posteriori checks of a state; `min_gap` in m, the rest dimensionless, None where it has no meaning."""
+    """A-posteriori checks of a state; `min_gap` in m, the rest dimensionless, None where it has no meaning.
+
+    `reasons` tells each demand that is not met, with its limit and place.
+    """
 
     closure: float | None
     min_gap: float | None
@@ -74,11 +81,24 @@ class Certificate:
     truncation: float | None
     hessian_asymmetry: float | None
     ok: bool
+    reasons: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class State:
-    """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m."""
+    """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
+
+    Every number is finite.  Two may say that there is none: an estimated error is infinite where the corrected edges
+    overlap; `mean_pressure` is NaN (null in the file) where any would do, in complete contact under a prescribed
+    separation, and where the state asked for does not exist.  `total_displacement` is None there on a compressible
+    layer.  `events` is the number of events up to this state; None in results that did not store it.  The status is
+    `not_converged` where the certificate is not ok.
+
+    Raises
+    ------
+    NotFiniteError
+        Another number is NaN or infinite.
+    """
 
     branch: str
     penetration: float
@@ -101,6 +121,20 @@ class State:
     cpu_seconds: float
     status: str
     target: bool
+    events: int | None = None
+
+    def __post_init__(self) -> None:
+        numbers = {name: value for name, value in vars(self).items() if isinstance(value, float)}
+        if self.status in ("complete_contact", "unreachable") and math.isnan(self.mean_pressure):
+            del numbers["mean_pressure"]
+        numbers |= {f"edges[{i}]": a + b for i, (a, b) in enumerate(self.edges)}
+        numbers |= {f"certificate.{name}": value for name, value in vars(self.certificate).items()}
+        for name, value in numbers.items():
+            if isinstance(value, float) and not math.isfinite(value):
+                raise NotFiniteError(f"{name} is {value}")
+        for name, value in vars(self.error_estimate).items():
+            if value is not None and math.isnan(value):
+                raise NotFiniteError(f"error_estimate.{name} is {value}")
 
 
 @dataclass(frozen=True)
@@ -161,6 +195,8 @@ class Result:
         One of `STATUSES`.
     fields : dict of arrays
         Contents of fields.npz.
+    failure : str, optional
+        Why the status is `unreachable` or `not_converged`.
     """
 
     scene: dict[str, Any]
@@ -170,6 +206,7 @@ class Result:
     events: tuple[Event, ...]
     status: str
     fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    failure: str | None = None
 
     @property
     def targets(self) -> tuple[State, ...]:
@@ -228,6 +265,7 @@ def write_result(result: Result, folder: Path) -> None:
             "states": [asdict(state) for state in result.states],
             "events": [asdict(event) for event in result.events],
             "status": result.status,
+            "failure": result.failure,
         }
     )
     content["checksum"] = digest(content)
@@ -269,8 +307,9 @@ def read_result(folder: Path) -> Result:
             events=tuple(_event(event) for event in content["events"]),
             status=content["status"],
             fields=_read_fields(folder / FIELDS_FILE, fields_sha256),
+            failure=content.get("failure"),
         )
-    except (KeyError, TypeError, AttributeError) as error:
+    except (KeyError, TypeError, AttributeError, NotFiniteError) as error:
         raise CorruptResultError(f"{path}: incomplete ({error!r})") from error
 
 
@@ -342,7 +381,8 @@ def _state(stored: dict[str, Any]) -> State:
         content[name] = _float(stored[name])
     content["edges"] = tuple((float(a), float(b)) for a, b in stored["edges"])
     content["error_estimate"] = ErrorEstimate(**stored["error_estimate"])
-    content["certificate"] = Certificate(**stored["certificate"])
+    certificate = stored["certificate"]
+    content["certificate"] = Certificate(**certificate | {"reasons": tuple(certificate.get("reasons", ()))})
     return State(**content)
 
 

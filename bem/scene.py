@@ -30,6 +30,7 @@ from bem.scene_rules import (
     Mistake,
     SceneError,
     loading_mistakes,
+    magnitude_mistakes,
     profile_mistakes,
     scan_mistakes,
     shown,
@@ -41,11 +42,14 @@ from bem.targets import expanded, found, merged, origin
 
 __all__ = ["Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
-MOST_HARMONICS = 10_000_000
+MOST_HARMONICS = 1_000_000  # 4 GB of tables
+LEAST, MOST = 1e-60, 1e60  # of magnitudes in SI units: no product of them leaves double precision
 
-Numbers = Annotated[tuple[float, ...], Field(strict=False)]
+Number = Annotated[float, Field(ge=-MOST, le=MOST)]
+Numbers = Annotated[tuple[Number, ...], Field(strict=False)]
 Order = Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
-Length = Annotated[float, Field(gt=0)]
+Length = Annotated[float, Field(ge=LEAST, le=MOST)]
+POSITIVE = f"a finite number > 0, from {LEAST:g} to {MOST:g}"
 
 
 class _Table(BaseModel):
@@ -55,7 +59,7 @@ class _Table(BaseModel):
 class SolidTable(_Table):
     """[solid]."""
 
-    youngs_modulus: float = Field(gt=0, description="a finite number > 0 (Pa)")
+    youngs_modulus: float = Field(ge=LEAST, le=MOST, description=f"{POSITIVE} (Pa)")
     poisson_ratio: float = Field(gt=-1, le=0.5, description="a number > -1 and <= 0.5")
 
 
@@ -63,9 +67,9 @@ class ProfileTable(_Table):
     """[profile]; keys the kind does not use are None."""
 
     kind: Literal["self_affine", "harmonics", "samples"] = Field(description='"self_affine", "harmonics" or "samples"')
-    period: Length | None = Field(None, description="a finite number > 0 (m)")
+    period: Length | None = Field(None, description=f"{POSITIVE} (m)")
     hurst: float | None = Field(None, gt=0, lt=1, description="a number > 0 and < 1")
-    rms_height: Length | None = Field(None, description="a finite number > 0 (m)")
+    rms_height: Length | None = Field(None, description=f"{POSITIVE} (m)")
     harmonics: Order | None = Field(None, description=f"an integer from 1 to {MOST_HARMONICS}")
     seed: int | None = Field(None, ge=0, description="an integer >= 0")
     orders: Annotated[tuple[Order, ...], Field(strict=False, min_length=1)] | None = Field(
@@ -80,13 +84,13 @@ class ProfileTable(_Table):
 class LayerTable(_Table):
     """[layer]."""
 
-    thickness: float = Field(gt=0, description="a finite number > 0 (m)")
+    thickness: Length = Field(description=f"{POSITIVE} (m)")
 
 
 class AdhesionTable(_Table):
     """[adhesion]."""
 
-    work_of_adhesion: float = Field(gt=0, description="a finite number > 0 (J/m^2)")
+    work_of_adhesion: float = Field(ge=LEAST, le=MOST, description=f"{POSITIVE} (J/m^2)")
     slope_term: bool = Field(False, description="true or false")
 
 
@@ -103,14 +107,14 @@ class LoadingTable(_Table):
     control: Literal["separation", "penetration", "mean_pressure", "total_displacement"] = Field(
         description='"separation", "penetration", "mean_pressure" or, with [layer], "total_displacement"'
     )
-    targets: Annotated[tuple[float, ...], Field(strict=False, min_length=1)] = Field(
+    targets: Annotated[tuple[Number, ...], Field(strict=False, min_length=1)] = Field(
         (), description="a list of at least one finite number (m, or Pa with mean_pressure control)"
     )
-    start: float | None = Field(None, description="a finite number (m or Pa)")
-    stop: float | None = Field(None, description="a finite number (m or Pa) other than start")
+    start: Number | None = Field(None, description="a finite number (m or Pa)")
+    stop: Number | None = Field(None, description="a finite number (m or Pa) other than start")
     count: int | None = Field(None, ge=2, le=1_000_000, description="an integer >= 2")
-    then_back_to: float | None = Field(None, description="a finite number (m or Pa) on the side of stop start lies on")
-    stop_at_mean_pressure: float | None = Field(None, description="a finite number (Pa)")
+    then_back_to: Number | None = Field(None, description="a finite number (m or Pa) on the side of stop start lies on")
+    stop_at_mean_pressure: Number | None = Field(None, description="a finite number (Pa)")
     at_mean_pressures: Numbers = Field((), description="a list of finite numbers (Pa)")
     initial: Literal["separated", "complete_contact"] | StoredStart = Field(
         "separated", description='"separated", "complete_contact" or {result = "folder", state = integer >= 0}'
@@ -122,7 +126,9 @@ class AccuracyTable(_Table):
     """[accuracy]."""
 
     tolerance: float = Field(1e-6, ge=1e-12, le=1e-2, description="a number from 1e-12 to 1e-2")
-    max_increment: float = Field(0.05, gt=0, description="a finite number > 0")
+    max_increment: float = Field(
+        0.05, ge=1e-5, le=100, description="a number from 1e-5 (a million increments from touch to closure) to 100"
+    )
 
 
 class OutputTable(_Table):
@@ -363,6 +369,7 @@ def _resolved(
         start_state=None if start is None else start.state,
     )
     mistakes = [*_output_mistakes(scene, shapes, missed), *other_problem(scene.resolved(), start)]
+    mistakes += magnitude_mistakes(scene)
     if mistakes:
         raise SceneError(mistakes)
     return scene

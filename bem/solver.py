@@ -5,13 +5,19 @@ the path is followed from target to target (with adhesion event by event, withou
 every stored state is polished, assessed by a finer evaluation and certified by an independent one.  Increments
 between targets are stored at most once per largest increment, at the same accuracy as targets.  BLAS runs on one
 thread: the matrices are small, two threads are slower, and digits do not depend on the number of cores.
+
+From a target the path goes on from the numbers stored of it, not from those in memory: an interrupted path takes up
+its last target and goes on to the same states and events, bit for bit on the same machine.
+
+Nothing but an interrupt leaves `solve`: what double precision or memory cannot do (NUMERICAL_FAILURES) ends the path as
+`not_converged`, with the reason in `Result.failure`.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Any
 
@@ -25,13 +31,14 @@ from bem.convex_path import ContactPoint, ConvexPath
 from bem.crossing import at_load, may_meet
 from bem.effects import effects_of
 from bem.flat import flat_states
+from bem.hierarchical import IllConditionedSystemError
 from bem.increments import increments_of
 from bem.patches import PatchPressure, ordered
 from bem.path import Path, restart
 from bem.path_point import Point
 from bem.problem import Problem, pose
 from bem.profile import Profile
-from bem.result import Event, Progress, Result, State, provenance
+from bem.result import Event, NotFiniteError, Progress, Result, State, provenance
 from bem.scene import Scene
 from bem.states import Cost, complete_state, equilibrium_state, event_of, flat_state, separated_state
 
@@ -40,6 +47,8 @@ AnyPath = Path | ConvexPath
 
 OUTPUTS = ("shapes", "spectra", "pressure_distribution", "width_distributions")
 TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
+MOST_BETWEEN = 500  # states stored between two targets
+NUMERICAL_FAILURES = (IllConditionedSystemError, NotFiniteError, FloatingPointError, np.linalg.LinAlgError, MemoryError)
 
 
 @dataclass
@@ -70,23 +79,43 @@ def solve(
     on_state : callable, optional
         Called with all that is kept so far, as an interrupted result, whenever a state is added.
     resume : Result, optional
-        An interrupted result of the same scene: its states are kept and the path goes on from the last.
+        An interrupted result of the same scene: its states are kept up to the last target, and the path goes on from
+        there.
 
     Returns
     -------
     Result
         Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt); states before
-        a failure are kept.
+        a failure are kept.  `not_converged` also where a state is not certified.
     """
     surface = scene.surface()
     if surface.is_flat:
         return _solve_flat(scene, surface)
+    record = Record()
     with threadpool_limits(limits=1, user_api="blas"):
-        run = _Run(scene, pose(scene, surface), progress, on_state)
-        if resume is not None:
-            run.take_over(resume)
-        status = run.follow()
-    return run.result(status)
+        try:
+            run = _Run(scene, pose(scene, surface), record, progress, on_state)
+            if resume is not None:
+                run.take_over(resume)
+            status, failure = run.follow()
+        except NUMERICAL_FAILURES as error:
+            status, failure = "not_converged", f"{type(error).__name__}: {error}"
+    return _result(scene, record, status, failure)
+
+
+def _result(scene: Scene, record: Record, status: str, failure: str | None = None) -> Result:
+    """All that is kept so far."""
+    resolved = scene.resolved()
+    return Result(
+        scene=resolved,
+        effects=effects_of(scene),
+        provenance=provenance(resolved),
+        states=tuple(record.states),
+        events=tuple(record.events),
+        status=status,
+        fields=dict(record.fields),
+        failure=failure,
+    )
 
 
 class _Run:
@@ -96,6 +125,7 @@ class _Run:
         self,
         scene: Scene,
         problem: Problem,
+        record: Record,
         progress: Callable[[Progress], None] | None,
         on_state: Callable[[Result], None] | None,
     ) -> None:
@@ -103,13 +133,14 @@ class _Run:
         self.progress, self.on_state = progress, on_state
         self.complete = complete_contact(problem)
         self.path = _path_for(scene, problem, self.complete)
-        self.record = Record()
+        self.record = record
         kind = scene.loading.control
         self.goals = [(target, problem.control_value(target, kind)) for target in scene.loading.targets]
         self.done = 0
         self.met: set[float] = set()  # mean pressures asked for that this leg of the path has met
         self.kept = np.inf
         self.branch = "loading"
+        self.failed = ""
         self.point = self._start()
 
     def _start(self) -> AnyPoint:
@@ -124,48 +155,56 @@ class _Run:
         return _bare_point(self.scene, "complete_contact", self.problem.profile.max_height if fixed else first + 1.0)
 
     def take_over(self, result: Result) -> None:
-        """Keep the states of an interrupted result and stand at the last equilibrium of it."""
-        self.record.states = list(result.states)
-        self.record.events = list(result.events)
-        self.record.fields = dict(result.fields)
-        self.record.shapes = sum(name.startswith("x_") for name in result.fields)
-        for state in result.states:
-            self._take_branch(state.branch)
-            if not state.target:
-                continue
-            if self.done < len(self.goals) and self._is_goal(state):
-                self.done += 1
-            else:
-                self.met.add(min(self._asked, key=lambda pressure: abs(pressure - state.mean_pressure)))
-        if not result.states:
+        """Keep an interrupted result up to its last target and stand there; what came after it is computed again."""
+        record, last = self.record, 0
+        for count, state in enumerate(result.states, 1):
+            if self._is_goal(state):
+                self.done, last = self.done + 1, count
+        if last == 0 or result.states[last - 1].events is None:  # which events came before it is not known
             return
-        last = result.states[-1]
-        self.point = self._point_of(last)
+        record.states = list(result.states[:last])
+        record.events = list(result.events[: record.states[-1].events])
+        self.done = 0
+        for state in record.states:
+            self._take_branch(state.branch)
+            if self._is_goal(state):
+                self.done += 1
+            elif state.target:
+                self.met.add(min(self._asked, key=lambda pressure: abs(pressure - state.mean_pressure)))
+            if state.target and self._outputs_at(getattr(state, self.scene.loading.control)):
+                record.shapes += 1
+        belongs = {name: name.rpartition("_")[2] for name in result.fields}
+        record.fields = {
+            name: result.fields[name] for name, of in belongs.items() if not of.isdigit() or int(of) < record.shapes
+        }
+        self.kept = self.goals[self.done - 1][1]
+        self.point = self._point_of(record.states[-1], self.kept)
 
-    def result(self, status: str) -> Result:
-        """All that is kept so far."""
-        record = self.record
-        resolved = self.scene.resolved()
-        return Result(
-            scene=resolved,
-            effects=effects_of(self.scene),
-            provenance=provenance(resolved),
-            states=tuple(record.states),
-            events=tuple(record.events),
-            status=status,
-            fields=dict(record.fields),
-        )
-
-    def follow(self) -> str:
-        """Visit the remaining targets; the status of the result."""
+    def follow(self) -> tuple[str, str | None]:
+        """Visit the remaining targets; the status of the result, and why it is none of the final ones."""
         try:
             for index in range(self.done, len(self.goals)):
                 status = self._reach(index)
+                if status == "converged":
+                    break
                 if status is not None:
-                    return status
+                    target = f"target {index + 1} of {len(self.goals)}, {self.goals[index][0]:g}"
+                    return status, f"{target}: {self._reason(status)}"
         except KeyboardInterrupt:
-            return "interrupted"
-        return "converged"
+            return "interrupted", None
+        refused = [state for state in self.record.states if not state.certificate.ok]
+        if refused:
+            first, count = refused[0], f"{len(refused)} of {len(self.record.states)} states are not certified"
+            reason = next(iter(first.certificate.reasons), "")
+            return "not_converged", f"{count}, the first at a separation of {first.separation:.9g} m: {reason}"
+        return "converged", None
+
+    def _reason(self, status: str) -> str:
+        """Why the path ended before a target."""
+        if status == "unreachable":
+            return "no state of this path is there"
+        words = "the gaps are too narrow to resolve" if self.failed == "ill_conditioned" else "no equilibrium was found"
+        return f"{words} at {self._target_of(self.point):.9g}"
 
     def _reach(self, index: int) -> str | None:
         """Follow the path to one target; None to go on, else the status with which the path ends."""
@@ -178,27 +217,30 @@ class _Run:
                 self._take_branch("loading" if closer > 0 else "unloading")
         if self._out_of_reach(goal):
             return "unreachable"
-        before = self.point
-        ended = self._follow_to(goal, separation, index)
+        before, spacing = self.point, self._spacing(goal)
+        ended = self._follow_to(goal, separation, spacing, index)
         if ended is not None:
             return ended
+        if self.point.value != goal:  # what opened at a flaw closed again, or came apart
+            return "not_converged"
         polished = self._polished(self.point, np.sign(goal - before.value))
-        if polished.status in ("not_converged", "ill_conditioned"):
+        if self._fails(polished):
             return "not_converged"
         self.point = polished
-        if isinstance(self.path, Path) and isinstance(polished, Point):
-            self.point = self.path.afresh(polished)
         self._keep(polished, target=True)
+        if isinstance(self.path, Path):
+            self.point = self._point_of(self.record.states[-1], goal)
+            return "not_converged" if self._fails(self.point) else None
         return None
 
-    def _follow_to(self, goal: float, separation: float | None, index: int) -> str | None:
+    def _follow_to(self, goal: float, separation: float | None, spacing: float, index: int) -> str | None:
         """Follow the path to a goal, storing what is asked for on the way; the status of the path where it ends."""
         direction = np.sign(goal - self.point.value)
         for point in self._advance(goal, separation):
             before, self.point = self.point, point
             self.record.events += [event_of(self.problem, event) for event in point.events]
             self._report(index)
-            if point.status in ("not_converged", "ill_conditioned"):
+            if self._fails(point):
                 return "not_converged"
             ended = self._pressures_met(before, point)
             if ended is not None:
@@ -208,19 +250,30 @@ class _Run:
                 return "unreachable"
             if isinstance(point, Point) and point.last:
                 continue
-            if point.value != goal and abs(point.value - self.kept) >= self._largest_increment():
+            if point.value != goal and abs(point.value - self.kept) >= spacing:
                 between = self._polished(point, direction)
-                if between.status in ("not_converged", "ill_conditioned"):
+                if self._fails(between):
                     return "not_converged"
                 self._keep(between, target=False)
                 if between.events:  # the path goes on behind them
                     self.point = between
-                    return self._follow_to(goal, separation, index)
+                    return self._follow_to(goal, separation, spacing, index)
         return None
 
     def _separation(self, target: float) -> float | None:
         """The separation that a target asks for, dimensionless and to its last digit; None under another control."""
         return target / self.problem.scales.height if self.scene.loading.control == "separation" else None
+
+    def _fails(self, point: AnyPoint) -> bool:
+        """Whether there is no such point."""
+        self.failed = point.status
+        return point.status in ("not_converged", "ill_conditioned")
+
+    def _spacing(self, goal: float) -> float:
+        """Least change of the control between stored states on the way to a goal: the largest increment, or more."""
+        joined = self.problem.control.value(self.problem.profile.max_height, self.complete.least_load)
+        start, stop = (min(max(value, -joined), joined) for value in (self.point.value, goal))
+        return max(self.path.increments.largest, abs(stop - start) / MOST_BETWEEN)
 
     def _advance(self, goal: float, separation: float | None) -> Iterator[AnyPoint]:
         """Points on the way to a goal; the goal itself when the path already stands there."""
@@ -241,13 +294,13 @@ class _Run:
 
     def _keep(self, point: AnyPoint, target: bool, status: str | None = None) -> None:
         """Store a polished point as a state: assessed and certified where it has edges."""
-        state = self._described(point, target, status)
+        state = replace(self._described(point, target, status), events=len(self.record.events))
         self.kept = point.value
         self.record.states.append(state)
         if target:
             self._store_fields(point)
         if self.on_state is not None:
-            self.on_state(self.result("interrupted"))
+            self.on_state(_result(self.scene, self.record, "interrupted"))
 
     def _described(self, point: AnyPoint, target: bool, status: str | None) -> State:
         if point.status == "complete_contact":
@@ -306,7 +359,7 @@ class _Run:
             found = self._crossing(before, after, self.problem.load_of(pressure))
             if found is None:
                 continue
-            if found.status in ("not_converged", "ill_conditioned"):
+            if self._fails(found):
                 return "not_converged"
             self.met.add(pressure)
             self._keep(found, target=True)
@@ -352,8 +405,7 @@ class _Run:
 
     def _store_fields(self, point: AnyPoint) -> None:
         """Fields asked for at this target; the modules that compute them are imported only then."""
-        target = self._target_of(point)
-        wanted = [name for name in OUTPUTS if self.scene.wants(name, target)]
+        wanted = self._outputs_at(self._target_of(point))
         if not wanted:
             return
         observables = import_module("bem.observables")
@@ -367,6 +419,10 @@ class _Run:
             stored = observables.contact_fields(wanted, self.problem, pressure, depth, record.shapes)
         record.fields.update(stored)
         record.shapes += 1
+
+    def _outputs_at(self, target: float) -> list[str]:
+        """Fields asked for at a value of the controlled quantity, SI."""
+        return [name for name in OUTPUTS if self.scene.wants(name, target)]
 
     def _penetration_of(self, point: AnyPoint) -> float:
         """Penetration of surfaces that are apart."""
@@ -390,47 +446,42 @@ class _Run:
             )
         )
 
-    def _largest_increment(self) -> float:
-        return self.path.increments.largest
-
     def _out_of_reach(self, goal: float) -> bool:
         """A tension before first touch, or a penetration beyond complete contact."""
         if self.scene.loading.control == "mean_pressure":
             return goal < 0 and self.point.status == "separated"
-        return self.scene.loading.control != "total_displacement" and goal > self.problem.profile.max_height * (
-            1 + 1e-12
-        )
+        return self.problem.control.load_weight == 0 and goal > self.problem.profile.max_height * (1 + 1e-12)
 
     def _lost_under_load(self, point: AnyPoint, goal: float) -> bool:
         """Whether load control pulled off: no state carries the tension asked for."""
         return self.scene.loading.control == "mean_pressure" and point.status == "separated" and goal < 0
 
     def _is_goal(self, state: State) -> bool:
-        """Whether a stored target state is the next target of the path, not a pressure on the way."""
+        """Whether a stored state is the next target of the path, not a pressure on the way."""
+        if not state.target or self.done == len(self.goals):
+            return False
         target = self.goals[self.done][0]
-        value = {
-            "separation": state.separation,
-            "penetration": state.penetration,
-            "mean_pressure": state.mean_pressure,
-            "total_displacement": state.total_displacement,
-        }[self.scene.loading.control]
+        value = getattr(state, self.scene.loading.control)
         scale = max(abs(target), self.problem.scales.height * 1e-3)
         return value is not None and abs(value - target) <= 1e-9 * scale
 
-    def _point_of(self, state: State) -> AnyPoint:
-        """The point of the path at a stored state."""
+    def _point_of(self, state: State, goal: float | None = None) -> AnyPoint:
+        """The point of the path at a stored state, which stands at a goal unless the scene starts there."""
         scales = self.problem.scales
         penetration = state.penetration / scales.height
         load = self.problem.load_of(state.mean_pressure)
-        value = self.problem.control.value(penetration, load)
+        value = self.problem.control.value(penetration, load) if goal is None else goal
         if not state.edges:
-            value = load if self.scene.loading.control == "mean_pressure" else penetration
-            return _bare_point(self.scene, state.status, value)
+            bare = load if self.scene.loading.control == "mean_pressure" else penetration
+            return _bare_point(self.scene, state.status, bare if goal is None else goal)
         edges = np.array(state.edges) / scales.length
         patches = ordered(edges[:, 0], edges[:, 1])
         if isinstance(self.path, Path):
-            return restart(self.path, patches, penetration, value)
-        return self.path.at(value, self._separation(state.separation))
+            found = restart(self.path, patches, penetration, value)
+            return found if found.balance is None else self.path.afresh(found)
+        solved = self.path.at(value, self._separation(state.separation))
+        self.record.evaluations = self.path.effort.evaluations  # of a state that is stored already
+        return solved
 
 
 def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyPath:
@@ -464,6 +515,9 @@ def _solve_flat(scene: Scene, surface: Profile) -> Result:
     for flat in flat_states(scene):
         states.append(flat_state(flat, -work, "loading" if flat.penetration >= last else "unloading"))
         last = flat.penetration
-    status = "unreachable" if states[-1].status == "unreachable" else "converged"
-    resolved = scene.resolved()
-    return Result(resolved, effects_of(scene), provenance(resolved), tuple(states), (), status)
+    if states[-1].status != "unreachable":
+        return _result(scene, Record(states), "converged")
+    target = f"target {len(states)} of {len(scene.loading.targets)}, {scene.loading.targets[len(states) - 1]:g}"
+    return _result(
+        scene, Record(states), "unreachable", f"{target}: flat surfaces neither overlap nor carry this tension"
+    )

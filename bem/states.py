@@ -43,7 +43,7 @@ def equilibrium_state(
     target: bool,
     cost: Cost,
 ) -> State:
-    """A state with contact patches and gaps, checked by its certificate.
+    """A state with contact patches and gaps; `converged` only if its certificate, which is independent, says so too.
 
     Parameters
     ----------
@@ -88,11 +88,12 @@ def equilibrium_state(
             truncation=judged.truncation,
             hessian_asymmetry=judged.hessian_asymmetry,
             ok=judged.ok,
+            reasons=judged.reasons,
         ),
         unknowns=cost.unknowns,
         evaluations=cost.evaluations,
         cpu_seconds=cost.cpu_seconds,
-        status="converged",
+        status="converged" if judged.ok else "not_converged",
         target=target,
     )
 
@@ -189,6 +190,7 @@ def complete_state(
         mean_pressure=mean_pressure,
         contact_fraction=1.0,
         energies=(complete.elastic_energy * scales.energy_per_area, complete.adhesion_energy * scales.energy_per_area),
+        left_out=complete.left_out * scales.energy_per_area,
         branch=branch,
         target=target,
         status="complete_contact",
@@ -242,8 +244,9 @@ def _bare_state(
     target: bool,
     status: str,
     cost: Cost,
+    left_out: float = 0.0,
 ) -> State:
-    """A state without edges: exact, so that only rounding limits it."""
+    """A state without edges: exact but for the elastic energy of a layer that is left out."""
     return State(
         branch=branch,
         penetration=penetration,
@@ -259,7 +262,7 @@ def _bare_state(
         stress_intensity_max=None,
         contact_stiffness=None,
         stable_at_fixed_load=None,
-        error_estimate=ErrorEstimate(mean_pressure=0.0, contact_fraction=0.0),
+        error_estimate=ErrorEstimate(0.0, 0.0, elastic_energy=left_out, total_energy=left_out),
         certificate=Certificate(None, None, None, None, None, ok=status != "unreachable"),
         unknowns=cost.unknowns,
         evaluations=cost.evaluations,
@@ -270,7 +273,9 @@ def _bare_state(
 
 
 def _total_displacement(problem: Problem, penetration: float, mean_pressure: float) -> float | None:
-    """Delta + c(0) sigma_0 of a layer, m; None for a half-space."""
+    """Delta + c(0) sigma_0 of a layer, m; None for a half-space, or where any pressure would do (nan)."""
     if problem.mean_compliance is None:
         return None
+    if math.isnan(mean_pressure):
+        return None if problem.mean_compliance else penetration
     return penetration + problem.mean_compliance * mean_pressure

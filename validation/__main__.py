@@ -11,12 +11,13 @@ import json
 import os
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
 from pydantic import ValidationError
 
+from bem.folder_lock import FolderInUseError, locked
 from validation import baseline
 from validation.executors import ExecutorError, opener_of
 from validation.provenance import provenance
@@ -48,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         return int(options.command(options))
-    except (CaseError, ExecutorError, ReportError, baseline.BaselineError) as error:
+    except (CaseError, ExecutorError, ReportError, FolderInUseError, baseline.BaselineError) as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except (FileExistsError, IsADirectoryError, NotADirectoryError) as error:
@@ -88,6 +89,16 @@ def read_report(folder: Path) -> Report:
         return Report.model_validate(content)
     except ValidationError as error:
         raise ReportError(f"{path}: {error}") from error
+
+
+def _alone(command: Callable[[argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:
+    """The command, holding its output folder while it runs."""
+
+    def run(options: argparse.Namespace) -> int:
+        with locked(options.out):
+            return command(options)
+
+    return run
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -226,7 +237,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--executor", default="local", help="local (default) or dask://host:port")
     run.add_argument("--out", type=Path, required=True, help="folder of the report; what is there already is kept")
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
-    run.set_defaults(command=_run)
+    run.set_defaults(command=_alone(_run))
 
     report = commands.add_parser("report", help="render report.json of a folder again")
     report.add_argument("folder", type=Path)
@@ -239,7 +250,7 @@ def _parser() -> argparse.ArgumentParser:
     paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
     paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: replicates nothing")
     paper.add_argument("--json", action="store_true", help="print the summary as JSON")
-    paper.set_defaults(command=_replicate)
+    paper.set_defaults(command=_alone(_replicate))
 
     base = commands.add_parser("baseline", help="compare a report with the baselines, or update one").add_subparsers(
         required=True, metavar="ACTION"
@@ -261,7 +272,7 @@ def _parser() -> argparse.ArgumentParser:
     study.add_argument("--jobs", type=_positive, help=f"processes of: {many} (default: {cores}), {one} (default: 1)")
     study.add_argument("--executor", default="local", help=f"for {', '.join(ON_EXECUTORS)}: local or dask://host:port")
     study.add_argument("--peers", action="store_true", help=f"{WITH_PEERS} beside FFT solvers only (extra `peers`)")
-    study.set_defaults(command=_study)
+    study.set_defaults(command=_alone(_study))
     return parser
 
 

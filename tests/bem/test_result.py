@@ -3,7 +3,7 @@
 import hashlib
 import json
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -18,6 +18,7 @@ from bem.result import (
     ErrorEstimate,
     Event,
     EventError,
+    NotFiniteError,
     Result,
     State,
     provenance,
@@ -86,15 +87,42 @@ def test_any_finite_number_comes_back_exactly(value, tmp_path_factory):
     assert (stored, math.copysign(1, stored)) == (value, math.copysign(1, value))
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf], ids=str)
-def test_json_has_no_nan_and_no_infinity(value, tmp_path):
-    state = replace(STATE, mean_pressure=value, contact_stiffness=value)
+def test_json_has_no_nan_and_no_infinity(tmp_path):
+    """What is open in complete contact, and an error that cannot be told, are null."""
+    unknown = ErrorEstimate(mean_pressure=math.inf)
+    state = replace(STATE, mean_pressure=math.nan, status="complete_contact", error_estimate=unknown)
     write_result(replace(RESULT, states=(state,)), tmp_path)
     content = json.loads((tmp_path / "result.json").read_text(), parse_constant=pytest.fail)
     assert content["states"][0]["mean_pressure"] is None
-    stored = read_result(tmp_path).states[0]
-    assert math.isnan(stored.mean_pressure)
-    assert stored.contact_stiffness is None
+    assert content["states"][0]["error_estimate"]["mean_pressure"] is None
+    assert math.isnan(read_result(tmp_path).states[0].mean_pressure)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf], ids=str)
+@pytest.mark.parametrize(
+    "name", [field.name for field in fields(State) if isinstance(getattr(STATE, field.name), float)]
+)
+@pytest.mark.parametrize("status", ["converged", "separated", "complete_contact", "not_converged"])
+def test_no_state_holds_what_is_no_number(status, name, value):
+    if name == "mean_pressure" and math.isnan(value) and status == "complete_contact":
+        replace(STATE, status=status, mean_pressure=value)  # any pressure would do
+        return
+    with pytest.raises(NotFiniteError, match=name):
+        replace(STATE, status=status, **{name: value})
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"edges": ((0.001, 0.002), (math.nan, 0.01))},
+        {"certificate": replace(STATE.certificate, closure=math.nan)},
+        {"error_estimate": ErrorEstimate(total_energy=math.nan)},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_no_part_of_a_state_holds_nan(change):
+    with pytest.raises(NotFiniteError, match=next(iter(change))):
+        replace(STATE, **change)
 
 
 def test_numpy_values_are_stored_as_plain_numbers(tmp_path):
@@ -114,7 +142,8 @@ def test_checksum_is_that_of_the_file_without_it_keys_sorted(tmp_path):
 def test_keys_of_the_file(tmp_path):
     write_result(RESULT, tmp_path)
     content = json.loads((tmp_path / "result.json").read_text())
-    assert set(content) == {"schema", "scene", "effects", "provenance", "states", "events", "status", "checksum"}
+    known = {"schema", "scene", "effects", "provenance", "states", "events", "status", "failure", "checksum"}
+    assert set(content) == known
 
 
 def test_changed_number_is_corruption(tmp_path):

@@ -1,11 +1,13 @@
 """Whole scenes: invariance, convergence of the path, energy balance, interruption and resumption."""
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
+from bem import solver
 from bem.path import Path
 from bem.path_point import Point
 from bem.solver import solve
@@ -100,20 +102,75 @@ def test_interruption_keeps_what_converged():
     assert len(result.targets) == 2
 
 
-def test_resumption_ends_the_same_and_computes_nothing_again(rough):
+def halves(scene, increments):
+    """The result of a path that is interrupted after so many increments, and that of its resumption."""
+    seen = []
+
     def stop(progress):
-        if progress.target_index == 3:
+        seen.append(progress)
+        if len(seen) == increments:
             raise KeyboardInterrupt
 
-    half = solve(rough_scene(TARGETS), progress=stop)
+    half = solve(scene, progress=stop)
+    assert half.status == "interrupted"
+    return half, solve(scene, resume=half)
+
+
+def numbers(state):
+    """All of a state but the seconds it took, NaN equal to itself."""
+    return json.dumps(asdict(replace(state, cpu_seconds=0.0)))
+
+
+RESUMED = {
+    "separation": {"control": "separation", "targets": TARGETS},
+    "met pressures": {"control": "separation", "targets": [30e-6, 60e-6], "at_mean_pressures": [500.0, 3000.0]},
+    "load": {"control": "mean_pressure", "targets": [300.0, 800.0, -30.0]},
+    "joined": {"control": "separation", "targets": [20e-6, 0.0, 20e-6, 60e-6]},
+}
+
+
+@pytest.fixture(scope="module")
+def unbroken():
+    """The path of each scene that is interrupted, without interruption."""
+    return {name: solve(resumed_scene(name)) for name in RESUMED}
+
+
+def resumed_scene(name):
+    output = {"shapes": RESUMED[name]["targets"][:2], "spectra": True}
+    return rough_scene([], harmonics=12, loading=RESUMED[name], output=output)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("name", RESUMED)
+def test_resumption_ends_the_same_bit_for_bit(unbroken, name, share):
+    whole = unbroken[name]
     counts = []
-    whole = solve(rough_scene(TARGETS), progress=lambda progress: counts.append(progress.evaluations), resume=half)
-    assert whole.states[: len(half.states)] == half.states
-    for state, twin in zip(rough.targets, whole.targets, strict=True):
-        assert abs(state.contact_fraction - twin.contact_fraction) <= 1e-10  # measured 2e-13
-    done_before = sum(state.evaluations for state in half.states)
-    spent = sum(state.evaluations for state in rough.states)
-    assert counts[-1] <= spent - 0.8 * done_before
+    solve(resumed_scene(name), progress=counts.append)
+    half, resumed = halves(resumed_scene(name), max(1, int(share * len(counts))))
+    free = [[numbers(state) for state in result.states] for result in (resumed, whole, half)]
+    assert free[0] == free[1]
+    assert free[2] == free[1][: len(half.states)]
+    assert (resumed.events, resumed.status) == (whole.events, whole.status)
+    assert sorted(resumed.fields) == sorted(whole.fields)
+    for field, values in whole.fields.items():
+        np.testing.assert_array_equal(resumed.fields[field], values)
+
+
+def test_resumption_computes_nothing_up_to_the_last_target_again(rough):
+    counts = []
+    half, _ = halves(rough_scene(TARGETS), 120)
+    assert len(half.targets) >= 3
+    solve(rough_scene(TARGETS), progress=lambda progress: counts.append(progress.evaluations), resume=half)
+    last = max(k for k, state in enumerate(half.states) if state.target)
+    left = sum(state.evaluations for state in rough.states[last + 1 :])
+    assert counts[-1] <= left
+
+
+def test_states_between_two_targets_are_limited(monkeypatch):
+    """Where the range of contact is many increments wide not all of them are stored."""
+    monkeypatch.setattr(solver, "MOST_BETWEEN", 7)
+    stored = [state.target for state in solve(rough_scene([35e-6, 90e-6], harmonics=12)).states]
+    assert 8 <= len(stored) <= 16
 
 
 def test_a_pressure_on_the_way_becomes_a_target():

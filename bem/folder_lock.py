@@ -1,0 +1,81 @@
+"""One writer for an output folder: a lock file in it, held while a command writes there.
+
+The lock is the operating system's (flock through `filelock`), so that it ends with the process that holds it, also when
+that is killed; the file `.lock` tells who that is and is removed at the end.  Limits: file systems without flock, where
+`filelock` says so.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+LOCK_FILE = ".lock"
+PATIENCE = 0.2  # s; a lock file that its holder just removed is tried again
+
+
+class FolderInUseError(RuntimeError):
+    """Another process writes to the folder; nothing was changed."""
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[bool]:
+    """Within this context no other process writes to the folder; yields whether the folder is new.
+
+    A new folder that stays empty is removed.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if need be.
+
+    Raises
+    ------
+    FolderInUseError
+        Another process holds it; who, where and since when.
+    FileExistsError
+        It is no folder.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as parent, locked(Path(parent) / "out") as new:
+    ...     new
+    True
+    """
+    try:
+        folder.mkdir(parents=True)
+        new = True
+    except FileExistsError:
+        if not folder.is_dir():
+            raise
+        new = False
+    path = folder / LOCK_FILE
+    lock = FileLock(path)
+    try:
+        lock.acquire(timeout=PATIENCE)
+    except Timeout as error:
+        raise FolderInUseError(f"{folder}: in use by {_holder(path)}; wait for it, or choose another folder") from error
+    try:
+        since = datetime.now(UTC).isoformat(timespec="seconds")
+        path.write_text(f"process {os.getpid()} on {socket.gethostname()} since {since}\n", "utf-8")
+        yield new
+    finally:
+        path.unlink()  # while the lock is held: who waits for it finds that the file is gone, and makes another
+        lock.release()
+        if new and not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def _holder(path: Path) -> str:
+    """Who holds a lock, in the words of its file."""
+    try:
+        return path.read_text("utf-8").strip() or "another process"
+    except FileNotFoundError:  # it has just been given back
+        return "another process until this moment"

@@ -1,0 +1,91 @@
+"""No exception but a bad scene's leaves `solve`, whatever the scene: values at the ends of every range, and beyond."""
+
+import signal
+import warnings
+
+import pytest
+from extreme_scenes import extreme_scenes, parsed
+from rough_surfaces import rough_scene
+
+from bem.result import FINAL_STATUSES, STATUSES
+from bem.scene import SceneError
+from bem.solver import solve
+
+SECONDS = 0.3  # after which a scene is interrupted, as by Ctrl-C: some take long, none may crash
+CHUNKS = 6
+
+
+def interrupted(number, frame):
+    raise KeyboardInterrupt
+
+
+def hurried(scene):
+    """The result, None where the interrupt came before the path began."""
+    before = signal.signal(signal.SIGALRM, interrupted)
+    signal.setitimer(signal.ITIMER_REAL, SECONDS)
+    try:
+        return solve(scene)
+    except KeyboardInterrupt:
+        return None
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize("chunk", range(CHUNKS))
+def test_every_scene_is_refused_or_ends_by_name(chunk):
+    ended = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        for data in extreme_scenes(25, seed=100 + chunk):
+            scene = parsed(data)
+            if scene is None:
+                continue
+            result = hurried(scene)
+            if result is None:
+                continue
+            ended.append(result.status)
+            assert (result.failure is None) == (result.status in ("converged", "interrupted"))
+            for state in result.states:
+                assert state.certificate.ok == (state.status in FINAL_STATUSES)
+    assert set(ended) <= set(STATUSES)
+    assert len(ended) >= 4
+
+
+def scene_with(table, **values):
+    """A usual scene on a layer, one table changed."""
+    tables = {
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+        "profile": {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 10},
+        "layer": {"thickness": 0.002},
+        "adhesion": {"work_of_adhesion": 0.03},
+        "accuracy": {},
+    }
+    tables[table] |= values
+    return rough_scene([5e-5], adhesion=tables.pop("adhesion")["work_of_adhesion"], **tables)
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value", "allowed"),
+    [
+        ("solid", "youngs_modulus", 1e-300, "from 1e-60 to 1e.60"),
+        ("solid", "youngs_modulus", 1e300, "from 1e-60 to 1e.60"),
+        ("profile", "rms_height", 1e-200, "from 1e-60 to 1e.60"),
+        ("profile", "period", 1e300, "from 1e-60 to 1e.60"),
+        ("adhesion", "work_of_adhesion", 1e300, "from 1e-60 to 1e.60"),
+        ("adhesion", "work_of_adhesion", 1e50, "1e.50 times E"),
+        ("layer", "thickness", 1e-12, "a number from 1e-07 to 1e.10"),
+        ("accuracy", "max_increment", 1e-9, "a number from 1e-5"),
+    ],
+)
+def test_a_value_beyond_sense_is_refused_with_what_is_allowed(table, key, value, allowed):
+    with pytest.raises(SceneError, match=rf"{table}.{key} = .*; allowed: .*{allowed}"):
+        scene_with(table, **{key: value})
+
+
+def test_strong_adhesion_that_pulls_off_from_complete_contact_has_a_name():
+    """Under a prescribed separation the load of complete contact is open: an event without it, not a crash."""
+    wave = {"kind": "harmonics", "period": 0.01, "orders": [1, 2], "amplitudes": [1e-10, 5e-11], "phases": [1.0, 3.0]}
+    loading = {"control": "separation", "targets": [0.0, 0.1], "initial": "complete_contact"}
+    scene = rough_scene([], profile=wave, loading=loading, layer={"thickness": 0.002})
+    assert solve(scene).status in STATUSES

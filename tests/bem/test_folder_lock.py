@@ -1,0 +1,104 @@
+"""Two processes never write to one output folder: the second is told who holds it, and nothing is lost."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+
+from bem.folder_lock import LOCK_FILE, FolderInUseError, locked
+
+HOLD = """
+import sys, time
+from pathlib import Path
+from bem.folder_lock import locked
+with locked(Path(sys.argv[1])):
+    print("held", flush=True)
+    time.sleep(60)
+"""
+
+
+@pytest.fixture
+def holder(tmp_path):
+    process = subprocess.Popen([sys.executable, "-c", HOLD, str(tmp_path / "out")], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "held\n"
+    yield process
+    process.kill()
+    process.wait()
+    process.stdout.close()
+
+
+def test_the_second_is_told_who_holds_it(holder, tmp_path):
+    with pytest.raises(FolderInUseError) as told, locked(tmp_path / "out"):
+        pass
+    assert f"in use by process {holder.pid} on {socket.gethostname()} since 20" in str(told.value)
+
+
+def test_a_killed_process_holds_nothing(holder, tmp_path):
+    holder.send_signal(signal.SIGKILL)
+    holder.wait()
+    assert (tmp_path / "out" / LOCK_FILE).exists()
+    with locked(tmp_path / "out") as new:
+        assert not new
+        assert f"process {os.getpid()} " in (tmp_path / "out" / LOCK_FILE).read_text()
+    assert not (tmp_path / "out" / LOCK_FILE).exists()
+
+
+@pytest.mark.parametrize("written", [True, False])
+def test_a_new_folder_stays_only_if_something_was_written(written, tmp_path):
+    with locked(tmp_path / "deep" / "out") as new:
+        assert new
+        if written:
+            (tmp_path / "deep" / "out" / "result").write_text("mine")
+    assert (tmp_path / "deep" / "out").exists() == written
+
+
+def test_a_folder_that_was_empty_stays(tmp_path):
+    with locked(tmp_path) as new:
+        assert not new
+    assert tmp_path.is_dir()
+
+
+def test_many_that_come_and_go_are_never_inside_together(tmp_path):
+    """Each enters 30 times and leaves a mark inside that must not be there when another enters."""
+    code = (
+        "import sys\n"
+        "from pathlib import Path\n"
+        "from bem.folder_lock import FolderInUseError, locked\n"
+        "folder, entered = Path(sys.argv[1]), 0\n"
+        "while entered < 30:\n"
+        "    try:\n"
+        "        with locked(folder):\n"
+        "            (folder / 'mark').touch(exist_ok=False)\n"
+        "            (folder / 'mark').unlink()\n"
+        "            entered += 1\n"
+        "    except FolderInUseError:\n"
+        "        pass\n"
+    )
+    tmp_path.joinpath("keep").touch()
+    many = [subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stderr=subprocess.PIPE) for _ in range(3)]
+    told = [process.communicate(timeout=60)[1].decode() for process in many]
+    assert [process.returncode for process in many] == [0, 0, 0], told
+
+
+@pytest.mark.parametrize(
+    ("module", "command"),
+    [("bem", ["run", "none.toml"]), ("validation", ["run", "--only", "nothing"]), ("validation", ["study", "cost"])],
+    ids=lambda value: value if isinstance(value, str) else value[0],
+)
+def test_every_command_that_writes_asks_for_it(module, command, holder, tmp_path):
+    scene = tmp_path / "none.toml"
+    scene.write_text(
+        "[solid]\nyoungs_modulus = 1e6\npoisson_ratio = 0.5\n"
+        '[profile]\nkind = "harmonics"\nperiod = 0.01\norders = [1]\namplitudes = [1e-5]\nphases = [0.0]\n'
+        '[loading]\ncontrol = "separation"\ntargets = [5e-6]\n'
+    )
+    before = sorted(path.name for path in (tmp_path / "out").iterdir())
+    given = [str(scene) if word == scene.name else word for word in command]
+    run = [sys.executable, "-m", module, *given, "--out", str(tmp_path / "out")]
+    done = subprocess.run([*run, "--overwrite"] if module == "bem" else run, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"in use by process {holder.pid} on " in done.stderr
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == before

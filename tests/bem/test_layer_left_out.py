@@ -1,0 +1,42 @@
+"""A layer that changes less than a tenth of the tolerance is left out; the error estimates hold what that changes."""
+
+import pytest
+from rough_surfaces import rough_scene
+
+from bem.layer import Layer
+from bem.solver import solve
+
+THICKNESS = {1e-6: 0.0185, 1e-2: 0.0105}  # just thick enough to be left out
+TARGETS = {"separation": [40e-6], "mean_pressure": [3000.0], "total_displacement": [3e-5]}
+
+
+def solved(tolerance, control, targets, adhesion):
+    layer, solid = {"thickness": THICKNESS[tolerance]}, {"youngs_modulus": 1e6, "poisson_ratio": 0.4}
+    accuracy = {"tolerance": tolerance}
+    result = solve(
+        rough_scene(targets, adhesion=adhesion, control=control, layer=layer, solid=solid, accuracy=accuracy)
+    )
+    return result.targets[-1]
+
+
+@pytest.mark.parametrize("adhesion", [None, 0.03], ids=["no adhesion", "adhesion"])
+@pytest.mark.parametrize("control", TARGETS)
+@pytest.mark.parametrize("tolerance", THICKNESS)
+def test_estimates_contain_what_was_left_out(tolerance, control, adhesion, monkeypatch):
+    without = solved(tolerance, control, TARGETS[control], adhesion)
+    monkeypatch.setattr(Layer, "is_negligible", lambda *_: False)
+    kept = solved(tolerance, control, TARGETS[control], adhesion)
+    errors = {name: abs(getattr(kept, name) - getattr(without, name)) for name in vars(without.error_estimate)}
+    estimates = vars(without.error_estimate)
+    assert {name: errors[name] for name in errors if not errors[name] <= estimates[name]} == {}
+    assert errors["contact_fraction"] > 0
+    assert estimates["contact_fraction"] <= 10 * errors["contact_fraction"]  # measured 2.9 to 3.1
+
+
+def test_energy_of_complete_contact_has_one_too(monkeypatch):
+    without = solved(1e-2, "separation", [0.0], None)
+    monkeypatch.setattr(Layer, "is_negligible", lambda *_: False)
+    kept = solved(1e-2, "separation", [0.0], None)
+    missing = kept.elastic_energy - without.elastic_energy
+    assert without.error_estimate.elastic_energy == pytest.approx(missing, rel=1e-9)
+    assert missing > 1e-6 * kept.elastic_energy

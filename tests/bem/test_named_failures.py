@@ -1,0 +1,103 @@
+"""Every failure has a name: what cannot be reached, computed or certified ends in a status, never in an exception."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rough_surfaces import rough_scene
+
+from bem import solver, states
+from bem.hierarchical import IllConditionedSystemError
+from bem.solver import NUMERICAL_FAILURES, solve
+
+TARGETS = [70e-6, 50e-6, 60e-6]
+LAYER = {"thickness": 0.002}
+
+
+def test_a_plate_cannot_go_beyond_complete_contact_of_an_incompressible_layer():
+    """nu = 1/2: the plate moves with the mean gap, which is used up at complete contact."""
+    beyond = [5e-5, 3e-4]
+    result = solve(rough_scene(beyond, adhesion=None, control="total_displacement", layer=LAYER))
+    assert result.status == "unreachable"
+    assert [state.status for state in result.states] == ["converged"]
+    assert result.failure == "target 2 of 2, 0.0003: no state of this path is there"
+
+
+def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():
+    scene = rough_scene([1e-6, 0.0], adhesion=None, layer=LAYER)
+    state = solve(scene).targets[-1]
+    assert state.status == "complete_contact"
+    assert state.total_displacement == pytest.approx(scene.surface().max_height, rel=1e-12)
+
+
+@pytest.mark.parametrize("failure", [kind for kind in NUMERICAL_FAILURES if kind is not MemoryError])
+def test_numerical_failures_end_the_path_by_name(failure, monkeypatch):
+    described = solver.equilibrium_state
+
+    def failing(*arguments):
+        state = described(*arguments)
+        if state.separation < 55e-6:
+            raise failure("told here")
+        return state
+
+    monkeypatch.setattr(solver, "equilibrium_state", failing)
+    result = solve(rough_scene(TARGETS))
+    assert result.status == "not_converged"
+    assert result.failure == f"{failure.__name__}: told here"
+    assert len(result.targets) == 1
+    assert result.events
+
+
+def test_a_fault_of_the_program_is_not_called_a_numerical_failure(monkeypatch):
+    def faulty(*_):
+        raise IndexError("a fault")
+
+    monkeypatch.setattr(solver, "equilibrium_state", faulty)
+    with pytest.raises(IndexError, match="a fault"):
+        solve(rough_scene(TARGETS))
+
+
+@pytest.mark.parametrize("adhesion", [None, 0.03])
+def test_a_failure_before_the_first_state_has_a_name_too(adhesion, monkeypatch):
+    def failing(_):
+        raise IllConditionedSystemError("told here")
+
+    monkeypatch.setattr(solver, "complete_contact", failing)
+    result = solve(rough_scene(TARGETS, adhesion=adhesion))
+    assert (result.status, result.states, result.failure) == (
+        "not_converged",
+        (),
+        "IllConditionedSystemError: told here",
+    )
+
+
+def test_no_state_is_converged_with_nan(monkeypatch):
+    judged = states.certificate.certify
+
+    def open_gap(*arguments, **options):
+        found = judged(*arguments, **options)
+        return states.certificate.Certificate(**(vars(found) | {"min_gap": np.nan}))
+
+    monkeypatch.setattr(states.certificate, "certify", open_gap)
+    result = solve(rough_scene(TARGETS))
+    assert (result.status, result.states) == ("not_converged", ())
+    assert result.failure == "NotFiniteError: certificate.min_gap is nan"
+
+
+def test_what_is_not_certified_is_not_called_converged(monkeypatch):
+    """The path goes on, its other states are good; who reads any status sees it."""
+    judged = states.certificate.certify
+
+    def strict(profile, pressure, penetration, work, **options):
+        demands = replace(options.pop("demands"), closure=1e-30 if pressure.left.size == 3 else 1e-8)
+        return judged(profile, pressure, penetration, work, **(options | {"intensity_rounding": None}), demands=demands)
+
+    monkeypatch.setattr(states.certificate, "certify", strict)
+    result = solve(rough_scene(TARGETS))
+    assert result.status == "not_converged"
+    assert len(result.targets) == len(TARGETS)
+    for state in result.states:
+        assert state.status == ("not_converged" if state.n_patches == 3 else "converged")
+        assert state.certificate.ok == (state.status == "converged")
+    assert "states are not certified, the first at a separation of" in result.failure
+    assert "exceeds 1e-30 at an edge of patch" in result.failure

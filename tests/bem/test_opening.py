@@ -1,0 +1,104 @@
+"""Complete contact opens at a flaw of any width: the closed form of a narrow one against evaluations of it."""
+
+import numpy as np
+import pytest
+from rough_surfaces import rough_scene
+
+from bem import opening
+from bem.complete_contact import complete_contact
+from bem.equilibrium import System, balance
+from bem.patches import TWO_PI
+from bem.problem import pose
+from bem.scene import SceneError
+from bem.solver import solve
+
+LAYERS = {"half-space": {}, "layer": {"layer": {"thickness": 0.003}}, "thin layer": {"layer": {"thickness": 0.0005}}}
+by_layer = pytest.mark.parametrize("layer", LAYERS)
+by_harmonics = pytest.mark.parametrize("harmonics", [1, 60])
+
+
+def flawed_scene(share, harmonics=10, targets=(2e5, -1e9), **changes):
+    flaw = {"initial": "complete_contact", "flaw": share * 0.01}
+    loading = {"control": "mean_pressure", "targets": list(targets), **flaw}
+    return rough_scene([], harmonics=harmonics, loading=loading, accuracy={"max_increment": 5.0}, **changes)
+
+
+def posed(harmonics, layer):
+    scene = flawed_scene(1e-4, harmonics, **LAYERS[layer])
+    problem = pose(scene, scene.surface())
+    return System(problem.elastic, problem.law, problem.control), complete_contact(problem)
+
+
+@by_layer
+@by_harmonics
+def test_load_of_a_narrow_flaw_is_that_of_its_evaluation(harmonics, layer, monkeypatch):
+    system, complete = posed(harmonics, layer)
+    flaw = 5e-5 * TWO_PI
+    found = opening.opening_load(system, complete, flaw, 1e-8)
+    monkeypatch.setattr(opening, "RESOLVED_GAP", 0.0)
+    evaluated = opening.opening_load(system, complete, flaw, 1e-8)
+    assert found == pytest.approx(evaluated, rel=2e-8)  # measured 6e-9
+
+
+@by_layer
+def test_layer_acts_by_the_square_of_the_width(layer, monkeypatch):
+    """Below the finest gap that is evaluated."""
+    system, complete = posed(10, layer)
+    flaw = 1e-4 * TWO_PI
+    evaluated = opening.opening_load(system, complete, flaw, 1e-8)
+    monkeypatch.setattr(opening, "RESOLVED_GAP", 2e-4 * TWO_PI)
+    monkeypatch.setattr(opening, "FINEST_GAP", 2e-4 * TWO_PI)
+    assert opening.opening_load(system, complete, flaw, 1e-8) == pytest.approx(evaluated, rel=2e-8)  # measured 8e-9
+
+
+@by_harmonics
+def test_a_narrow_flaw_costs_half_of_its_work_of_adhesion(harmonics):
+    system, complete = posed(harmonics, "half-space")
+    flaw = 3e-5 * TWO_PI
+    load = opening.opening_load(system, complete, flaw, 1e-8)
+    gap = opening.with_gap(opening.lowest_pressure(complete), flaw)
+    here = balance(system, gap, system.elastic.profile.max_height, load, 1e-10)
+    costs = here.potential - opening.complete_potential(system, complete, load)
+    work = float(system.law.work_of_adhesion(np.array([opening.lowest_pressure(complete)]))[0])
+    assert costs == pytest.approx(work * flaw / 2, rel=1e-3)
+
+
+def test_a_flaw_opens_to_the_same_state_as_one_that_is_evaluated(monkeypatch):
+    targets = (2e5, 1e4)
+    scene = flawed_scene(9e-5, 60, targets=targets, adhesion=1e-3)
+    found = solve(scene)
+    monkeypatch.setattr(opening, "RESOLVED_GAP", 0.0)
+    evaluated = solve(scene)
+    assert found.targets[-1].n_patches > 0
+    assert found.targets[-1].contact_fraction == pytest.approx(evaluated.targets[-1].contact_fraction, abs=1e-10)
+    first, other = found.events[0], evaluated.events[0]
+    assert first.mean_pressure == pytest.approx(other.mean_pressure, rel=1e-7)
+    assert first.energy_released == pytest.approx(other.energy_released, rel=1e-6)
+
+
+@by_layer
+@pytest.mark.parametrize("share", [1e-9, 3e-7, 1e-6, 0.95])
+def test_a_flaw_of_any_width_opens(share, layer):
+    result = solve(flawed_scene(share, **LAYERS[layer]))
+    assert result.status == "unreachable"  # the tension of the target: nothing carries it once the flaw has opened
+    assert result.events[0].kind == "opening"
+
+
+@pytest.mark.parametrize("share", [9e-13, 0.96])
+def test_another_flaw_is_refused_with_what_is_allowed(share):
+    with pytest.raises(SceneError, match=r"loading.flaw = .*; allowed: a number from 1e-14 to 0.0095 \(m\)"):
+        flawed_scene(share)
+
+
+def test_a_flaw_that_closes_again_is_no_target():
+    """Wider than the shortest waves: one edge opens, the other closes."""
+    result = solve(flawed_scene(1e-2, 60))
+    assert result.status == "not_converged"
+    assert len(result.targets) == 1
+
+
+def test_gap_of_a_row_of_cracks():
+    """Uniform tension: K = T sqrt(2 pi tan(g/4)) for a row of cracks, T sqrt(pi g/2) for a short one."""
+    _, complete = posed(1, "half-space")
+    _, slope = opening._crack(complete, 1e-6)
+    np.testing.assert_allclose(-slope * TWO_PI, np.sqrt(np.pi * 1e-6 / 2), rtol=1e-12)
