@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from validation import __main__ as command_line
+from validation import execution
 from validation.cases import stability as registered
 from validation.execution import Ended, Running
 from validation.studies import stability
@@ -109,14 +110,15 @@ def here(monkeypatch):
     """Everything in this process: starting another takes seconds."""
     begun = []
 
-    def in_this_process(function, item):
-        begun.append(item.id)
-        try:
-            yield Ended(item, function(item))
-        except Exception as error:
-            yield Ended(item, error)
+    def in_this_process(function, items, limit):
+        for item in items:
+            begun.append(item.id)
+            try:
+                yield Ended(item, function(item)), 0.0
+            except Exception as error:
+                yield Ended(item, error), 0.0
 
-    monkeypatch.setattr(stability, "run_alone", in_this_process)
+    monkeypatch.setattr(stability, "run_in_turn", in_this_process)
     return begun
 
 
@@ -171,17 +173,17 @@ def test_rows_of_the_other_form_do_not_count(examples, here, tmp_path):
 
 
 def test_a_lost_case_is_an_error_of_the_study(examples, here, tmp_path, monkeypatch):
-    monkeypatch.setattr(stability, "_alone", lambda *_: row_of(FLAT, examples.outcome()))
+    monkeypatch.setattr(stability, "_in_turn", lambda *_: iter([row_of(FLAT, examples.outcome())]))
     with pytest.raises(RuntimeError, match="planned 3 cases"):
         study(tmp_path, examples.converge)
 
 
 def test_time_limit_ends_a_case(examples, tmp_path, monkeypatch):
-    def endless(function, item):
+    def endless(function, items, jobs, pulse):
         while True:
-            yield Running((item,), (1.0,))
+            yield Running(tuple(items), (1.0,))
 
-    monkeypatch.setattr(stability, "run_alone", endless)
+    monkeypatch.setattr(execution, "run_in_processes", endless)
     assert study(tmp_path, examples.converge, [replace(FLAT, limit=0.01)]) == 1
     assert stored(tmp_path)["rows"][0]["ending"] == "timed out"
 

@@ -31,9 +31,24 @@ from bem.scene import Scene
 from validation.studies.random_scenes import mean_compliance
 
 Kind = Literal[
-    *("vocabulary", "targets", "unreachable", "not finite", "certificate", "identity", "energy released"),
-    *("energy balance", "fields", "warning", "refusal", "dense route"),
-    *("increment", "events at a smaller increment", "scale", "shift", "mirror", "restart"),
+    "vocabulary",
+    "targets",
+    "unreachable",
+    "not finite",
+    "certificate",
+    "identity",
+    "energy released",
+    "energy balance",
+    "fields",
+    "warning",
+    "refusal",
+    "dense route",
+    "increment",
+    "events at a smaller increment",
+    "scale",
+    "shift",
+    "mirror",
+    "restart",
 ]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 EVENTS = ("first_touch", "new_contact", "coalescence", "detachment", "pull_off", "complete_contact", "opening")
@@ -119,7 +134,8 @@ def findings_of(scene: Scene, result: Result, balance: float = BALANCE) -> list[
 
 def vocabulary(result: Result) -> Iterator[Finding]:
     """Names of statuses, branches and events; and certificates, which every state kept must have."""
-    names = [(result.status, STATUSES), *((state.status, STATUSES) for state in result.states)]
+    names: list[tuple[str, tuple[str, ...]]] = [(result.status, STATUSES)]
+    names += [(state.status, STATUSES) for state in result.states]
     names += [(state.branch, ("loading", "unloading")) for state in result.states]
     names += [(event.kind, EVENT_KINDS) for event in result.events]
     for name in dict.fromkeys(name for name, known in names if name not in known):
@@ -142,6 +158,9 @@ def targets(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
         goal = goals[met] if met < len(goals) else math.nan
         if abs(value - goal) <= TARGET * unit + 8 * EPS * abs(goal):
             met += 1
+            if loading.control == "separation" and goal == 0 and state.status != "complete_contact":
+                told = f"{state.status}, contact fraction {state.contact_fraction:.9g}"
+                yield Finding("targets", f"separation 0 is complete contact, not {told}")
         elif any(abs(state.mean_pressure - p) <= TARGET * max(units.pressure, abs(p)) for p in asked):
             if result.status == "converged" and state.mean_pressure == result.states[-1].mean_pressure and stop:
                 goals = goals[:met] if abs(state.mean_pressure - stop) <= TARGET * max(units.pressure, stop) else goals
@@ -172,8 +191,8 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
     for k, state in enumerate(result.states):
         if state.status not in FINAL_STATUSES:
             continue
-        may = ("mean_pressure", "total_displacement") if free and state.status == "complete_contact" else ()
-        may = may[: 1 + bool(units.compliance)]
+        open_ended: list[str] = ["mean_pressure"] * (free and state.status == "complete_contact")
+        may = open_ended + ["total_displacement"] * (bool(open_ended) and units.compliance > 0)
         content = asdict(state)
         values = {name: value for name, value in content.items() if name not in may and isinstance(value, float)}
         values |= {f"certificate.{name}": value for name, value in content["certificate"].items()}
@@ -263,9 +282,11 @@ def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
     apart = Mark(0.0, 0.0, 0.0, 0.0) if scene.loading.initial == "separated" else None
     marks = [_mark(scene, state, units) for state in result.states]
     groups = _by_interval(scene, result, units, apart, marks)
-    for k, (before, after, events) in enumerate(zip([apart, *marks[:-1]], marks, groups, strict=True)):
+    for k, (before, after, events) in enumerate(zip([apart, *marks], marks, groups, strict=False)):
         if before is None or any(event.energy_released is None for event in events):
             continue
+        if before.force == before.slope == 0 and after.slope == 0 and not events:
+            continue  # from surfaces apart to complete contact at once: nothing of the way is stored
         freed = math.fsum(float(event.energy_released or 0.0) for event in events)
         work, error = _work(scene, units, before, after, events)
         change = after.potential - before.potential
@@ -301,7 +322,7 @@ def _by_interval(
     """Events between consecutive states, in their order: each goes into the first interval that may hold it."""
     groups: list[tuple[Event, ...]] = []
     left = list(result.events)
-    for state, before, after in zip(result.states, [apart, *marks[:-1]], marks, strict=True):
+    for state, before, after in zip(result.states, [apart, *marks], marks, strict=False):
         away = -math.inf if state.branch == "loading" else math.inf
         begun = away if before is None else before.value
         low, high = min(begun, after.value), max(begun, after.value)

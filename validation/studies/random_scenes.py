@@ -216,9 +216,9 @@ def _profile(rng: np.random.Generator, period: float, rms: float, most: int) -> 
         amplitudes *= rms / np.sqrt(np.sum(amplitudes**2) / 2)
         phases = rng.uniform(-10.0, 10.0, orders.size)
         if rng.random() < 0.3:
-            phases = np.pi / 2 * rng.integers(-2, 3, orders.size)
+            phases = rng.choice(np.pi / 2 * np.arange(-2, 3), orders.size)
         if rng.random() < 0.02:
-            amplitudes = np.zeros(orders.size)
+            amplitudes = 0.0 * amplitudes
         surface = Profile.from_harmonics(period, orders, amplitudes, phases)
         lists = {"orders": orders, "amplitudes": amplitudes, "phases": phases}
         return {"kind": "harmonics", "period": period} | {k: v.tolist() for k, v in lists.items()}, None, surface

@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bem.dense import dense_nodes
 from bem.result import Result, State
 from bem.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
@@ -29,6 +30,7 @@ from validation.studies.random_copies import COPIES, ROUNDINGS, STATE, run_copy,
 from validation.studies.random_scenes import Drawn, draw
 
 MOST_DENSE = 3  # states of a scene that are settled by dense algebra: the first, the last and one between
+MOST_NODES = 1500  # of such a state, 0.1 s an evaluation: last gaps that need more are not settled
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,7 @@ def judged(drawn: Drawn, scene: Scene, result: Result, folder: Path) -> list[Fin
 
 def dense_route(scene: Scene, result: Result) -> Iterator[Finding]:
     """The equilibrium that dense algebra finds next to stored edges, against the errors estimated."""
-    touching = [state for state in result.targets if state.edges]
+    touching = [state for state in result.targets if state.edges and _nodes(scene, state) <= MOST_NODES]
     chosen = sorted({round(k) for k in np.linspace(0, len(touching) - 1, MOST_DENSE)}) if touching else []
     units = Units.of(scene)
     for state in (touching[k] for k in chosen):
@@ -147,6 +149,12 @@ def dense_route(scene: Scene, result: Result) -> Iterator[Finding]:
         told = list(_missed(units, state, known))
         if told:
             yield Finding("dense route", f"{', '.join(told)} at {scene.loading.control} {goal:g}")
+
+
+def _nodes(scene: Scene, state: State) -> int:
+    """Nodes that dense algebra needs at the edges of a state."""
+    left, right = np.array(state.edges).T * scene.surface().q0
+    return int(dense_nodes(scene.surface().scaled(), left, right).sum())
 
 
 def _missed(units: Units, state: State, known: dict[str, float]) -> Iterator[str]:
