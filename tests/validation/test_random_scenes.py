@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from bem.scene import SceneError, load_scene, parse_scene
-from validation.studies import random_scenes
 from validation.studies.random_scenes import EXTREMES, MISTAKES, draw
-from validation.studies.random_trial import RandomCase, case_of, run_case
+from validation.studies.random_trial import RandomCase, case_of
 
 MANY = 800
 
