@@ -35,15 +35,16 @@ MOST_NODES = 1500  # of such a state, 0.1 s an evaluation: last gaps that need m
 
 @dataclass(frozen=True)
 class RandomCase:
-    """A random scene as a case of the stability study."""
+    """A random scene as a case of the stability study; its name tells seed and index."""
 
     seed: int
     index: int
+    most_harmonics: int = 12
 
     @property
     def drawn(self) -> Drawn:
         """The scene."""
-        return draw(self.seed, self.index)
+        return draw(self.seed, self.index, self.most_harmonics)
 
     @property
     def id(self) -> str:
@@ -66,7 +67,7 @@ def case_of(name: str) -> RandomCase:
     Examples
     --------
     >>> case_of("seed_3_scene_14")
-    RandomCase(seed=3, index=14)
+    RandomCase(seed=3, index=14, most_harmonics=12)
     """
     found = re.fullmatch(r"seed_(\d+)_scene_(\d+)", name)
     if found is None:
