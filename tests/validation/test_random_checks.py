@@ -386,3 +386,9 @@ def test_the_other_of_two_equal_crests_is_as_good():
     assert copies.compared(same, posed, alone, other) == []
     wrong = [replace(s, edges=tuple((a + 0.004, b + 0.004) for a, b in s.edges)) for s in states]
     assert kinds(copies.compared(same, posed, alone, replace(alone, states=tuple(wrong)))) == {"increment"}
+
+
+def test_nothing_is_found_against_a_flat_profile():
+    flat = scene(waves([1], [0.0]), "total_displacement", [1e-6, 2e-6], 0.03, thickness=1e-3, poisson_ratio=0.3)
+    posed = parse_scene(flat)
+    assert findings_of(posed, solve(posed)) == []

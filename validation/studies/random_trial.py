@@ -20,7 +20,9 @@ from pathlib import Path
 import numpy as np
 
 from bem.dense import dense_nodes
+from bem.layer import Layer
 from bem.result import Result, State
+from bem.scaling import Solid
 from bem.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
 from validation.cases.dense_equilibrium import NoReferenceError, reference
@@ -30,7 +32,7 @@ from validation.studies.random_copies import COPIES, ROUNDINGS, STATE, run_copy,
 from validation.studies.random_scenes import Drawn, draw
 
 MOST_DENSE = 3  # states of a scene that are settled by dense algebra: the first, the last and one between
-MOST_NODES = 1500  # of such a state, 0.1 s an evaluation: last gaps that need more are not settled
+MOST_WORK = 2e7  # nodes squared times terms of the layer, below 1 s: states that need more are not settled
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ def judged(drawn: Drawn, scene: Scene, result: Result, folder: Path) -> list[Fin
 
 def dense_route(scene: Scene, result: Result) -> Iterator[Finding]:
     """The equilibrium that dense algebra finds next to stored edges, against the errors estimated."""
-    touching = [state for state in result.targets if state.edges and _nodes(scene, state) <= MOST_NODES]
+    touching = [state for state in result.targets if state.edges and _dense_work(scene, state) <= MOST_WORK]
     chosen = sorted({round(k) for k in np.linspace(0, len(touching) - 1, MOST_DENSE)}) if touching else []
     units = Units.of(scene)
     for state in (touching[k] for k in chosen):
@@ -152,10 +154,14 @@ def dense_route(scene: Scene, result: Result) -> Iterator[Finding]:
             yield Finding("dense route", f"{', '.join(told)} at {scene.loading.control} {goal:g}")
 
 
-def _nodes(scene: Scene, state: State) -> int:
-    """Nodes that dense algebra needs at the edges of a state."""
-    left, right = np.array(state.edges).T * scene.surface().q0
-    return int(dense_nodes(scene.surface().scaled(), left, right).sum())
+def _dense_work(scene: Scene, state: State) -> float:
+    """Nodes that dense algebra needs at the edges of a state, squared, times the terms of a layer and its own ten."""
+    surface, terms = scene.surface(), 0
+    left, right = np.array(state.edges).T * surface.q0
+    if scene.layer is not None:
+        solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+        terms = Layer(scene.layer.thickness).kernel(solid, surface.period, 1e-16).terms
+    return float(dense_nodes(surface.scaled(), left, right).sum()) ** 2 * (10 + terms)
 
 
 def _missed(units: Units, state: State, known: dict[str, float]) -> Iterator[str]:
