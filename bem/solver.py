@@ -355,7 +355,7 @@ class _Run:
         if not wanted or loads[0] is None or loads[1] is None:
             return None
         crossed = [p for p in wanted if self._may_meet(before, after, (loads[0], loads[1]), self.problem.load_of(p))]
-        for pressure in sorted(crossed, reverse=loads[1] < loads[0]):
+        for pressure in sorted(crossed, reverse=bool(loads[1] < loads[0])):
             found = self._crossing(before, after, self.problem.load_of(pressure))
             if found is None:
                 continue

@@ -31,6 +31,7 @@ from validation.verdict import counts, fails
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REPORT_FILE = "report.json"
 WITH_PEERS = "work-precision"  # the study that puts FFT solvers beside ours
+WITH_RANDOM = "stability"  # the study that takes random scenes
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -201,6 +202,10 @@ def _study(options: argparse.Namespace) -> int:
     """Run a study."""
     if options.peers and options.name != WITH_PEERS:
         raise CaseError(f"--peers: study {options.name} has none, {WITH_PEERS} has")
+    if options.random is not None and options.name != WITH_RANDOM:
+        raise CaseError(f"--random: study {options.name} has none, {WITH_RANDOM} has")
+    if options.seed and options.random is None:
+        raise CaseError(f"--seed {options.seed}: of the scenes of --random, which is not given")
     study = import_module(f"validation.studies.{options.name.replace('-', '_')}")
     if options.name in ON_EXECUTORS:
         jobs = options.jobs or os.cpu_count() or 1
@@ -209,6 +214,9 @@ def _study(options: argparse.Namespace) -> int:
         raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs here alone")
     if options.jobs is not None and options.name not in IN_PROCESSES:
         raise ExecutorError(f"--jobs {options.jobs}: study {options.name} does not take it")
+    if options.random is not None:
+        tasks = study.random_tasks(options.random, options.seed)
+        return int(study.run(options.out, options.quick, _say, tasks, jobs=options.jobs or 1, file=study.RANDOM_FILE))
     if options.name in IN_PROCESSES:
         return int(study.run(options.out, options.quick, _say, jobs=options.jobs or 1))
     if options.peers:
@@ -272,6 +280,8 @@ def _parser() -> argparse.ArgumentParser:
     study.add_argument("--jobs", type=_positive, help=f"processes of: {many} (default: {cores}), {one} (default: 1)")
     study.add_argument("--executor", default="local", help=f"for {', '.join(ON_EXECUTORS)}: local or dask://host:port")
     study.add_argument("--peers", action="store_true", help=f"{WITH_PEERS} beside FFT solvers only (extra `peers`)")
+    study.add_argument("--random", type=_positive, metavar="N", help=f"{WITH_RANDOM}: N random scenes instead")
+    study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
     study.set_defaults(command=_alone(_study))
     return parser
 
@@ -279,6 +289,12 @@ def _parser() -> argparse.ArgumentParser:
 def _positive(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 1 is needed")
+    return int(text)
+
+
+def _natural(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 0 is needed")
     return int(text)
 
 

@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -102,6 +102,37 @@ def run_alone(
         As of `run_in_processes`, for one item.
     """
     yield from _one_pool(function, deque([item]), 1, pulse, local_processes)
+
+
+def run_in_turn(
+    function: Callable[[Item], Answer], items: Iterable[Item], limit: Callable[[Item], float], pulse: float = PULSE
+) -> Generator[tuple[Started[Item] | Ended[Item, Answer] | Running[Item], float], None, None]:
+    """Events of items one after another in one process, each with the seconds of its item so far.
+
+    An item that reaches its limit ends with `TimeoutError`; it and one whose process dies cost the others nothing but
+    the start of another process.
+
+    Parameters
+    ----------
+    function, items, pulse
+        As of `run_in_processes`.
+    limit : callable
+        Seconds that an item may take, looked at every pulse.
+    """
+    waiting = list(items)
+    while waiting:
+        begun = time.monotonic()
+        with closing(run_in_processes(function, tuple(waiting), 1, pulse)) as events:
+            for event in events:
+                passed = 0.0 if isinstance(event, Started) else time.monotonic() - begun
+                begun = time.monotonic() if isinstance(event, Started) else begun
+                if isinstance(event, Running) and passed > limit(event.items[0]):
+                    event = Ended(event.items[0], TimeoutError(f"no answer in {passed:.0f} s"))
+                yield event, passed
+                if isinstance(event, Ended):
+                    waiting.remove(event.item)
+                    if isinstance(event.answer, TimeoutError):
+                        break
 
 
 def run_each_alone(

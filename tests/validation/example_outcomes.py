@@ -17,6 +17,22 @@ def converge(task: Task) -> Outcome:
     return outcome()
 
 
+def found(task: Task) -> Outcome:
+    """A second scene with two findings, one kind of them twice; the others with none."""
+    kinds = ("shift", "shift", "energy balance") if task.id.endswith("_1") else ()
+    return Outcome(task.id, EXPECTED, EXPECTED, True, not kinds, None, tuple(kinds), 0.5, kinds)
+
+
+def die_at_the_second(task: Task) -> Outcome:
+    return die(task) if task.id.endswith("_1") else outcome()
+
+
+def sleep_at_the_second(task: Task) -> Outcome:
+    while task.id.endswith("_1"):
+        time.sleep(0.1)
+    return outcome()
+
+
 def crash(task: Task) -> Outcome:
     raise ZeroDivisionError("the matrix is singular")
 

@@ -2,11 +2,13 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from validation import __main__ as command_line
+from validation import execution
 from validation.cases import stability as registered
 from validation.execution import Ended, Running
 from validation.studies import stability
@@ -109,14 +111,15 @@ def here(monkeypatch):
     """Everything in this process: starting another takes seconds."""
     begun = []
 
-    def in_this_process(function, item):
-        begun.append(item.id)
-        try:
-            yield Ended(item, function(item))
-        except Exception as error:
-            yield Ended(item, error)
+    def in_this_process(function, items, limit):
+        for item in items:
+            begun.append(item.id)
+            try:
+                yield Ended(item, function(item)), 0.0
+            except Exception as error:
+                yield Ended(item, error), 0.0
 
-    monkeypatch.setattr(stability, "run_alone", in_this_process)
+    monkeypatch.setattr(stability, "run_in_turn", in_this_process)
     return begun
 
 
@@ -171,17 +174,17 @@ def test_rows_of_the_other_form_do_not_count(examples, here, tmp_path):
 
 
 def test_a_lost_case_is_an_error_of_the_study(examples, here, tmp_path, monkeypatch):
-    monkeypatch.setattr(stability, "_alone", lambda *_: row_of(FLAT, examples.outcome()))
+    monkeypatch.setattr(stability, "_in_turn", lambda *_: iter([row_of(FLAT, examples.outcome())]))
     with pytest.raises(RuntimeError, match="planned 3 cases"):
         study(tmp_path, examples.converge)
 
 
 def test_time_limit_ends_a_case(examples, tmp_path, monkeypatch):
-    def endless(function, item):
+    def endless(function, items, jobs, pulse):
         while True:
-            yield Running((item,), (1.0,))
+            yield Running(tuple(items), (1.0,))
 
-    monkeypatch.setattr(stability, "run_alone", endless)
+    monkeypatch.setattr(execution, "run_in_processes", endless)
     assert study(tmp_path, examples.converge, [replace(FLAT, limit=0.01)]) == 1
     assert stored(tmp_path)["rows"][0]["ending"] == "timed out"
 
@@ -218,6 +221,87 @@ def test_command_line_takes_one_case_at_a_time_unless_asked(words, jobs, tmp_pat
 @pytest.mark.parametrize("task", TASKS, ids=[task.code for task in TASKS])
 def test_cases_of_every_code_run_for_real(task, here, tmp_path):
     assert study(tmp_path, None, [task]) == 0
+
+
+# Random scenes
+
+RANDOM = stability.random_tasks(3, 7)
+
+
+def random_study(folder, measure, jobs=1, tasks=RANDOM):
+    return stability.run(folder, True, lambda note: None, tasks, measure, jobs, stability.RANDOM_FILE)
+
+
+def random_stored(folder):
+    return json.loads((folder / stability.RANDOM_FILE).read_text())
+
+
+def test_random_scenes_do_not_depend_on_their_number():
+    assert [task.id for task in RANDOM] == ["seed_7_scene_0", "seed_7_scene_1", "seed_7_scene_2"]
+    assert stability.random_tasks(5, 7)[:3] == RANDOM
+
+
+def test_findings_are_counted_by_kind_and_scene(examples, here, tmp_path, capsys):
+    assert random_study(tmp_path, examples.found) == 1
+    told = capsys.readouterr().out
+    assert "planned 3, reported 3" in told
+    assert "with findings: energy balance 1, shift 1" in told
+    stored = random_stored(tmp_path)
+    assert stored["findings"] == {"energy balance": 1, "shift": 1}
+    assert (stored["counts"]["correct"], stored["counts"]["converged, not correct"]) == (2, 1)
+
+
+def test_scenes_that_do_not_stand_are_written(examples, here, tmp_path):
+    random_study(tmp_path, examples.found)
+    assert [path.name for path in (tmp_path / stability.RANDOM_FOLDER).glob("*.toml")] == ["seed_7_scene_1.toml"]
+
+
+def test_random_rows_leave_those_of_the_hard_cases(examples, here, tmp_path):
+    study(tmp_path, examples.converge)
+    random_study(tmp_path, examples.converge)
+    here.clear()
+    study(tmp_path, examples.converge)
+    assert here == []
+
+
+def test_more_scenes_of_a_seed_go_on_where_fewer_ended(examples, here, tmp_path):
+    random_study(tmp_path, examples.converge)
+    here.clear()
+    random_study(tmp_path, examples.converge, tasks=stability.random_tasks(5, 7))
+    assert here == ["seed_7_scene_3", "seed_7_scene_4"]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_scene_that_kills_the_process_it_shares_costs_no_other(examples, tmp_path, jobs):
+    assert random_study(tmp_path, examples.die_at_the_second, jobs) == 1
+    assert [row["ending"] for row in random_stored(tmp_path)["rows"]] == ["converged", "crashed", "converged"]
+
+
+def test_scene_that_never_ends_costs_no_other(examples, tmp_path, monkeypatch):
+    monkeypatch.setattr(stability, "run_in_turn", partial(execution.run_in_turn, pulse=0.2))
+    tasks = [RANDOM[0], replace(RANDOM[1], limit=0.3), RANDOM[2]]
+    assert random_study(tmp_path, examples.sleep_at_the_second, tasks=tasks) == 1
+    assert [row["ending"] for row in random_stored(tmp_path)["rows"]] == ["converged", "timed out", "converged"]
+
+
+def test_a_random_scene_runs_for_real(here, tmp_path):
+    assert random_study(tmp_path, None, tasks=stability.random_tasks(1, 0)) == 0
+
+
+def test_command_line_takes_random_scenes(tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(stability, "run", lambda *given, **named: seen.append((given[3], named)) or 0)
+    words = ["study", "stability", "--random", "3", "--seed", "7", "--jobs", "2", "--out", str(tmp_path)]
+    assert command_line.main(words) == 0
+    assert seen == [(RANDOM, {"jobs": 2, "file": stability.RANDOM_FILE})]
+
+
+@pytest.mark.parametrize(
+    "words", [["cost", "--random", "3"], ["stability", "--seed", "3"]], ids=["another study", "seed alone"]
+)
+def test_random_scenes_where_there_are_none_are_bad_input(words, tmp_path, capsys):
+    assert command_line.main(["study", *words, "--out", str(tmp_path)]) == 2
+    assert words[1] in capsys.readouterr().err
 
 
 # The same as cases of the registry

@@ -42,6 +42,8 @@ class Outcome:
         What speaks against it.
     seconds : float
         CPU time of the solution alone.
+    kinds : tuple of str
+        Kind of each finding, where a corpus counts them.
     """
 
     id: str
@@ -52,6 +54,7 @@ class Outcome:
     refused_reason: str | None
     findings: tuple[str, ...]
     seconds: float
+    kinds: tuple[str, ...] = ()
 
 
 def run_case(case: HardCase, full: bool = False) -> Outcome:

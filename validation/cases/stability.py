@@ -8,7 +8,6 @@ crashes is a row with its message.  The full forms are those of `python -m valid
 from __future__ import annotations
 
 from functools import partial
-from typing import get_args
 
 from validation.case import Case, Outcome
 from validation.schema import Reference, Row, Tolerance
@@ -79,5 +78,5 @@ CASES = tuple(
         sources=NAMES[code][2],
         compute=partial(_hard_cases, code),
     )
-    for code in get_args(Code)
+    for code in NAMES
 )

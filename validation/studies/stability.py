@@ -14,6 +14,10 @@ Apart from that it is correct or not: certificates, events, closed forms, second
 case that converged and is not correct is the worst kind, and counted.  Planned and reported cases are counted and
 compared; a row that is missing is an error of the study.  Rows already in stability.json that the same sources made
 are kept, so that an interrupted study goes on.
+
+With `--random N --seed K` the cases are N scenes drawn at random instead (random_scenes.py), which random_trial.py
+judges: the rows go to stability_random.json with the findings counted by kind, and the scenes of rows that do not
+stand to the folder random/, so that each can be run alone.
 """
 
 from __future__ import annotations
@@ -21,6 +25,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, fields
@@ -31,18 +36,20 @@ from typing import Any, Literal, Protocol, get_args
 from validation.cases import hard_case_run, hard_fem_cases, hard_persson_cases
 from validation.cases.hard_case_run import Outcome
 from validation.cases.hard_cases import HARD_CASES
-from validation.execution import Ended, Running, run_alone, run_in_processes
+from validation.execution import Ended, Running, run_in_processes, run_in_turn
 from validation.provenance import provenance, sources_digest, versions
 from validation.runner import Note
 from validation.schema import Table
+from validation.studies import random_trial
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-stability/1"
-FILE = "stability.json"
+FILE, RANDOM_FILE, RANDOM_FOLDER = "stability.json", "stability_random.json", "random"
 LIMITS = {"reduced": 120.0, "full": 1800.0}  # s of the clock
+TOGETHER = 20  # random scenes that share a process, whose start takes as long as a scene
 ASKED = 10.0  # s of CPU time for a reduced case, as asked for; reported, seconds never gate
 
-Code = Literal["bem", "fem", "persson"]
+Code = Literal["bem", "fem", "persson", "random"]
 Form = Literal["reduced", "full"]
 Ending = Literal["converged", "refused as expected", "refused", "not converged", "crashed", "timed out"]
 ENDINGS: tuple[Ending, ...] = get_args(Ending)
@@ -61,7 +68,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Row:
-    """What became of a case; `correct` is False where there is no result to judge."""
+    """What became of a case; `correct` is False where there is no result to judge; `kinds` are those of findings."""
 
     code: Code
     id: str
@@ -73,6 +80,7 @@ class Row:
     correct: bool
     message: str
     seconds: float | None
+    kinds: tuple[str, ...] = ()
 
     @property
     def stands(self) -> bool:
@@ -86,6 +94,12 @@ def tasks_of(quick: bool) -> list[Task]:
     return [Task(code, name, form, LIMITS[form]) for code, corpus in _corpora().items() for name in corpus]
 
 
+def random_tasks(number: int, seed: int) -> list[Task]:
+    """Scenes 0..number - 1 of a seed: each is the same whatever the number, and in whichever process."""
+    names = (random_trial.RandomCase(seed, index).id for index in range(number))
+    return [Task("random", name, "reduced", LIMITS["reduced"]) for name in names]
+
+
 def run(
     folder: Path,
     quick: bool,
@@ -93,6 +107,7 @@ def run(
     tasks: Sequence[Task] | None = None,
     measure: Callable[[Task], Outcome] | None = None,
     jobs: int = 1,
+    file: str = FILE,
 ) -> int:
     """Run the study, print its table, write stability.json; 1 when a case fails.
 
@@ -109,6 +124,8 @@ def run(
         Another measurement than `measured`, importable by name.
     jobs : int
         Cases at a time; rows depend on it by their seconds only, as long as none reaches its limit by the clock.
+    file : str
+        Name of the file of rows.
 
     Raises
     ------
@@ -117,7 +134,8 @@ def run(
     """
     planned = tasks_of(quick) if tasks is None else list(tasks)
     key, facts = _key(), provenance()
-    rows = [row for row in _stored(folder / FILE, key) if _task(row) in {_plain(task) for task in planned}]
+    wanted = {_plain(task) for task in planned}
+    rows = [row for row in _stored(folder / file, key) if _task(row) in wanted]
     if rows:
         report(Note(f"{len(rows)} of {len(planned)} cases are there already"))
     there, begun = {_task(row) for row in rows}, time.monotonic()
@@ -126,12 +144,15 @@ def run(
         rows.append(row)
         elapsed = time.monotonic() - begun
         report(Note(f"[{len(rows)}/{len(planned)}] {_told(rows[-1])}; {elapsed:.0f} s so far"))
-        _write(folder, key, facts, rows, len(planned))
-    order = [_plain(task) for task in planned]
-    rows.sort(key=lambda row: order.index(_task(row)))
-    if [_task(row) for row in rows] != order:
+        _write(folder / file, key, facts, rows, len(planned))
+    order = {_plain(task): place for place, task in enumerate(planned)}
+    rows.sort(key=lambda row: order[_task(row)])
+    if [_task(row) for row in rows] != list(order):
         raise RuntimeError(f"planned {len(planned)} cases, {len({_task(row) for row in rows})} of them reported")
-    _write(folder, key, facts, rows, len(planned))
+    _write(folder / file, key, facts, rows, len(planned))
+    for row in rows:
+        if row.code == "random" and not row.stands:
+            random_trial.case_of(row.id).drawn.write(folder / RANDOM_FOLDER)
     print(text_table(COLUMNS, [_cells(row) for row in rows]))
     for line in summary(rows, len(planned)):
         print(line)
@@ -140,17 +161,17 @@ def run(
 
 def measured(task: Task) -> Outcome:
     """One case, in a process of its own."""
-    return RUNNERS[task.code](_corpora()[task.code][task.id], task.form == "full")
+    return RUNNERS[task.code](_case(task), task.form == "full")
 
 
 def row_of(task: Task, answer: Outcome | Exception | None, seconds: float | None = None) -> Row:
     """The row of a case from its outcome, from the exception in its place, or from neither: then the time was up."""
-    case = _corpora()[task.code][task.id]
+    case = _case(task)
     name: tuple[Code, str, Form, str] = (task.code, task.id, task.form, case.reason)
     if isinstance(answer, Outcome):
-        message = answer.refused_reason or "; ".join(answer.findings)
+        message = "; ".join(filter(None, [answer.refused_reason, *answer.findings]))
         judged = (_ending(answer), answer.correct, message, answer.seconds)
-        return Row(*name, answer.expected, answer.observed, *judged)
+        return Row(*name, answer.expected, answer.observed, *judged, answer.kinds)
     expected = case.expectation(task.form == "full")
     if answer is None:
         return Row(*name, expected, (), "timed out", False, f"no answer in {task.limit:g} s", seconds)
@@ -172,6 +193,11 @@ def counts(rows: Iterable[Row]) -> dict[str, int]:
     return found
 
 
+def kinds(rows: Iterable[Row]) -> dict[str, int]:
+    """Cases with a finding of each kind, the most frequent first."""
+    return dict(Counter(kind for row in rows for kind in sorted(set(row.kinds))).most_common())
+
+
 def summary(rows: Sequence[Row], planned: int) -> list[str]:
     """Counts of every code and of all, over the cases planned."""
     lines = [f"planned {planned}, reported {len(rows)}"]
@@ -180,6 +206,8 @@ def summary(rows: Sequence[Row], planned: int) -> list[str]:
         if chosen:
             told = ", ".join(f"{name} {count}" for name, count in counts(chosen).items())
             lines.append(f"{code}: {told}; of {len(chosen)}")
+    found = kinds(rows)
+    lines += [f"with findings: {', '.join(f'{kind} {count}' for kind, count in found.items())}"] if found else []
     slow = [f"{row.id} ({row.seconds:.1f} s)" for row in rows if row.form == "reduced" and (row.seconds or 0) > ASKED]
     lines += [f"above {ASKED:g} s of CPU time: {', '.join(slow)}"] if slow else []
     return lines + [f"FAILED {row.code} {row.id}: {_told(row)}" for row in rows if not row.stands]
@@ -220,52 +248,60 @@ def _corpora() -> dict[Code, dict[str, _Hard]]:
     return {code: {case.id: case for case in cases} for code, cases in corpora.items()}
 
 
+def _case(task: Task) -> _Hard:
+    """The case of a task."""
+    return random_trial.case_of(task.id) if task.code == "random" else _corpora()[task.code][task.id]
+
+
 RUNNERS: dict[Code, Callable[[Any, bool], Outcome]] = {
     "bem": hard_case_run.run_case,
     "fem": hard_fem_cases.run_case,
     "persson": hard_persson_cases.run_case,
+    "random": random_trial.run_case,
 }
 
 
 def _rows(
     measure: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int, report: Callable[[Note], None]
 ) -> Iterator[Row]:
-    """The rows of cases as they end, up to `jobs` at a time, each in a process of its own."""
+    """The rows of cases as they end, up to `jobs` at a time, each in a process of its own, random ones in groups."""
+    groups: list[tuple[Task, ...]] = [(task,) for task in tasks if task.code != "random"]
+    drawn = [task for task in tasks if task.code == "random"]
+    groups += [tuple(drawn[first : first + TOGETHER]) for first in range(0, len(drawn), TOGETHER)]
     if jobs == 1:
-        yield from (_alone(measure, task, report) for task in tasks)
+        for group in groups:
+            yield from _in_turn(measure, group, report)
         return
-    with closing(run_in_processes(partial(_alone, measure), tasks, jobs)) as events:
+    with closing(run_in_processes(partial(_listed, measure), groups, jobs)) as events:
         for event in events:
+            names = [_name(group[0]) for group in (event.items if isinstance(event, Running) else (event.item,))]
             if isinstance(event, Ended):
-                yield event.answer if isinstance(event.answer, Row) else row_of(event.item, event.answer)
+                answer = event.answer
+                yield from answer if isinstance(answer, list) else [row_of(task, answer) for task in event.item]
             elif isinstance(event, Running):
-                told = (
-                    f"{_name(task)} {passed:.0f} s" for task, passed in zip(event.items, event.seconds, strict=True)
-                )
-                report(Note(", ".join(told)))
+                report(Note(", ".join(f"{n} {passed:.0f} s" for n, passed in zip(names, event.seconds, strict=True))))
+            else:
+                report(Note(f"{names[0]}: started"))
+
+
+def _listed(measure: Callable[[Task], Outcome], tasks: Sequence[Task]) -> list[Row]:
+    """The rows of cases that share a process, told at the end."""
+    return list(_in_turn(measure, tasks, lambda note: None))
+
+
+def _in_turn(
+    measure: Callable[[Task], Outcome], tasks: Sequence[Task], report: Callable[[Note], None]
+) -> Iterator[Row]:
+    """Cases one after another in one process, which another replaces where a case kills it or reaches its limit."""
+    with closing(run_in_turn(measure, tasks, lambda task: task.limit)) as events:
+        for event, seconds in events:
+            if isinstance(event, Ended):
+                late = isinstance(event.answer, TimeoutError)
+                yield row_of(event.item, None if late else event.answer, seconds)
+            elif isinstance(event, Running):
+                report(Note(f"{_name(event.items[0])}: {seconds:.0f} s"))
             else:
                 report(Note(f"{_name(event.item)}: started"))
-
-
-def _silent(note: Note) -> None:
-    """Tell nothing: who asked for the case tells of it."""
-
-
-def _alone(measure: Callable[[Task], Outcome], task: Task, report: Callable[[Note], None] = _silent) -> Row:
-    """A case in a process of its own, ended at its limit."""
-    name, begun = _name(task), time.monotonic()
-    report(Note(f"{name}: started"))
-    answer: Outcome | Exception | None = None
-    with closing(run_alone(measure, task)) as events:
-        for event in events:
-            passed = time.monotonic() - begun
-            if isinstance(event, Running):
-                report(Note(f"{name}: {passed:.0f} s"))
-                if passed > task.limit:
-                    break
-            elif isinstance(event, Ended):
-                answer = event.answer
-    return row_of(task, answer, time.monotonic() - begun)
 
 
 def _key() -> str:
@@ -288,8 +324,8 @@ def _stored(path: Path, key: str) -> list[Row]:
 NAMES = tuple(field.name for field in fields(Row))
 
 
-def _write(folder: Path, key: str, facts: dict[str, Any], rows: Sequence[Row], planned: int) -> None:
-    """stability.json with the rows so far."""
+def _write(path: Path, key: str, facts: dict[str, Any], rows: Sequence[Row], planned: int) -> None:
+    """The file of the study with the rows so far."""
     content = {
         "schema": SCHEMA,
         "key": key,
@@ -297,10 +333,11 @@ def _write(folder: Path, key: str, facts: dict[str, Any], rows: Sequence[Row], p
         "planned": planned,
         "reported": len(rows),
         "counts": counts(rows),
+        "findings": kinds(rows),
         "rows": [asdict(row) for row in rows],
         "table": table_of(rows).model_dump(mode="json"),
     }
-    write_json(folder / FILE, content)
+    write_json(path, content)
 
 
 def _tuple(value: Any) -> Any:

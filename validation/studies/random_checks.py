@@ -1,0 +1,365 @@
+"""What speaks against the result of any scene: vocabulary, targets, numbers, certificates, identities, energy balance.
+
+Nothing here knows what a scene should give; it knows what any result must obey.  A check takes the scene and its
+result and returns findings, each of a kind that studies count; an empty list means that nothing was found.
+
+Energy balance.  Between two stored states of a path the potential Pi of its control changes by the work of the
+conjugate force f less what events release,
+
+    penetration, separation:   Pi = U,                 tau = Delta,              f = p,
+    total displacement:        Pi = U + c(0) p^2 / 2,  tau = Delta + c(0) p,     f = p,
+    mean pressure:             Pi = U - p Delta,       tau = p,                  f = -Delta,
+
+because jumps happen at fixed tau.  The work is the integral of f over tau by Hermite's rule on values and slopes
+(the contact stiffness) at the stored states; its quadrature error is taken as the difference from the rule of the next
+lower order, and an interval that its states do not resolve is not judged.  Energies per nominal area, SI units.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from typing import Literal, get_args
+
+import numpy as np
+
+from bem.result import FINAL_STATUSES, STATUSES, Event, Result, State
+from bem.scaling import Scales, Solid
+from bem.scene import Scene
+from validation.studies.random_scenes import mean_compliance
+
+Kind = Literal[
+    "vocabulary",
+    "targets",
+    "unreachable",
+    "not finite",
+    "certificate",
+    "identity",
+    "energy released",
+    "energy balance",
+    "fields",
+    "warning",
+    "refusal",
+    "dense route",
+    "increment",
+    "events at a smaller increment",
+    "scale",
+    "shift",
+    "mirror",
+    "restart",
+]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+EVENTS = ("first_touch", "new_contact", "coalescence", "detachment", "pull_off", "complete_contact", "opening")
+EVENT_KINDS = (*EVENTS, "bifurcation")
+
+EPS = float(np.finfo(float).eps)
+TARGET = 1e-11  # of the unit of the controlled quantity
+IDENTITY = 1e-12  # of the unit of the quantity
+RELEASED = 1e-12  # of E* a^2 / period: rounding of the energy that an event releases
+SAFETY, AT_EVENTS = 6.0, 9.0  # times the difference of two rules; measured 2.6, and 3.4 where events lie between
+RESOLVED = 0.03  # of the energies of an interval: its quadrature error, above which it is not judged
+BALANCE = 1e-6  # of the energies of an interval
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that speaks against a result."""
+
+    kind: Kind
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.kind}: {self.text}"
+
+
+@dataclass(frozen=True)
+class Units:
+    """Natural units of a scene: rms height (of a flat profile: period), pressure, energy per area; its constants."""
+
+    period: float
+    height: float
+    pressure: float
+    energy: float
+    highest: float
+    compliance: float
+
+    @classmethod
+    def of(cls, scene: Scene) -> Units:
+        """The units of a scene."""
+        surface = scene.surface()
+        solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+        highest = 0.0 if surface.is_flat else surface.max_height
+        height = surface.rms_height or surface.period
+        scales = Scales(surface.period, height, solid.plane_strain_modulus)
+        compliance = mean_compliance(scene.resolved()) if scene.layer is not None else 0.0
+        return cls(surface.period, height, scales.stress, scales.energy_per_area, highest, compliance)
+
+    def controlled(self, scene: Scene, state: State) -> float:
+        """The controlled quantity of a state over its unit, that of the control."""
+        value = getattr(state, scene.loading.control)
+        return math.nan if value is None else float(value)
+
+    def unit(self, scene: Scene) -> float:
+        """Of the controlled quantity."""
+        if scene.loading.control == "mean_pressure":
+            return self.pressure
+        height = max(self.height, self.highest)
+        if scene.loading.control == "total_displacement":
+            return max(height, self.compliance * self.pressure)
+        return height
+
+
+def findings_of(scene: Scene, result: Result, balance: float = BALANCE) -> list[Finding]:
+    """All that a result itself says against it.
+
+    Parameters
+    ----------
+    scene : Scene
+    result : Result
+    balance : float
+        Admitted error of the energy balance, over the energies of an interval, besides its quadrature.
+    """
+    units = Units.of(scene)
+    return [
+        *vocabulary(result),
+        *targets(scene, result, units),
+        *numbers(scene, result, units),
+        *identities(result, units),
+        *released(result, units),
+        *energy_balance(scene, result, units, balance),
+    ]
+
+
+def vocabulary(result: Result) -> Iterator[Finding]:
+    """Names of statuses, branches and events; and certificates, which every state kept must have."""
+    names: list[tuple[str, tuple[str, ...]]] = [(result.status, STATUSES)]
+    names += [(state.status, STATUSES) for state in result.states]
+    names += [(state.branch, ("loading", "unloading")) for state in result.states]
+    names += [(event.kind, EVENT_KINDS) for event in result.events]
+    for name in dict.fromkeys(name for name, known in names if name not in known):
+        yield Finding("vocabulary", f"{name!r} is no name of the contract")
+    for k, state in enumerate(result.states):
+        if state.status in FINAL_STATUSES and not state.certificate.ok:
+            yield Finding("certificate", f"not ok in state {k}: {asdict(state.certificate)}")
+
+
+def targets(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
+    """Every target met in order, or a path that ends by name at one that may be out of reach."""
+    goals, loading = list(scene.loading.targets), scene.loading
+    stop = loading.stop_at_mean_pressure
+    asked = [*loading.at_mean_pressures, *(() if stop is None else (stop,))]
+    met, unit = 0, units.unit(scene)
+    for state in result.targets:
+        if state.status not in FINAL_STATUSES:
+            break
+        value = units.controlled(scene, state)
+        goal = goals[met] if met < len(goals) else math.nan
+        if abs(value - goal) <= TARGET * unit + 8 * EPS * abs(goal):
+            met += 1
+            if loading.control == "separation" and goal == 0 and state.status != "complete_contact":
+                told = f"{state.status}, contact fraction {state.contact_fraction:.9g}"
+                yield Finding("targets", f"separation 0 is complete contact, not {told}")
+        elif any(abs(state.mean_pressure - p) <= TARGET * max(units.pressure, abs(p)) for p in asked):
+            if result.status == "converged" and state.mean_pressure == result.states[-1].mean_pressure and stop:
+                goals = goals[:met] if abs(state.mean_pressure - stop) <= TARGET * max(units.pressure, stop) else goals
+        else:
+            yield Finding("targets", f"{loading.control} {value:.17g} where {goal:.17g} is the target")
+            return
+    if result.status == "converged" and met < len(goals):
+        yield Finding("targets", f"converged with {met} of {len(goals)} targets met")
+    if result.status == "unreachable" and not (met < len(goals) and _may_be_unreachable(scene, units, goals[met])):
+        yield Finding("unreachable", f"target {met} of {goals} can be reached")
+    if result.status in ("separated", "complete_contact", "interrupted"):
+        yield Finding("targets", f"the path ends {result.status}")
+
+
+def _may_be_unreachable(scene: Scene, units: Units, goal: float) -> bool:
+    """Whether a target may lie beyond every equilibrium: tension, and penetration beyond complete contact."""
+    control = scene.loading.control
+    if control == "mean_pressure":
+        return goal < 0
+    limited = control == "penetration" or (control == "total_displacement" and units.compliance == 0)
+    return limited and goal > units.highest
+
+
+def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
+    """No NaN and no infinity, but for the load of complete contact where the control leaves it open."""
+    control = scene.loading.control
+    free = control in ("separation", "penetration") or (control == "total_displacement" and units.compliance == 0)
+    for k, state in enumerate(result.states):
+        if state.status not in FINAL_STATUSES:
+            continue
+        open_ended: list[str] = ["mean_pressure"] * (free and state.status == "complete_contact")
+        may = open_ended + ["total_displacement"] * (bool(open_ended) and units.compliance > 0)
+        content = asdict(state)
+        values = {name: value for name, value in content.items() if name not in may and isinstance(value, float)}
+        values |= {f"certificate.{name}": value for name, value in content["certificate"].items()}
+        values |= {f"error_estimate.{name}": value for name, value in content["error_estimate"].items()}
+        values |= {f"edges[{i}]": float(np.sum(edge)) for i, edge in enumerate(state.edges)}
+        wrong = [name for name, value in values.items() if value is not None and not math.isfinite(value)]
+        if wrong:
+            yield Finding("not finite", f"{', '.join(wrong)} of state {k} ({state.status})")
+    for k, event in enumerate(result.events):
+        values = {name: getattr(event, name) for name in ("penetration", "mean_pressure", "position")}
+        if any(value is not None and not math.isfinite(value) for value in values.values()):
+            yield Finding("not finite", f"event {k} ({event.kind}): {values}")
+    for name, array in result.fields.items():
+        outside = name.startswith("pressure_")
+        if np.any(np.isinf(array)) or (not outside and np.any(np.isnan(array))):
+            yield Finding("fields", f"{name} holds what is no number")
+
+
+def identities(result: Result, units: Units) -> Iterator[Finding]:
+    """What the numbers of one state have to do with one another."""
+    height = max(units.height, units.highest)
+    for k, state in enumerate(result.states):
+        if state.status not in FINAL_STATUSES:
+            continue
+        edges = np.array(state.edges).reshape(-1, 2)
+        width = float(np.sum(edges[:, 1] - edges[:, 0])) / units.period
+        joined = state.status == "complete_contact"
+        energy = max(units.energy, abs(state.elastic_energy), abs(state.adhesion_energy))
+        wrong = {
+            "separation + penetration": abs(state.separation + state.penetration - units.highest)
+            / max(height, abs(state.penetration)),
+            "patches": float(state.n_patches != len(edges)),
+            "contact fraction": abs(state.contact_fraction - (1.0 if joined else width)),
+            "order of the edges": float(
+                np.any(np.diff(edges.ravel()) <= 0) or np.any((edges[:, 0] < 0) | (edges[:, 0] >= units.period))
+            ),
+            "total energy": abs(state.elastic_energy + state.adhesion_energy - state.total_energy) / energy,
+            "edges": float((state.status == "converged") != bool(len(edges))),
+            "elastic energy below 0": float(state.elastic_energy < -IDENTITY * energy),
+        }
+        told = [f"{name} ({value:.1e})" for name, value in wrong.items() if value > IDENTITY]
+        if told:
+            yield Finding("identity", f"{', '.join(told)} of state {k} ({state.status})")
+
+
+def released(result: Result, units: Units) -> Iterator[Finding]:
+    """No event takes energy up."""
+    for k, event in enumerate(result.events):
+        if event.energy_released is not None and event.energy_released < -RELEASED * units.energy:
+            yield Finding("energy released", f"event {k} ({event.kind}) releases {event.energy_released:.2e} J/m^2")
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A place on the path: control value, force, its slope (nan: unknown), potential."""
+
+    value: float
+    force: float
+    slope: float
+    potential: float
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Energy of the interval before a state: what is missing, the quadrature error, and the energies it is made of."""
+
+    state: int
+    missing: float
+    quadrature: float
+    energies: float
+    events: int
+
+
+def energy_balance(scene: Scene, result: Result, units: Units, tolerance: float = BALANCE) -> Iterator[Finding]:
+    """Work of the load = change of energy + released, between the stored states that resolve it.
+
+    Flat profiles have exact answers and no events.
+    """
+    if scene.surface().is_flat:
+        return
+    for part in balances(scene, result, units):
+        if part.quadrature > RESOLVED * part.energies:
+            continue
+        safety = AT_EVENTS if part.events else SAFETY
+        if not abs(part.missing) <= safety * part.quadrature + tolerance * part.energies:
+            share, bar = part.missing / part.energies, part.quadrature / part.energies
+            told = f"{share:.1e} of the energies missing before state {part.state}, quadrature {bar:.1e}"
+            yield Finding("energy balance", f"{told}, {part.events} events")
+
+
+def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
+    """The balance of every interval with finite numbers, from first touch on."""
+    apart = Mark(0.0, 0.0, 0.0, 0.0) if scene.loading.initial == "separated" else None
+    marks = [_mark(scene, state, units) for state in result.states]
+    groups = _by_interval(scene, result, units, apart, marks)
+    for k, (before, after, events) in enumerate(zip([apart, *marks], marks, groups, strict=False)):
+        if before is None or any(event.energy_released is None for event in events):
+            continue
+        if before.force == before.slope == 0 and after.slope == 0 and not events:
+            continue  # from surfaces apart to complete contact at once: nothing of the way is stored
+        freed = math.fsum(float(event.energy_released or 0.0) for event in events)
+        work, error = _work(scene, units, before, after, events)
+        change = after.potential - before.potential
+        energies = abs(before.potential) + abs(after.potential) + abs(work) + abs(freed)
+        if math.isfinite(change + work + freed) and energies > 0:
+            yield Balance(k, change + freed - work, error, energies, len(events))
+
+
+def _mark(scene: Scene, state: State, units: Units) -> Mark:
+    """A state as place on the path; not finite where it has no energy or load, or was not reached."""
+    stiffness = 0.0 if state.contact_stiffness is None else state.contact_stiffness
+    p, depth = state.mean_pressure, state.penetration
+    energy = state.total_energy if state.status in FINAL_STATUSES else math.nan
+    if scene.loading.control == "mean_pressure":
+        return Mark(p, -depth, -1 / stiffness if stiffness else 0.0, energy - p * depth)
+    c = units.compliance if scene.loading.control == "total_displacement" else 0.0
+    if state.status == "complete_contact":
+        return Mark(depth + c * p if c else depth, p, 1 / c if c else math.nan, energy + c * p * p / 2)
+    return Mark(depth + c * p, p, stiffness / (1 + c * stiffness), energy + c * p * p / 2)
+
+
+def _event_mark(scene: Scene, event: Event, units: Units) -> tuple[float, float]:
+    """Control value and force right after an event."""
+    if scene.loading.control == "mean_pressure":
+        return event.mean_pressure, -event.penetration
+    c = units.compliance if scene.loading.control == "total_displacement" else 0.0
+    return event.penetration + c * event.mean_pressure, event.mean_pressure
+
+
+def _by_interval(
+    scene: Scene, result: Result, units: Units, apart: Mark | None, marks: list[Mark]
+) -> list[tuple[Event, ...]]:
+    """Events between consecutive states, in their order: each goes into the first interval that may hold it."""
+    groups: list[tuple[Event, ...]] = []
+    left = list(result.events)
+    for state, before, after in zip(result.states, [apart, *marks], marks, strict=False):
+        away = -math.inf if state.branch == "loading" and scene.loading.initial != "complete_contact" else math.inf
+        begun = away if before is None else before.value
+        low, high = min(begun, after.value), max(begun, after.value)
+        slack = 1e-12 * units.unit(scene) + 4 * EPS * abs(after.value)
+        inside: list[Event] = []
+        while left and low - slack <= _event_mark(scene, left[0], units)[0] <= high + slack:
+            inside.append(left.pop(0))
+        groups.append(tuple(inside))
+    return groups
+
+
+def _work(scene: Scene, units: Units, before: Mark, after: Mark, events: tuple[Event, ...]) -> tuple[float, float]:
+    """Integral of the force over the control value from one state to the next, and its quadrature error."""
+    places = [_event_mark(scene, event, units) for event in events]
+    if not places:
+        step = after.value - before.value
+        plain = step * (before.force + after.force) / 2
+        if scene.adhesion is None and min(before.value, after.value) < 0 < max(before.value, after.value):
+            places = [(0.0, 0.0)]  # without adhesion the surfaces part where they met
+        else:
+            secant = (after.force - before.force) / step if step else before.slope
+            bends = (before.slope - after.slope, before.slope - secant, after.slope - secant)
+            return plain + step**2 * bends[0] / 12, step**2 * max(map(abs, bends)) / 12
+    first, last = places[0], places[-1]
+    step = first[0] - before.value
+    work, error = step * before.force + step**2 * before.slope / 2, abs(step**2 * before.slope) / 2
+    for here, there in pairwise(places):
+        step = there[0] - here[0]
+        work += step * here[1]  # the slope after an event is not stored
+        error += abs(step * (there[1] - here[1]))
+    step = after.value - last[0]
+    plain = step * (last[1] + after.force) / 2
+    fitted = step * (last[1] + 2 * after.force) / 3 - step**2 * after.slope / 6
+    return work + fitted, error + abs(fitted - plain)

@@ -1,0 +1,350 @@
+"""The same scene asked another way, and whether the answer is the same: states at the targets, and events.
+
+    increment   a third of the largest increment
+    scale       lengths times LENGTH, moduli times MODULUS, work of adhesion times both
+    shift       phases of order m turned by m SHIFT, the profile given as harmonics
+    mirror      phases negated, the profile given as harmonics
+    restart     the rest of the path from the state stored at a target in the middle
+
+States agree within the errors that both estimate, and rounding, and up to a symmetry of the profile: which of equal
+crests or troughs comes first is nobody's fault.  Events agree in kind and order (those of one
+avalanche in any order), in position, penetration, pressure and energy released.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.profile import Profile
+from bem.result import FINAL_STATUSES, Event, Result, State, write_result
+from bem.scene import LoadingTable, Scene, parse_scene
+from bem.solver import solve
+from validation.studies.random_checks import EPS, Finding, Kind, Units
+from validation.studies.random_scenes import SCAN, Table
+
+LENGTH, MODULUS, SHIFT = 0.37, 290.0, 1.0  # no powers of two, whose products are exact
+FINER = 3.0
+
+SYMMETRIC = 1e-12  # of a wave, about the point where it is taken for even
+STATE = 2.5e-11  # of the unit of each quantity, besides the errors estimated
+ROUNDINGS = 24.0  # of the height of the profile, seen through the stiffness of the state
+LENGTHS = ("target", "start", "stop", "then_back_to")
+PRESSURES = ("stop_at_mean_pressure", "at_mean_pressures")
+
+
+@dataclass(frozen=True)
+class Nearness:
+    """How near the events of two runs must be: position in periods, the rest in units of the scene.
+
+    `released` is relative to the energy released, with `noise` of the unit of energies beside it.
+    """
+
+    position: float
+    place: float
+    released: float
+    noise: float
+
+
+# Measured over 150 avalanches: 1.9e-11, 5e-10, 8.5e-8 (the opening of a flaw apart: 1.2e-5).
+SAME_PATH = Nearness(position=5e-11, place=1.5e-9, released=2.5e-7, noise=1e-11)
+# Of the solver as it is: nine of ten avalanches agree to 2e-7, 3.5e-4, 3.6e-3, the worst to 2e-4, 0.05, 0.4.  To become
+# 1e-6 or the errors that events estimate, as soon as events are located by their own equation.
+OTHER_INCREMENT = Nearness(position=5e-4, place=0.05, released=0.3, noise=1e-8)
+
+
+@dataclass(frozen=True)
+class Copy:
+    """A scene asked another way.
+
+    Parameters
+    ----------
+    kind : str
+        Of the findings.
+    scene : Scene
+    length, modulus : float
+        Its units over those of the original.
+    turned : float
+        Shift of positions against the original, in periods.
+    mirrored : bool
+    last : int or None
+        Number of targets at the end of the path that it visits; None: all, and the events too.
+    """
+
+    kind: Kind
+    scene: Scene
+    length: float = 1.0
+    modulus: float = 1.0
+    turned: float = 0.0
+    mirrored: bool = False
+    last: int | None = None
+
+    def placed(self, positions: NDArray[np.float64], period: float) -> NDArray[np.float64]:
+        """Positions of the copy (m) as those of the original, in its periods, same shape."""
+        x = positions / (self.length * period)
+        return np.asarray(((-x if self.mirrored else x) + self.turned) % 1.0)
+
+
+def smaller_increment(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
+    """A third of the largest increment."""
+    finer = tables.get("accuracy", {}) | {"max_increment": scene.accuracy.max_increment / FINER}
+    return Copy("increment", parse_scene(_plain(tables, scene) | {"accuracy": finer}, folder))
+
+
+def scaled(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
+    """Lengths and moduli in other units."""
+    other = {name: dict(table) for name, table in _plain(tables, scene).items()}
+    other["solid"]["youngs_modulus"] *= MODULUS
+    profile = other["profile"]
+    for key in ("period", "rms_height"):
+        if key in profile:
+            profile[key] *= LENGTH
+    if "amplitudes" in profile:
+        profile["amplitudes"] = [amplitude * LENGTH for amplitude in profile["amplitudes"]]
+    if scene.scan is not None:
+        profile["file"] = "scaled_" + SCAN
+        columns = np.column_stack([scene.scan.x, scene.scan.h]) * LENGTH
+        np.savetxt(folder / profile["file"], columns, delimiter=",", fmt="%.17g")
+    if "layer" in other:
+        other["layer"]["thickness"] *= LENGTH
+    if "adhesion" in other:
+        other["adhesion"]["work_of_adhesion"] *= LENGTH * MODULUS
+    loading = other["loading"]
+    unit = MODULUS if scene.loading.control == "mean_pressure" else LENGTH
+    loading["targets"] = [target * unit for target in loading["targets"]]
+    if "flaw" in loading:
+        loading["flaw"] *= LENGTH
+    if "stop_at_mean_pressure" in loading:
+        loading["stop_at_mean_pressure"] *= MODULUS
+    if "at_mean_pressures" in loading:
+        loading["at_mean_pressures"] = [pressure * MODULUS for pressure in loading["at_mean_pressures"]]
+    return Copy("scale", parse_scene(other, folder), LENGTH, MODULUS)
+
+
+def shifted(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
+    """The profile shifted along the period."""
+    surface = scene.surface()
+    moved = replace_phases(surface, surface.phases + SHIFT * surface.orders)
+    other = _plain(tables, scene) | {"profile": moved}
+    return Copy("shift", parse_scene(other, folder), turned=SHIFT / (2 * np.pi))
+
+
+def mirrored(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
+    """The profile mirrored."""
+    surface = scene.surface()
+    other = _plain(tables, scene) | {"profile": replace_phases(surface, -surface.phases)}
+    return Copy("mirror", parse_scene(other, folder), mirrored=True)
+
+
+def restarted(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy | None:
+    """The rest of the path from the target in its middle; None where no target is there to start from."""
+    goals = scene.loading.targets
+    places = [k for k, state in enumerate(result.states) if state.target]
+    if len(places) != len(goals) or len(goals) < 2 or scene.loading.at_mean_pressures:
+        return None
+    middle = (len(goals) - 1) // 2
+    if result.states[places[middle]].status not in FINAL_STATUSES or not np.isfinite(
+        float(getattr(result.states[places[middle]], scene.loading.control) or np.nan)
+    ):
+        return None
+    write_result(result, folder / "stored")
+    other = _plain(tables, scene)
+    rest = {"targets": list(goals[middle + 1 :]), "initial": {"result": "stored", "state": places[middle]}}
+    other["loading"] = other["loading"] | rest
+    return Copy("restart", parse_scene(other, folder), last=len(goals) - middle - 1)
+
+
+COPIES: tuple[Callable[[Table, Scene, Result, Path], Copy | None], ...] = (scaled, shifted, mirrored, restarted)
+
+
+def compared(
+    made: Copy, scene: Scene, result: Result, other: Result, nearness: Nearness | None = None
+) -> list[Finding]:
+    """What the result of a copy says against that of the original.
+
+    Parameters
+    ----------
+    made : Copy
+    scene, result
+        The original.
+    other : Result
+        Of the copy.
+    nearness : Nearness, optional
+        Of the events; default: that of the copy's kind.
+    """
+    if other.status != result.status:
+        return [Finding(made.kind, f"status {other.status}, not {result.status}")]
+    ours, theirs = result.targets, other.targets
+    ours = ours if made.last is None else ours[len(ours) - made.last :]
+    if len(ours) != len(theirs):
+        return [Finding(made.kind, f"{len(theirs)} targets, not {len(ours)}")]
+    units = Units.of(scene)
+    ways = (_differing(way, units, result, other, nearness) for way in _ways(made, scene.surface()))
+    return min(ways, key=len)
+
+
+def _ways(made: Copy, surface: Profile) -> Iterator[Copy]:
+    """The copy itself, then placed otherwise by every symmetry of the profile: h(x) = h(x + t), h(x) = h(t - x)."""
+    yield made
+    there = surface.amplitudes != 0
+    orders, phases = surface.orders[there], surface.phases[there]
+    if not orders.size:
+        return
+    common = int(np.gcd.reduce(orders))
+    for k in range(1, common):
+        yield replace(made, turned=made.turned + k / common)
+    for k in range(2 * int(orders[0])):
+        turn = (np.pi * k - phases[0]) / orders[0]  # x -> 2 turn - x where every wave is even about turn
+        if np.all(np.abs(np.sin(phases + orders * turn)) < SYMMETRIC):
+            yield replace(made, mirrored=not made.mirrored, turned=turn / np.pi - made.turned)
+
+
+def _differing(made: Copy, units: Units, result: Result, other: Result, nearness: Nearness | None) -> list[Finding]:
+    """What differs when the copy is placed in one way."""
+    ours, theirs = result.targets, other.targets
+    ours = ours if made.last is None else ours[len(ours) - made.last :]
+    findings = []
+    for k, (one, two) in enumerate(zip(ours, theirs, strict=True)):
+        told = list(_differences(made, units, one, two))
+        if told:
+            findings.append(Finding(made.kind, f"target {k}: {', '.join(told)}"))
+    if made.last is None:
+        near = nearness or (OTHER_INCREMENT if made.kind == "increment" else SAME_PATH)
+        kind: Kind = "events at a smaller increment" if made.kind == "increment" else made.kind
+        told = list(_other_events(made, units, result.events, other.events, near))
+        findings += [Finding(kind, f"events: {', '.join(told)}")] if told else []
+    return findings
+
+
+def run_copy(made: Copy, scene: Scene, result: Result) -> list[Finding]:
+    """Solve a copy, and compare."""
+    return compared(made, scene, result, solve(made.scene))
+
+
+def _differences(made: Copy, units: Units, one: State, two: State) -> Iterator[str]:
+    """Names and sizes of what differs between two states beyond the errors they estimate."""
+    if (one.status, one.n_patches) != (two.status, two.n_patches):
+        yield f"{two.status} with {two.n_patches} patches for {one.status} with {one.n_patches}"
+        return
+    soft = ROUNDINGS * EPS * units.highest * abs(one.contact_stiffness or 0.0) / units.pressure
+    scale = {
+        "mean_pressure": (max(units.pressure, abs(one.mean_pressure)), made.modulus),
+        "contact_fraction": (1.0, 1.0),
+        "penetration": (max(units.height, units.highest), made.length),
+        "elastic_energy": (max(units.energy, abs(one.elastic_energy)), made.length * made.modulus),
+        "adhesion_energy": (max(units.energy, abs(one.adhesion_energy)), made.length * made.modulus),
+    }
+    for name, (unit, factor) in scale.items():
+        first, second = float(getattr(one, name)), float(getattr(two, name)) / factor
+        estimates = [getattr(one.error_estimate, name) or 0.0, (getattr(two.error_estimate, name) or 0.0) / factor]
+        if np.isnan(first) and np.isnan(second):
+            continue
+        error, allowed = abs(first - second) / unit, sum(estimates) / unit + STATE + soft
+        if not error <= allowed:
+            yield f"{name} by {error:.1e}, {allowed:.1e} allowed"
+    moved = _apart(made, units.period, np.array(one.edges), np.array(two.edges))
+    fraction = [state.error_estimate.contact_fraction or 0.0 for state in (one, two)]
+    if not moved <= sum(fraction) + 4 * STATE + soft:
+        yield f"edges by {moved:.1e}"
+
+
+def _apart(made: Copy, period: float, ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> float:
+    """Largest distance of an edge from the nearest of the other state, round the period, in periods."""
+    if not ours.size:
+        return 0.0
+    left, right = (ours % period / period).T
+    ends = made.placed(theirs, period).T
+    pairs = [(left, ends[int(made.mirrored)]), (right, ends[1 - int(made.mirrored)])]
+    return max(float(_distances(a, b).min(axis=1).max()) for a, b in pairs)
+
+
+def _distances(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distances of all pairs on a circle of circumference 1."""
+    return np.asarray(np.abs((one[:, None] - two[None, :] + 0.5) % 1.0 - 0.5))
+
+
+def _other_events(
+    made: Copy, units: Units, ours: Sequence[Event], theirs: Sequence[Event], near: Nearness
+) -> Iterator[str]:
+    """What differs between two lists of events, avalanche by avalanche."""
+    one, two = _avalanches(ours), _avalanches(theirs)
+    kinds = [[sorted(event.kind for event in group) for group in groups] for groups in (one, two)]
+    if kinds[0] != kinds[1]:
+        yield _unlike(kinds[0], kinds[1])
+        return
+    worst = {"position": 0.0, "penetration": 0.0, "mean pressure": 0.0, "energy released": 0.0}
+    for first, second in zip(one, two, strict=True):
+        depth = abs(first[0].penetration - second[0].penetration / made.length)
+        worst["penetration"] = max(worst["penetration"], depth / max(units.height, units.highest) / near.place)
+        load = abs(first[0].mean_pressure - second[0].mean_pressure / made.modulus)
+        unit = max(units.pressure, abs(first[0].mean_pressure))
+        worst["mean pressure"] = max(worst["mean pressure"], load / unit / near.place)
+        freed = [sum(event.energy_released or 0.0 for event in group) for group in (first, second)]
+        freed[1] /= made.length * made.modulus
+        allowed = near.released * max(map(abs, freed)) + near.noise * units.energy
+        worst["energy released"] = max(worst["energy released"], abs(freed[0] - freed[1]) / allowed)
+        moved = _moved(made, units.period, first, second)
+        worst["position"] = max(worst["position"], moved / near.position)
+    for name, times in worst.items():
+        if not times <= 1:
+            yield f"{name} {times:.2g} times what is allowed"
+
+
+def _moved(made: Copy, period: float, ours: Sequence[Event], theirs: Sequence[Event]) -> float:
+    """Largest distance between the events of one kind of two avalanches, in periods."""
+    farthest = 0.0
+    for kind in {event.kind for event in ours}:
+        x, y = (
+            np.array([event.position for event in group if event.kind == kind and event.position is not None])
+            for group in (ours, theirs)
+        )
+        if x.size != y.size:
+            return np.inf
+        if x.size:
+            farthest = max(farthest, float(_distances(x / period, made.placed(y, period)).min(axis=1).max()))
+    return farthest
+
+
+def _avalanches(events: Sequence[Event]) -> list[list[Event]]:
+    """Events that happen at one penetration and pressure, together."""
+    groups: list[list[Event]] = []
+    last: tuple[float, float] | None = None
+    for event in events:
+        here = (event.penetration, event.mean_pressure)
+        if here == last:
+            groups[-1].append(event)
+        else:
+            groups.append([event])
+        last = here
+    return groups
+
+
+def _unlike(ours: list[list[str]], theirs: list[list[str]]) -> str:
+    """The first difference of two lists of kinds."""
+    counts = f"{sum(map(len, theirs))} in {len(theirs)} avalanches for {sum(map(len, ours))} in {len(ours)}"
+    for k, (one, two) in enumerate(zip(ours, theirs, strict=False)):
+        if one != two:
+            return f"{counts}; avalanche {k} is {' + '.join(two)} for {' + '.join(one)}"
+    longer = ours if len(ours) > len(theirs) else theirs
+    return f"{counts}; the rest begins with {' + '.join(longer[min(len(ours), len(theirs))])}"
+
+
+def replace_phases(surface: Profile, phases: NDArray[np.float64]) -> Table:
+    """[profile] as harmonics with other phases."""
+    lists: dict[str, Any] = {"orders": surface.orders, "amplitudes": surface.amplitudes, "phases": phases}
+    return {"kind": "harmonics", "period": surface.period} | {name: array.tolist() for name, array in lists.items()}
+
+
+def _plain(tables: Table, scene: Scene) -> Table:
+    """The tables without output, with the resolved targets in place of a range."""
+    keys = [
+        key for key in LoadingTable.model_fields if key not in ("targets", "start", "stop", "count", "then_back_to")
+    ]
+    loading = {key: value for key, value in tables["loading"].items() if key in keys}
+    plain = {name: table for name, table in tables.items() if name not in ("output", "title")}
+    return plain | {"loading": loading | {"targets": list(scene.loading.targets)}}

@@ -1,0 +1,201 @@
+"""One random scene solved and judged: by itself, by its copies, and by dense algebra at its stored edges.
+
+Every scene that has an answer is solved once more at a third of its increment and once as a copy (scaled, shifted,
+mirrored or restarted: by its number, so that a fourth of the scenes are asked each way), and the stored states at its
+targets are settled by dense algebra (cases/dense_equilibrium.py), whose distance from them their error estimates must
+bound.  Scenes taken to an extreme are judged by their own result alone: an answer or a refusal by name.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tempfile
+import time
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from bem.dense import dense_nodes
+from bem.layer import Layer
+from bem.result import Result, State
+from bem.scaling import Solid
+from bem.scene import Scene, SceneError, parse_scene
+from bem.solver import solve
+from validation.cases.dense_equilibrium import NoReferenceError, reference
+from validation.cases.hard_case_run import Outcome
+from validation.studies.random_checks import EPS, Finding, Units, findings_of
+from validation.studies.random_copies import COPIES, ROUNDINGS, STATE, run_copy, smaller_increment
+from validation.studies.random_scenes import Drawn, draw
+
+MOST_DENSE = 3  # states of a scene that are settled by dense algebra: the first, the last and one between
+MOST_WORK = 2e7  # nodes squared times terms of the layer, below 1 s: states that need more are not settled
+
+
+@dataclass(frozen=True)
+class RandomCase:
+    """A random scene as a case of the stability study; its name tells seed and index."""
+
+    seed: int
+    index: int
+    most_harmonics: int = 12
+
+    @property
+    def drawn(self) -> Drawn:
+        """The scene."""
+        return draw(self.seed, self.index, self.most_harmonics)
+
+    @property
+    def id(self) -> str:
+        """Its name."""
+        return f"seed_{self.seed}_scene_{self.index}"
+
+    @property
+    def reason(self) -> str:
+        """What it asks for."""
+        return self.drawn.reason
+
+    def expectation(self, full: bool) -> tuple[str, ...]:
+        """What must come of it."""
+        return (self.drawn.expected,)
+
+
+def case_of(name: str) -> RandomCase:
+    """The case of a name.
+
+    Examples
+    --------
+    >>> case_of("seed_3_scene_14")
+    RandomCase(seed=3, index=14, most_harmonics=12)
+    """
+    found = re.fullmatch(r"seed_(\d+)_scene_(\d+)", name)
+    if found is None:
+        raise ValueError(f"{name!r}: seed_K_scene_k is the name of a random scene")
+    return RandomCase(int(found[1]), int(found[2]))
+
+
+def run_case(case: RandomCase, full: bool = False) -> Outcome:
+    """Solve and judge a random scene; `full` makes no difference.
+
+    Raises
+    ------
+    Exception
+        Whatever leaves `solve` besides a mistake of the scene: that is the crash that the study counts.
+    """
+    drawn = case.drawn
+    begun = time.process_time()
+    with tempfile.TemporaryDirectory() as name, warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        folder = Path(name)
+        drawn.write_scan(folder)
+        try:
+            scene = parse_scene(drawn.tables, folder)
+            result = solve(scene)
+        except SceneError as error:
+            return _refused(drawn, error, time.process_time() - begun)
+        seconds = time.process_time() - begun
+        findings = [Finding("warning", text) for text in sorted({str(warning.message) for warning in caught})]
+        findings += judged(drawn, scene, result, folder)
+    if drawn.expected == "a refusal":
+        findings.append(Finding("refusal", f"{drawn.special} is accepted"))
+    named = result.status == "unreachable"
+    return Outcome(
+        id=drawn.id,
+        expected=(drawn.expected,),
+        observed=(drawn.expected if named else result.status,),
+        converged=result.status == "converged",
+        correct=not findings and result.status in ("converged", "unreachable"),
+        refused_reason=f"{result.status} after {len(result.targets)} targets" if named else None,
+        findings=tuple(map(str, findings)),
+        seconds=seconds,
+        kinds=tuple(finding.kind for finding in findings),
+    )
+
+
+def judged(drawn: Drawn, scene: Scene, result: Result, folder: Path) -> list[Finding]:
+    """What speaks against a result; copies only of ordinary scenes that ended by name."""
+    findings = findings_of(scene, result)
+    if drawn.expected != "an answer" or result.status not in ("converged", "unreachable"):
+        return findings
+    findings += dense_route(scene, result)
+    other = COPIES[drawn.index % len(COPIES)]
+    for make in (smaller_increment, other):
+        made = make(drawn.tables, scene, result, folder)
+        made = made or COPIES[drawn.index // len(COPIES) % (len(COPIES) - 1)](drawn.tables, scene, result, folder)
+        if made is None:
+            continue
+        try:
+            findings += run_copy(made, scene, result)
+        except Exception as error:
+            findings.append(Finding(made.kind, f"{type(error).__name__}: {error}"))
+    return findings
+
+
+def dense_route(scene: Scene, result: Result) -> Iterator[Finding]:
+    """The equilibrium that dense algebra finds next to stored edges, against the errors estimated."""
+    touching = [state for state in result.targets if state.edges and _dense_work(scene, state) <= MOST_WORK]
+    chosen = sorted({round(k) for k in np.linspace(0, len(touching) - 1, MOST_DENSE)}) if touching else []
+    units = Units.of(scene)
+    for state in (touching[k] for k in chosen):
+        goal = getattr(state, scene.loading.control)
+        nearest = min(scene.loading.targets, key=lambda target: abs(target - goal))
+        at = nearest if abs(nearest - goal) <= 1e-9 * units.unit(scene) else goal
+        posed = replace(scene, loading=scene.loading.model_copy(update={"targets": (at,)}))
+        try:
+            known = reference(posed, state)
+        except (NoReferenceError, np.linalg.LinAlgError, ValueError) as error:
+            yield Finding("dense route", f"{type(error).__name__}: {error}, at {scene.loading.control} {goal:g}")
+            continue
+        told = list(_missed(units, state, known))
+        if told:
+            yield Finding("dense route", f"{', '.join(told)} at {scene.loading.control} {goal:g}")
+
+
+def _dense_work(scene: Scene, state: State) -> float:
+    """Nodes that dense algebra needs at the edges of a state, squared, times the terms of a layer and its own ten."""
+    surface, terms = scene.surface(), 0
+    left, right = np.array(state.edges).T * surface.q0
+    if scene.layer is not None:
+        solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+        terms = Layer(scene.layer.thickness).kernel(solid, surface.period, 1e-16).terms
+    return float(dense_nodes(surface.scaled(), left, right).sum()) ** 2 * (10 + terms)
+
+
+def _missed(units: Units, state: State, known: dict[str, float]) -> Iterator[str]:
+    """Names of the numbers farther from dense algebra than estimated."""
+    soft = ROUNDINGS * EPS * units.highest * abs(state.contact_stiffness or 0.0) / units.pressure
+    scale = {
+        "mean_pressure": max(units.pressure, abs(state.mean_pressure)),
+        "contact_fraction": 1.0,
+        "penetration": max(units.height, units.highest),
+        "elastic_energy": max(units.energy, abs(state.elastic_energy)),
+        "adhesion_energy": max(units.energy, abs(state.adhesion_energy)),
+        "stress_intensity_max": units.pressure * math.sqrt(units.period / (2 * math.pi)),
+    }
+    for name, unit in scale.items():
+        error = abs(float(getattr(state, name)) - known[name]) / unit
+        estimate = (getattr(state.error_estimate, name) or 0.0) / unit
+        if not error <= estimate + STATE + soft:
+            yield f"{name} differs by {error:.1e}, {estimate:.1e} estimated"
+
+
+def _refused(drawn: Drawn, error: SceneError, seconds: float) -> Outcome:
+    """A scene refused before it ran: right where it was expected and the mistake names the key."""
+    key = drawn.special.split(" ")[0]
+    named = any(key in mistake.path for mistake in error.mistakes) if key else False
+    right = named and drawn.expected != "an answer"
+    findings = () if right else (Finding("refusal", f"of {drawn.expected}"),)
+    return Outcome(
+        id=drawn.id,
+        expected=(drawn.expected,),
+        observed=(drawn.expected if right else "refused",),
+        converged=False,
+        correct=right,
+        refused_reason=" ".join(str(error).split()),
+        findings=tuple(map(str, findings)),
+        seconds=seconds,
+        kinds=tuple(finding.kind for finding in findings),
+    )
