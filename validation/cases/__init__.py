@@ -4,6 +4,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.overview",
     "validation.cases.sinusoid",
     "validation.cases.complete",
+    "validation.cases.lone_cracks",
     "validation.cases.merged_crests",
     "validation.cases.rippled_wave",
     "validation.cases.ripple_jumps",
@@ -28,5 +29,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.error_estimate",
     "validation.cases.layer_path",
     "validation.cases.loading_history",
+    "validation.cases.loop_work",
+    "validation.cases.path_bookkeeping",
     "validation.cases.peers",
 )

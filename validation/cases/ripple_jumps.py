@@ -41,7 +41,7 @@ SEPARATIONS = (60e-6, 20e-6)  # m, order 40
 
 @dataclass(frozen=True)
 class Jump:
-    """From one half width a to another, at a mean pressure in Pa: energy released in J/m^2, crests touched each side."""
+    """From one half width a to another at a mean pressure, Pa: energy released, J/m^2, and crests touched each side."""
 
     start: float
     end: float

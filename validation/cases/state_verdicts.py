@@ -36,9 +36,7 @@ STEP = 1e-5  # of psi, in differences of fourth order
 
 
 def _slope(quantity: Any, psi: float) -> float:
-    near, far = (
-        float(quantity(psi + times * STEP * psi) - quantity(psi - times * STEP * psi)) for times in (1, 2)
-    )
+    near, far = (float(quantity(psi + times * STEP * psi) - quantity(psi - times * STEP * psi)) for times in (1, 2))
     return (8 * near - far) / (12 * STEP * psi)
 
 
@@ -185,7 +183,10 @@ def _refusals() -> Outcome:
     return Outcome(rows=rows)
 
 
-DENTED = (2.5, 1.5)  # a at which the dip is in compression, and at which its tension is an eighth of the largest pressure
+DENTED = (
+    2.5,
+    1.5,
+)  # a at which the dip is in compression, and at which its tension is an eighth of the largest pressure
 UNSTABLE, INSIDE = 0.5, 0.44  # a on a falling branch, and just before an edge takes a crest
 MEASURED_STIFFNESS = (3e-9, 1e-9)
 
