@@ -29,6 +29,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.error_estimate",
     "validation.cases.layer_path",
     "validation.cases.loading_history",
+    "validation.cases.standing_patches",
     "validation.cases.loop_work",
     "validation.cases.path_bookkeeping",
     "validation.cases.peers",

@@ -142,8 +142,8 @@ PATH_FAULTS: tuple[Fault, ...] = (
         "bem-patches-vanish",
         "patches vanish that could still stand",
         "bem.descent:_vanishing",
-        _with_constant("bem.descent", "VANISHED_WIDTH", 24.0),
-        "at 25 times the width",
+        _with_constant("bem.descent", "VANISHED_WIDTH", 49.0),
+        "at the width of a lone contact at pull-off",
     ),
     Fault(
         "bem-last-crossing", "of several states at one load the last is taken", "bem.crossing:_first", _last_crossing
