@@ -91,7 +91,9 @@ def _looped(control: str) -> Result:
 
 
 def _loops() -> Outcome:
-    released, table = [], []
+    released: list[float] = []
+    table: list[list[str | float | None]] = []
+    events = 0
     for control in LOOPS:
         result = _looped(control)
         if result.status != "converged":
@@ -103,6 +105,7 @@ def _loops() -> Outcome:
         booked = sum(event.energy_released or 0.0 for leg in ways for event in leg.events)
         released.append(booked / (done - growth))
         met = sum(len(leg.events) for leg in ways)
+        events += met
         table.append([control, len(result.states), met, *(float(f"{v:.5g}") for v in (done, growth, booked))])
     rows = (
         compared(
@@ -120,7 +123,7 @@ def _loops() -> Outcome:
         columns=["control", "states", "events", "work", "growth of the potential", "energy released"],
         rows=table,
     )
-    return Outcome(rows=rows, tables=(shown,), counts={"events": sum(int(line[2]) for line in table)})
+    return Outcome(rows=rows, tables=(shown,), counts={"events": events})
 
 
 MEASURED_LOOP = 1.3e-3  # the quadrature of the force beside events, not the states

@@ -10,6 +10,7 @@ from __future__ import annotations
 import tempfile
 import tomllib
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -33,14 +34,14 @@ RESTARTED = (60e-6, 42e-6, 62e-6)
 
 def _crossed() -> Outcome:
     there, between, back = STOPS
-    adhesion = {"work_of_adhesion": 0.05}
+    adhesion: Any = {"work_of_adhesion": 0.05}
     ways = {"start": there, "stop": back, "count": 3, "then_back_to": there, "targets": None}
-    asked = {"adhesion": adhesion, "loading": {**ways, "at_mean_pressures": list(ASKED)}}
+    asked: dict[str, Any] = {"adhesion": adhesion, "loading": {**ways, "at_mean_pressures": list(ASKED)}}
     states = bem.solve(adapters.scene("rough_100", asked)).targets
     known = []
     for load, middle in MET_TWICE.items():
         near = (middle + SPACING * np.arange(AROUND, -AROUND - 1, -1)).tolist()
-        close = {"adhesion": adhesion, "loading": {"targets": [there, *near]}}
+        close: dict[str, Any] = {"adhesion": adhesion, "loading": {"targets": [there, *near]}}
         known.append(_first(bem.solve(adapters.scene("rough_100", close)).targets, load))
     found = [next((s.contact_fraction for s in states if _is(s, load)), float("nan")) for load in MET_TWICE]
     pressures = [state.mean_pressure for state in states if _asked(state)]
@@ -116,7 +117,7 @@ def _restarted() -> Outcome:
 
 def _of_states(known: Sequence[State], found: Sequence[State]) -> tuple[list[float], list[float]]:
     """Quantities of states and of those found at their penetrations, over the largest of each."""
-    same = [min(found, key=lambda state, at=at: _apart(state, at)) for at in known]
+    same = [min(found, key=partial(_apart, at)) for at in known]
     quantities = ("penetration", "mean_pressure", "contact_fraction", "total_energy")
     return _scaled(
         [[getattr(s, name) for s in known] for name in quantities],

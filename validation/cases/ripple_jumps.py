@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,7 +165,7 @@ class RippledWave:
 
     def solved(self, control: str, targets: list[float]) -> Result:
         """The path of the solver."""
-        changes = {
+        changes: dict[str, Any] = {
             "profile": {"orders": [1, self.order], "amplitudes": [AMPLITUDE, self.ripple]},
             "adhesion": {"work_of_adhesion": WORK},
             "loading": {"control": control, "targets": targets},
