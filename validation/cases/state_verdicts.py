@@ -22,6 +22,7 @@ from bem.collocation import evaluate
 from bem.equilibrium import System, balance
 from bem.patches import Patches
 from bem.problem import pose
+from bem.result import State
 from bem.states import Cost, equilibrium_state
 from validation import adapters
 from validation.case import Case, Outcome
@@ -68,8 +69,49 @@ def _stability() -> Outcome:
             [float("nan") if s.contact_stiffness is None else s.contact_stiffness for s in states],
             *MEASURED_STIFFNESS,
         ),
+        compared(
+            "largest stress intensity over critical, adhesion energy over -w f, and total over the sum of both energies",
+            "",
+            Reference(kind="exact", source="K^2 = 2 E* w, U_ad = -w f"),
+            [1.0] * 3 * len(states),
+            [ratio for state in states for ratio in _ratios(state)],
+            *MEASURED_RATIOS,
+        ),
+        _steep(),
     )
     return Outcome(rows=rows)
+
+
+def _ratios(state: State) -> tuple[float, float, float]:
+    """What is reported of a state of the wave over what it must be."""
+    work = WAVE.work_of_adhesion
+    return (
+        (state.stress_intensity_max or 0.0) / float(np.sqrt(2 * WAVE.modulus * work)),
+        state.adhesion_energy / (-work * state.contact_fraction),
+        state.total_energy / (state.elastic_energy + state.adhesion_energy),
+    )
+
+
+def _steep() -> Row:
+    """Stiffness where the work of adhesion grows with the slope, against differences of the mean pressure."""
+    steep = replace(WAVE, amplitude=1e-3)
+    middle, step = 0.6e-3, 1e-6
+    targets = [middle + times * step for times in (-2, -1, 0, 1, 2)]
+    changes: dict[str, Any] = {
+        "profile": {"amplitudes": [steep.amplitude]},
+        "adhesion": {"work_of_adhesion": steep.work_of_adhesion, "slope_term": True},
+        "loading": {"targets": targets},
+    }
+    states = bem.solve(adapters.scene("sinusoid", changes)).targets
+    p = [state.mean_pressure for state in states]
+    return compared(
+        "contact stiffness on a steep wave with the slope term",
+        "Pa/m",
+        Reference(kind="self", source="differences of fourth order of the mean pressure of neighbouring states"),
+        [(8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step)],
+        [states[2].contact_stiffness or 0.0],
+        *MEASURED_STEEP,
+    )
 
 
 @dataclass(frozen=True)
@@ -188,7 +230,8 @@ DENTED = (
     1.5,
 )  # a at which the dip is in compression, and at which its tension is an eighth of the largest pressure
 UNSTABLE, INSIDE = 0.5, 0.44  # a on a falling branch, and just before an edge takes a crest
-MEASURED_STIFFNESS = (3e-9, 1e-9)
+MEASURED_STIFFNESS = (1.2e-10, 4e-11)
+MEASURED_RATIOS, MEASURED_STEEP = (1e-12, 2.6e-14), (3e-11, 1e-11)
 
 CASES = (
     Case(

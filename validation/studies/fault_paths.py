@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bem import crossing
-from validation.studies.fault_injection import Fault, Function
+from validation.studies.fault_injection import Fault, Function, scaled
 
 
 def _with_constant(module: str, name: str, excess: float) -> Any:
@@ -174,6 +174,13 @@ PATH_FAULTS: tuple[Fault, ...] = (
         "a stored state does not hold all that its path depends on",
         "bem.path:Path.afresh",
         _not_afresh,
+    ),
+    Fault(
+        "bem-work-gradient-dropped",
+        "the work of adhesion does not grow along a slope as an edge moves",
+        "bem.adhesion:SlopeLaw.work_gradient",
+        scaled(-1.0),
+        "gradient absent",
     ),
     Fault(
         "bem-met-once",
