@@ -56,7 +56,7 @@ class OnePatch:
     >>> wave = OnePatch(0.01, 1e6, (1e-4,), 0.0)
     >>> abs(float(wave.mean_pressure(np.pi / 2)) / (np.pi * 1e6 * 1e-4 / 0.02) - 1) < 1e-15
     True
-    >>> abs(float(wave.penetration(np.pi / 2)) / 0.5e-4 - 1 - np.log(2)) < 1e-14
+    >>> bool(abs(wave.penetration(np.pi / 2) / 0.5e-4 - 1 - np.log(2)) < 1e-14)
     True
     """
 

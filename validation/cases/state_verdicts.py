@@ -70,7 +70,7 @@ def _stability() -> Outcome:
             *MEASURED_STIFFNESS,
         ),
         compared(
-            "largest stress intensity over critical, adhesion energy over -w f, and total over the sum of both energies",
+            "largest stress intensity over critical, adhesion energy over -w f, total over both energies",
             "",
             Reference(kind="exact", source="K^2 = 2 E* w, U_ad = -w f"),
             [1.0] * 3 * len(states),
