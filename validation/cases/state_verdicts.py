@@ -77,6 +77,7 @@ def _stability() -> Outcome:
             [ratio for state in states for ratio in _ratios(state)],
             *MEASURED_RATIOS,
         ),
+        _joined(),
         _steep(),
     )
     return Outcome(rows=rows)
@@ -89,6 +90,22 @@ def _ratios(state: State) -> tuple[float, float, float]:
         (state.stress_intensity_max or 0.0) / float(np.sqrt(2 * WAVE.modulus * work)),
         state.adhesion_energy / (-work * state.contact_fraction),
         state.total_energy / (state.elastic_energy + state.adhesion_energy),
+    )
+
+
+def _joined() -> Row:
+    """Energies of complete contact."""
+    work, pressure = WAVE.work_of_adhesion, 1.2 * WAVE.full_contact_pressure
+    loading = {"control": "mean_pressure", "targets": [pressure], "initial": "complete_contact", "flaw": 1e-5}
+    posed = adapters.scene("sinusoid", {"adhesion": {"work_of_adhesion": work}, "loading": loading})
+    (state,) = bem.solve(posed).targets
+    return compared(
+        "elastic energy and adhesion energy of complete contact, over the larger",
+        "J/m^2",
+        Reference(kind="exact", source="p* D / 4 and -w"),
+        [WAVE.full_contact_pressure * WAVE.amplitude / 4, -work],
+        [state.elastic_energy, state.adhesion_energy],
+        *MEASURED_RATIOS,
     )
 
 
