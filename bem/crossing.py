@@ -78,7 +78,9 @@ def _root(path: Path, before: Point, after: Point, load: float) -> Point | None:
     if found is None:
         found = _between(coarse, before, after, load, COARSE_LOAD_ACCURACY)
     polished = None if found is None else _newton(path, found, found.value, load, LOAD_ACCURACY)
-    return _between(path, before, after, load, LOAD_ACCURACY) if polished is None else polished
+    if polished is None:
+        polished = _between(path, before, after, load, LOAD_ACCURACY)
+    return None if polished is None or path.interpenetrates(polished) else polished
 
 
 def may_meet(path: Path, before: Point, after: Point, load: float) -> bool:

@@ -148,12 +148,10 @@ class Path:
         if limit.kind == "bifurcation":
             return []
         near = self._corrected(before_fold(limit, ends[1]), state.penetration, ends[1])
-        return [] if near is None else [near]
+        return [] if near is None or self.interpenetrates(near) else [near]
 
-    def _corrected(
-        self, patches: Patches, penetration: float, value: float, interpenetrating: bool = False
-    ) -> Point | None:
-        """The equilibrium near given edges at the accuracy of a target; None without one, or where a gap closed."""
+    def _corrected(self, patches: Patches, penetration: float, value: float) -> Point | None:
+        """The equilibrium near given edges at the accuracy of a target, if Newton finds one."""
         if not patches.is_ordered:
             return None
         inc = self.increments
@@ -161,9 +159,12 @@ class Path:
         self.effort.evaluations += fine.evaluations
         if fine.balance is None:
             return None
-        if not interpenetrating and interpenetration(self.system, fine.balance.state, inc.allowed).position.size:
-            return None
         return Point("converged", value, fine.balance, (), tangent(self.system.control, fine.balance))
+
+    def interpenetrates(self, point: Point) -> bool:
+        """Whether contact forms beside the edges of a point."""
+        assert point.balance is not None
+        return bool(interpenetration(self.system, point.balance.state, self.increments.allowed).position.size)
 
     def polish(self, point: Point, direction: float) -> Point:
         """The point at the accuracy of a target; a branch that ends within the coarse accuracy is left here.
@@ -185,7 +186,7 @@ class Path:
             found = interpenetration(self.system, fine.balance.state, inc.allowed)
             if found.position.size == 0:
                 return polished
-            before = self.polished_at(polished, value - direction * inc.smallest / 8, True)
+            before = self.polished_at(polished, value - direction * inc.smallest / 8)
             points = [] if before is None else self.jumps.from_touch(before, polished, found)
         else:
             points = self._past_event(point, None, None, (value + direction * inc.smallest / 8, value), True)
@@ -203,15 +204,18 @@ class Path:
         rate = None if point.balance is None else tangent(self.system.control, point.balance)
         return Point(point.status, point.value, point.balance, (), rate)
 
-    def polished_at(self, point: Point, value: float, interpenetrating: bool = False) -> Point | None:
-        """The point of the same branch at another value of the control, at the accuracy of a target, or None."""
+    def polished_at(self, point: Point, value: float) -> Point | None:
+        """The point of the same branch at another value of the control, at the accuracy of a target, or None.
+
+        The branch goes on where contact forms beside it.
+        """
         assert point.balance is not None
         state = point.balance.state
         if point.fold is None:
             patches = state.patches.moved(self._predicted(point, value))
         else:
             patches = before_fold(point.fold, value)
-        return self._corrected(patches, state.penetration, value, interpenetrating)
+        return self._corrected(patches, state.penetration, value)
 
     def _predicted(self, point: Point, value: float) -> FloatArray:
         """Outward motion of the edges from a point to another control value, to second order."""

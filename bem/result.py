@@ -150,14 +150,14 @@ class EventError:
 class Event:
     """A change of topology or stability; `position` in m, `energy_released` in J/m^2.
 
-    Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is None where
-    the last gap closes, or the first opens, under a given separation: the tension there has no bound.  The energy of
-    an avalanche stands with its first event; it is None where a dead tension pulls off.
+    Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is NaN (null
+    in the file) where the last gap closes, or the first opens, under a given separation: the tension there has no
+    bound.  The energy of an avalanche stands with its first event; it is None where a dead tension pulls off.
     """
 
     kind: str
     penetration: float
-    mean_pressure: float | None
+    mean_pressure: float
     position: float | None
     energy_released: float | None
     error_estimate: EventError
@@ -390,7 +390,7 @@ def _event(stored: dict[str, Any]) -> Event:
     return Event(
         kind=stored["kind"],
         penetration=_float(stored["penetration"]),
-        mean_pressure=_optional(stored["mean_pressure"]),
+        mean_pressure=_float(stored["mean_pressure"]),
         position=_optional(stored["position"]),
         energy_released=_optional(stored["energy_released"]),
         error_estimate=EventError(**stored["error_estimate"]),

@@ -219,16 +219,17 @@ def event_of(problem: Problem, event: PathEvent) -> Event:
     """An event of the path in SI units."""
     height, energy = problem.scales.height, problem.scales.energy_per_area
     at, error = event.at, event.error
+    bounded, known = math.isfinite(at.load), math.isfinite(event.energy_released)
     return Event(
         kind=event.kind,
-        penetration=at.penetration * height,
-        mean_pressure=problem.mean_pressure(at.load) if math.isfinite(at.load) else None,
+        penetration=float(at.penetration * height),
+        mean_pressure=float(problem.mean_pressure(at.load)),
         position=event.position * problem.scales.length if math.isfinite(event.position) else None,
-        energy_released=event.energy_released * energy if math.isfinite(event.energy_released) else None,
+        energy_released=float(event.energy_released * energy) if known else None,
         error_estimate=EventError(
-            penetration=_margin(error.penetration) * height,
-            mean_pressure=problem.mean_pressure(_margin(error.load)) if math.isfinite(at.load) else None,
-            energy_released=_margin(event.energy_error) * energy if math.isfinite(event.energy_released) else None,
+            penetration=float(_margin(error.penetration) * height),
+            mean_pressure=float(problem.mean_pressure(_margin(error.load))) if bounded else None,
+            energy_released=float(_margin(event.energy_error) * energy) if known else None,
         ),
     )
 

@@ -59,7 +59,7 @@ RESULT = Result(
     states=(STATE, replace(STATE, target=False)),
     events=(
         Event("first_touch", 0.0, 0.0, 0.003, 1e-9, EventError(1e-15, 1e-9, 1e-16)),
-        Event("pull_off", 0.0, None, None, None, EventError(1e-15, None, None)),
+        Event("pull_off", 0.0, -1.0, None, None, EventError(1e-15, None, None)),
     ),
     status="converged",
     fields={"x_0": np.linspace(0, 1, 5), "pressure_0": np.array([np.nan, 1.0]), "patch_0": np.array([0, 1])},

@@ -150,7 +150,7 @@ def test_resumption_ends_the_same_bit_for_bit(unbroken, name, share):
     free = [[numbers(state) for state in result.states] for result in (resumed, whole, half)]
     assert free[0] == free[1]
     assert free[2] == free[1][: len(half.states)]
-    assert (resumed.events, resumed.status) == (whole.events, whole.status)
+    assert repr((resumed.events, resumed.status)) == repr((whole.events, whole.status))  # NaN equals itself
     assert sorted(resumed.fields) == sorted(whole.fields)
     for field, values in whole.fields.items():
         np.testing.assert_array_equal(resumed.fields[field], values)
@@ -158,7 +158,7 @@ def test_resumption_ends_the_same_bit_for_bit(unbroken, name, share):
 
 def test_resumption_computes_nothing_up_to_the_last_target_again(rough):
     counts = []
-    half, _ = halves(rough_scene(TARGETS), 120)
+    half, _ = halves(rough_scene(TARGETS), 90)
     assert len(half.targets) >= 3
     solve(rough_scene(TARGETS), progress=lambda progress: counts.append(progress.evaluations), resume=half)
     last = max(k for k, state in enumerate(half.states) if state.target)

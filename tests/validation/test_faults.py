@@ -71,16 +71,16 @@ def test_smallest_size_is_a_decade_that_is_caught_beside_one_that_is_not(studied
 @pytest.mark.parametrize(
     ("name", "message"), [("crash", "divides by zero"), ("blank", "answer"), ("die", "ended without an answer")]
 )
-def test_what_is_no_numerical_verdict_is_listed_apart_and_not_counted(studied, name, message):
+def test_what_fails_by_name_is_noticed_and_not_counted_as_caught(studied, name, message):
     found = fault_of(studied, name)
-    assert not found["caught"]
+    assert (found["caught"], found["noticed"]) == (False, True)
     assert any(message in told for told in found["crashes_and_refusals"].values())
 
 
 def test_study_fails_for_what_nothing_catches_and_what_is_never_called(studied):
     code, content, _ = studied
     assert code == 1
-    assert [line.split(":")[0] for line in content["failures"]] == ["crash", "blank", "die", "never"]
+    assert [line.split(":")[0] for line in content["failures"]] == ["never"]
     assert "no case calls example_faults:never" in content["failures"][-1]
 
 
@@ -110,8 +110,16 @@ def faults_record(example, compute):
 def test_row_that_appears_or_vanishes_is_listed_apart(example):
     record = faults_record(example, example.use_function)
     other = record.model_copy(update={"rows": [record.rows[0].model_copy(update={"quantity": "another"})]})
-    sights, apart = compared(Examined((record,), {}), Examined((other,), {}))
-    assert (sights, list(apart)) == ([], [record.id])
+    sights, failed, apart = compared(Examined((record,), {}), Examined((other,), {}))
+    assert (sights, failed, list(apart)) == ([], {}, [record.id])
+
+
+@pytest.mark.parametrize(("message", "noticed"), [("ValueError: no", True), ("TooSlowError: no answer in 5 s", False)])
+def test_case_that_is_cut_off_proves_nothing(example, message, noticed):
+    record = faults_record(example, example.use_function)
+    ended = record.model_copy(update={"status": "error", "message": message})
+    _, failed, apart = compared(Examined((record,), {}), Examined((ended,), {}))
+    assert (list(failed), list(apart)) == (([record.id], []) if noticed else ([], [record.id]))
 
 
 def test_excess_of_a_band_is_counted_from_its_middle(example):

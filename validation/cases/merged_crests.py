@@ -1,26 +1,14 @@
 """Two crests whose patches merge across the end of the period, against the closed form of one patch.
 
-On h = sum_m h_m cos(m y), y = 2 pi x / period, one patch |y| < a of a half-space carries
-
-    p(y) = Q(y) / sqrt((cos y - cos a) / 2),   Q(y) = sum_{k=0}^{M} c_k cos((k + 1/2) y)
-
-(Muskhelishvili, Some Basic Problems of the Mathematical Theory of Elasticity, chapter 19, written for the period).
-With P_m = E* q m h_m / 2, q = 2 pi / period, the displacement there is that of h if
-
-    sum_{k >= m} c_k L_{k-m}(cos a) = P_m / 2 for m >= 1,   mean pressure = sum_{k >= 0} c_k L_k(cos a),
-
-L_n the Legendre polynomials, which expand the root, and the stress intensity at an edge is
-K = -2 Q(a) sqrt(pi / (q sin a)), so that K^2 = 2 E* w gives Q(a).  With h_1 alone this is Johnson's mean pressure.
-
-Here h = A (cos y - b cos 2y), b > 1/4: two crests with a shallow dip at y = 0 between them, and a deep valley behind.
-The period begins in the dip or in the valley; the closed form knows nothing of it, nor of the path.  SI units.
+The closed form is that of one_patch.py.  Here h = A (cos y - b cos 2y), b > 1/4: two crests with a shallow dip at y = 0
+between them, and a deep valley behind.  The period begins in the dip or in the valley; the closed form knows nothing of
+it, nor of the path.  SI units.
 Limits: symmetric profiles, one patch; where patches merge is the solver's own.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.polynomial.legendre import legval
 from scipy.optimize import brentq
 
 import bem
@@ -28,6 +16,7 @@ from bem.result import Result
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.fault_gaps import compared
+from validation.cases.one_patch import OnePatch
 from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
 
 # of the scene merged_crests; SI units
@@ -58,14 +47,7 @@ def one_patch_mean_pressure(angle: float, harmonics: list[float], work: float) -
     >>> abs(ratio - 0.5) < 1e-15
     True
     """
-    q, order = 2 * np.pi / PERIOD, len(harmonics)
-    legendre = [float(legval(np.cos(angle), [0.0] * n + [1.0])) for n in range(order + 1)]
-    c = np.zeros(order + 1)
-    for m in range(order, 0, -1):
-        c[m] = MODULUS * q * m * harmonics[m - 1] / 4 - sum(c[k] * legendre[k - m] for k in range(m + 1, order + 1))
-    at_edge = -np.sqrt(MODULUS * work * q * np.sin(angle) / (2 * np.pi))
-    c[0] = (at_edge - sum(c[k] * np.cos((k + 0.5) * angle) for k in range(1, order + 1))) / np.cos(angle / 2)
-    return float(c @ np.array(legendre))
+    return float(OnePatch(PERIOD, MODULUS, tuple(harmonics), work).mean_pressure(angle))
 
 
 def _loaded(dip: float) -> Result:

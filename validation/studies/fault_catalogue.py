@@ -1,7 +1,7 @@
 """Realistic faults, each one wrong piece of code: what a slip of the pen, a lost factor or a forgotten case would do.
 
-Those of the boundary elements come first, then of the finite elements, of Persson's theory, of what leads from a scene
-to the codes, and of the harness that judges them all.
+Those of the boundary elements come first, then of the paths and states made with them, of the finite elements, of
+Persson's theory, of what leads from a scene to the codes, and of the harness that judges them all.
 """
 
 from __future__ import annotations
@@ -9,9 +9,10 @@ from __future__ import annotations
 from validation.studies.fault_bem import BEM_FAULTS
 from validation.studies.fault_harness import HARNESS_FAULTS
 from validation.studies.fault_injection import Fault
+from validation.studies.fault_paths import PATH_FAULTS
 from validation.studies.fault_references import REFERENCE_FAULTS
 
-CATALOGUE: tuple[Fault, ...] = (*BEM_FAULTS, *REFERENCE_FAULTS, *HARNESS_FAULTS)
+CATALOGUE: tuple[Fault, ...] = (*BEM_FAULTS, *PATH_FAULTS, *REFERENCE_FAULTS, *HARNESS_FAULTS)
 
 QUICK: tuple[str, ...] = (
     "bem-e-for-e-star",

@@ -1,7 +1,8 @@
 """What is known of a fault: the rows that saw it and by how much, what was refused, how small it may be.
 
 Caught is what a row sees whose verdict turns from passing to `deviates` or `changed`.  By how much: error over what is
-allowed, of a band the distance from its middle over half its width.
+allowed, of a band the distance from its middle over half its width.  Noticed is also what makes a case or a row fail by
+name (crash, no number, not converged): the verification run fails all the same.  A case cut off proves nothing.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass, field
 
 from validation.compare import error_of, error_over_tolerance
 from validation.schema import CaseRecord, Row
-from validation.studies.fault_injection import Examined, Fault
+from validation.studies.fault_injection import Examined, Fault, TooSlowError
 from validation.verdict import GATING, verdict_of
 
 LAST_DECADE = 16
@@ -40,8 +41,10 @@ class Finding:
         Cases that were shown it at size 1.
     sights : list of Sight
         At size 1.
+    failed : dict of str to str
+        Case to message: crashes, refusals, no number, not converged.
     apart : dict of str to str
-        Case to message: crashes, refusals, no number, cut off.
+        Case to message: cut off, rows that are there only with or only without the fault.
     calls : int
         Of the wrong function.
     size : float
@@ -55,6 +58,7 @@ class Finding:
     fault: Fault
     asked: list[str] = field(default_factory=list)
     sights: list[Sight] = field(default_factory=list)
+    failed: dict[str, str] = field(default_factory=dict)
     apart: dict[str, str] = field(default_factory=dict)
     calls: int = 0
     size: float = 1.0
@@ -65,6 +69,11 @@ class Finding:
     def caught(self) -> bool:
         """Whether a numerical verdict changed."""
         return bool(self.sights)
+
+    @property
+    def noticed(self) -> bool:
+        """Whether a verification run fails: by a numerical verdict, or by name."""
+        return self.caught or bool(self.failed)
 
     @property
     def excess(self) -> float:
@@ -105,8 +114,8 @@ class Search:
         return self.predicted if self.seen < self.predicted < self.lost else (self.seen + self.lost) // 2
 
 
-def compared(control: Examined, answer: Examined) -> tuple[list[Sight], dict[str, str]]:
-    """Rows whose verdict changed to a miss, and what went wrong in another way, by case.
+def compared(control: Examined, answer: Examined) -> tuple[list[Sight], dict[str, str], dict[str, str]]:
+    """Rows whose verdict changed to a miss, what failed by name, and what says nothing, by case.
 
     Parameters
     ----------
@@ -115,10 +124,11 @@ def compared(control: Examined, answer: Examined) -> tuple[list[Sight], dict[str
     """
     before = {record.id: record for record in control.records}
     sights: list[Sight] = []
-    apart = dict(answer.ended)
+    failed, apart = dict(answer.ended), dict[str, str]()
     for record in answer.records:
         if record.status != "run":
-            apart[record.id] = record.message
+            cut_off = record.message.startswith(TooSlowError.__name__)
+            (apart if cut_off else failed)[record.id] = record.message
             continue
         old = _rows_by_name(before[record.id])
         for name, row in _rows_by_name(record).items():
@@ -129,10 +139,10 @@ def compared(control: Examined, answer: Examined) -> tuple[list[Sight], dict[str
                 elif name not in old:
                     apart.setdefault(record.id, f"{row.quantity}: a row that is not there without the fault")
             elif bad(verdict):
-                apart.setdefault(record.id, f"{row.quantity}: {row.message or 'not a number'}")
+                failed.setdefault(record.id, f"{row.quantity}: {row.message or 'not a number'}")
         for name in old.keys() - _rows_by_name(record).keys():
             apart.setdefault(record.id, f"{name[0]}: the row is gone")
-    return sights, apart
+    return sights, failed, apart
 
 
 def excess_of(row: Row) -> float:

@@ -45,7 +45,7 @@ def write_matrix(path: Path, cases: Sequence[str], findings: Sequence[Finding]) 
                 if excesses:
                     depth = min(math.log10(max(excesses)), DECADES) / DECADES if max(excesses) < math.inf else 1.0
                     axes.add_patch(mpl.patches.Rectangle((x - 0.45, y - 0.45), 0.9, 0.9, facecolor=colours(depth)))
-                elif case in finding.apart:
+                elif case in finding.failed or case in finding.apart:
                     axes.plot(x, y, "x", color="#a3261d", markersize=5)
                 elif case in finding.asked:
                     axes.plot(x, y, ".", color="#999999", markersize=3)
@@ -73,9 +73,9 @@ def failures_of(findings: Iterable[Finding]) -> list[str]:
     lines = []
     for finding in findings:
         name = finding.fault.id
-        if not finding.calls and not finding.apart:
+        if not finding.calls and not finding.noticed and not finding.apart:
             lines.append(f"{name}: no case calls {finding.fault.target}")
-        elif not finding.caught:
+        elif not finding.noticed:
             lines.append(f"{name}: nothing catches it; asked: {', '.join(finding.asked)}")
     return lines
 
@@ -91,7 +91,8 @@ def table_of(findings: Iterable[Finding]) -> str:
     for finding in findings:
         cases = {sight.case for sight in finding.sights}
         best = max(finding.sights, key=lambda sight: sight.excess, default=None)
-        keenest = "NOTHING" if best is None else f"{best.case}: {best.quantity}"
+        unseen = f"by name: {', '.join(sorted(finding.failed))}" if finding.failed else "NOTHING"
+        keenest = unseen if best is None else f"{best.case}: {best.quantity}"
         smallest = "-" if finding.smallest is None else f"{finding.smallest:.0e}"
         apart = f"  [apart: {', '.join(sorted(finding.apart))}]" if finding.apart else ""
         lines.append(
@@ -133,6 +134,7 @@ def content_of(
                 "target": finding.fault.target,
                 "size": finding.fault.size,
                 "caught": finding.caught,
+                "noticed": finding.noticed,
                 "calls": finding.calls,
                 "size_shown": finding.size,
                 "asked": finding.asked,
@@ -146,7 +148,8 @@ def content_of(
                     }
                     for sight in sorted(finding.sights, key=lambda sight: -sight.excess)
                 ],
-                "crashes_and_refusals": finding.apart,
+                "crashes_and_refusals": finding.failed,
+                "apart": finding.apart,
                 "smallest_size_caught": finding.smallest,
                 "largest_size_missed": finding.unseen,
             }

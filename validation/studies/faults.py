@@ -2,10 +2,11 @@
 
 A control run without faults must be green: a catalogue on a red base proves nothing.  It also counts which cases call
 which target; a fault is then shown to every case that calls it and is not too long.  A fault is caught by a row
-whose verdict turns from passing to `deviates` or `changed`: a number moved out of what is allowed.  Crashes, values
-that are no numbers, refusals and cases cut off are listed apart and do not count.  Verdicts are given here, where
-no fault is: a judge that is itself the fault would acquit itself, so the case of the harness brings known rows
-before it and counts its errors; in everyday use the baseline of that case pins the count.
+whose verdict turns from passing to `deviates` or `changed`: a number moved out of what is allowed.  Crashes, refusals
+and values that are no numbers make the run fail as well, by name: such a fault is noticed.  Cases cut off are listed
+apart and do not count.  Verdicts are given here, where no fault is: a judge that is itself the fault would acquit
+itself, so the case of the harness brings known rows before it and counts its errors; in everyday use the baseline of
+that case pins the count.
 
 By how much: error over what is allowed, of a band the distance from its middle over half its width.  A fault with a
 size is made smaller in decades until no case sees it, starting where the measured excess predicts, with the cases
@@ -84,7 +85,9 @@ def run(
     for line in failures:
         print(f"NOT MET: {line}")
     caught = sum(finding.caught for finding in findings)
-    print(f"{caught} of {len(faults)} faults caught by {len(control.records)} cases; {folder / FILE}")
+    by_name = sum(finding.noticed for finding in findings) - caught
+    told = f"{caught} of {len(faults)} faults caught by {len(control.records)} cases, {by_name} more noticed by name"
+    print(f"{told}; {folder / FILE}")
     return 1 if failures or len(findings) != len(faults) else 0
 
 
@@ -154,14 +157,15 @@ def examine_faults(
             named = callers[finding.fault.id]
             short = [name for place, name in enumerate(named) if _total(seconds, named[: place + 1])]
             chosen = short if first else [name for name in named if name not in short]
-            if chosen and not finding.caught and (size == 1 or (finding.fault.size and finding.apart)):
+            if chosen and not finding.caught and (size == 1 or (finding.fault.size and finding.failed | finding.apart)):
                 asked.append((finding, chosen))
         tasks = [_task(catalogue, finding.fault, size, chosen, seconds, modules) for finding, chosen in asked]
         for (finding, chosen), answer in zip(asked, answers_of(tasks, jobs, kept), strict=True):
             finding.asked += [name for name in chosen if name not in finding.asked]
             finding.calls += sum(sum(calls.values()) for calls in answer.calls.values())
-            sights, apart = compared(control, answer)
+            sights, failed, apart = compared(control, answer)
             finding.sights += sights
+            finding.failed = failed | finding.failed
             finding.apart = apart | finding.apart
             finding.size = size
     return findings

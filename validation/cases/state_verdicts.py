@@ -1,0 +1,276 @@
+"""What is said of a state: stable at fixed load or not, its stiffness, and whether its certificate is ok.
+
+On Johnson's curve both sides of the largest tension are stable at fixed penetration; at fixed load only those whose
+mean pressure rises with the contact.  The stiffness is (dp/dpsi) / (dDelta/dpsi).
+
+A certificate that accepts everything is found by states that are wrong on purpose, each in one way: closed forms of one
+patch (one_patch.py) that have tension inside or a crest inside the other body, and solved states of which an edge, the
+penetration or the smallest eigenvalue were changed.  SI units.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+import bem
+from bem.assessment import assess_contact, assess_equilibrium
+from bem.collocation import evaluate
+from bem.equilibrium import System, balance
+from bem.patches import Patches
+from bem.problem import pose
+from bem.result import State
+from bem.states import Cost, equilibrium_state
+from validation import adapters
+from validation.case import Case, Outcome
+from validation.cases.closed_forms import Sinusoid
+from validation.cases.fault_gaps import compared
+from validation.cases.one_patch import OnePatch
+from validation.schema import Reference, Row
+
+WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
+BESIDE = (1.3, 1.1, 1.02, 0.98, 0.9)  # psi over that of the largest tension; pull-off lies at 0.80
+STEP = 1e-5  # of psi, in differences of fourth order
+
+
+def _slope(quantity: Any, psi: float) -> float:
+    near, far = (float(quantity(psi + times * STEP * psi) - quantity(psi - times * STEP * psi)) for times in (1, 2))
+    return (8 * near - far) / (12 * STEP * psi)
+
+
+def _stability() -> Outcome:
+    tension = float(brentq(lambda psi: _slope(WAVE.mean_pressure, psi), WAVE.fold(), 0.6, xtol=1e-14))
+    psi = tension * np.array(BESIDE)
+    changes: dict[str, Any] = {
+        "adhesion": {"work_of_adhesion": WAVE.work_of_adhesion},
+        "loading": {"targets": [float(WAVE.penetration(2 * tension)), *WAVE.penetration(psi).tolist()]},
+    }
+    states = bem.solve(adapters.scene("sinusoid", changes)).targets[1:]
+    stiffness = [_slope(WAVE.mean_pressure, p) / _slope(WAVE.penetration, p) for p in psi.tolist()]
+    johnson = Reference(kind="exact", source="Johnson 1995: the mean pressure rises with the contact width")
+    rows: tuple[Row, ...] = (
+        compared(
+            "stable at fixed load (1: yes), from compression to pull-off past the largest tension",
+            "",
+            johnson,
+            [float(_slope(WAVE.mean_pressure, p) > 0) for p in psi.tolist()],
+            [float("nan") if s.stable_at_fixed_load is None else float(s.stable_at_fixed_load) for s in states],
+            0.5,
+            0.0,
+        ).model_copy(update={"pinned": "exact"}),
+        compared(
+            "contact stiffness, over the largest",
+            "Pa/m",
+            johnson,
+            stiffness,
+            [float("nan") if s.contact_stiffness is None else s.contact_stiffness for s in states],
+            *MEASURED_STIFFNESS,
+        ),
+        compared(
+            "largest stress intensity over critical, adhesion energy over -w f, total over both energies",
+            "",
+            Reference(kind="exact", source="K^2 = 2 E* w, U_ad = -w f"),
+            [1.0] * 3 * len(states),
+            [ratio for state in states for ratio in _ratios(state)],
+            *MEASURED_RATIOS,
+        ),
+        _joined(),
+        _steep(),
+    )
+    return Outcome(rows=rows)
+
+
+def _ratios(state: State) -> tuple[float, float, float]:
+    """What is reported of a state of the wave over what it must be."""
+    work = WAVE.work_of_adhesion
+    return (
+        (state.stress_intensity_max or 0.0) / float(np.sqrt(2 * WAVE.modulus * work)),
+        state.adhesion_energy / (-work * state.contact_fraction),
+        state.total_energy / (state.elastic_energy + state.adhesion_energy),
+    )
+
+
+def _joined() -> Row:
+    """Energies of complete contact."""
+    work, pressure = WAVE.work_of_adhesion, 1.2 * WAVE.full_contact_pressure
+    loading = {"control": "mean_pressure", "targets": [pressure], "initial": "complete_contact", "flaw": 1e-5}
+    posed = adapters.scene("sinusoid", {"adhesion": {"work_of_adhesion": work}, "loading": loading})
+    (state,) = bem.solve(posed).targets
+    return compared(
+        "elastic energy and adhesion energy of complete contact, over the larger",
+        "J/m^2",
+        Reference(kind="exact", source="p* D / 4 and -w"),
+        [WAVE.full_contact_pressure * WAVE.amplitude / 4, -work],
+        [state.elastic_energy, state.adhesion_energy],
+        *MEASURED_RATIOS,
+    )
+
+
+def _steep() -> Row:
+    """Stiffness where the work of adhesion grows with the slope, against differences of the mean pressure."""
+    steep = replace(WAVE, amplitude=1e-3)
+    middle, step = 0.6e-3, 1e-6
+    targets = [middle + times * step for times in (-2, -1, 0, 1, 2)]
+    changes: dict[str, Any] = {
+        "profile": {"amplitudes": [steep.amplitude]},
+        "adhesion": {"work_of_adhesion": steep.work_of_adhesion, "slope_term": True},
+        "loading": {"targets": targets},
+    }
+    states = bem.solve(adapters.scene("sinusoid", changes)).targets
+    p = [state.mean_pressure for state in states]
+    return compared(
+        "contact stiffness on a steep wave with the slope term",
+        "Pa/m",
+        Reference(kind="self", source="differences of fourth order of the mean pressure of neighbouring states"),
+        [(8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step)],
+        [states[2].contact_stiffness or 0.0],
+        *MEASURED_STEEP,
+    )
+
+
+@dataclass(frozen=True)
+class Posed:
+    """A state handed to the solver's verdict: one patch from the closed form, and what is wrong with it.
+
+    Parameters
+    ----------
+    name : str
+    wave : OnePatch
+        Its harmonics are those of the surface.
+    angle : float
+        pi times the contact fraction.
+    shift : float
+        By which the right edge is moved, over the width.
+    deeper : float
+        By which the penetration is too large, over the rms height.
+    adhesive : bool
+        Whether the verdict is that of an adhesive contact.
+    eigenvalue : float or None
+        Put in place of the smallest one.
+    """
+
+    name: str
+    wave: OnePatch
+    angle: float
+    shift: float = 0.0
+    deeper: float = 0.0
+    adhesive: bool = True
+    eigenvalue: float | None = None
+
+    def accepted(self) -> bool:
+        """Whether the state that the solver would store has a certificate that is ok."""
+        orders = np.flatnonzero(self.wave.harmonics) + 1
+        changes: dict[str, Any] = {
+            "profile": {
+                "orders": orders.tolist(),
+                "amplitudes": np.abs(self.wave.harmonics)[orders - 1].tolist(),
+                "phases": [0.0 if self.wave.harmonics[m - 1] > 0 else np.pi for m in orders],
+            },
+            "adhesion": {"work_of_adhesion": self.wave.work} if self.adhesive else None,
+        }
+        posed = adapters.scene("sinusoid", changes)
+        problem = pose(posed, posed.surface())
+        dip = problem.surface.max_height - float(problem.surface.height(0.0))
+        depth = (float(self.wave.penetration(self.angle)) + dip) / problem.scales.height + self.deeper
+        edges = np.array([-self.angle]), np.array([self.angle * (1 + 2 * self.shift)])
+        patches, fine, finest = Patches(*edges), 1e-12, 1e-14
+        if problem.law is None:
+            state = evaluate(problem.elastic, patches, depth, fine)
+            assessment = assess_contact(problem.elastic, problem.control, state, depth, finest)
+        else:
+            system = System(problem.elastic, problem.law, problem.control)
+            here = balance(system, patches, depth, depth, fine)
+            state, assessment = here.state, assess_equilibrium(system, here, depth, finest)
+        if self.eigenvalue is not None:
+            assessment = replace(assessment, min_eigenvalue=self.eigenvalue)
+        stored = equilibrium_state(problem, state, assessment, 1e-10, "loading", True, Cost(0, 0, 0.0))
+        return stored.certificate.ok
+
+
+def _states() -> tuple[list[Posed], list[Posed]]:
+    """States that are right, and wrong ones."""
+    modulus, length = WAVE.modulus, WAVE.wavelength
+    smooth = OnePatch(length, modulus, (1e-4,), WAVE.work_of_adhesion)
+    rippled = OnePatch(length, modulus, (1e-4, *[0.0] * 18, 4e-6), 0.06)
+    dented = OnePatch(length, modulus, (1e-4, -0.5e-4), 0.0)  # two crests with a dip between them
+    free = replace(smooth, work=0.0)
+    right = [
+        Posed("adhesive", smooth, 1.2),
+        Posed("without adhesion", free, 1.2, adhesive=False),
+        Posed("two crests pressed together", dented, DENTED[0], adhesive=False),
+    ]
+    wrong = [
+        Posed("an edge moved", smooth, 1.2, shift=1e-6),
+        Posed("too deep", smooth, 1.2, deeper=1e-6),
+        Posed("negative eigenvalue", smooth, 1.2, eigenvalue=-1e-3),
+        Posed("beyond the fold", rippled, UNSTABLE),
+        Posed("crest inside the other body", rippled, INSIDE),
+        Posed("an edge moved without adhesion", free, 1.2, shift=1e-6, adhesive=False),
+        Posed("tension at the edges without adhesion", smooth, 1.2, adhesive=False),
+        Posed("tension inside without adhesion", dented, DENTED[1], adhesive=False),
+    ]
+    return right, wrong
+
+
+def _refusals() -> Outcome:
+    right, wrong = _states()
+    names = ", ".join(state.name for state in wrong)
+    source = Reference(kind="exact", source="equilibria in closed form, and the same with one fault each")
+    rows = (
+        compared(
+            "states in equilibrium that are accepted (1: yes)",
+            "",
+            source,
+            [1.0] * len(right),
+            [float(state.accepted()) for state in right],
+            0.5,
+            0.0,
+        ).model_copy(update={"pinned": "exact"}),
+        compared(
+            f"states that are refused (1: yes): {names}",
+            "",
+            source,
+            [1.0] * len(wrong),
+            [float(not state.accepted()) for state in wrong],
+            0.5,
+            0.0,
+        ).model_copy(update={"pinned": "exact"}),
+    )
+    return Outcome(rows=rows)
+
+
+DENTED = (
+    2.5,
+    1.5,
+)  # a at which the dip is in compression, and at which its tension is an eighth of the largest pressure
+UNSTABLE, INSIDE = 0.5, 0.44  # a on a falling branch, and just before an edge takes a crest
+MEASURED_STIFFNESS = (1.2e-10, 4e-11)
+MEASURED_RATIOS, MEASURED_STEEP = (1e-12, 2.6e-14), (3e-11, 1e-11)
+
+CASES = (
+    Case(
+        id="stability-flag",
+        group="closed forms",
+        level="quick",
+        question="Are states stable at fixed load up to the largest tension and not beyond it, and how stiff are they?",
+        equations="stable at fixed load where dp/dpsi > 0;  stiffness = (dp/dpsi) / (dDelta/dpsi)",
+        sources=("johnson1995",),
+        compute=_stability,
+        effects=("half_space", "adhesion", "unloading"),
+        scene=adapters.scene_text("sinusoid"),
+    ),
+    Case(
+        id="refused-states",
+        group="identities",
+        level="quick",
+        question="Does the certificate accept equilibria and refuse states that are wrong in one way each?",
+        equations="G = w or K = 0 at edges,  u = h - h_max + Delta on patches,  gap >= 0,  H > 0 or p >= 0",
+        sources=("carbone2009", "muskhelishvili1953"),
+        compute=_refusals,
+        effects=("half_space", "adhesion"),
+        scene=adapters.scene_text("sinusoid"),
+    ),
+)

@@ -1,0 +1,191 @@
+"""Faults of paths and states: crests, leaps, vanishing patches, crossings, restarts, flags, certificates, scans.
+
+Each leaves states that look converged.  Constants are faults of the functions that read them: they are put back after
+every call.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from importlib import import_module
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from bem import crossing
+from validation.studies.fault_injection import Fault, Function, scaled
+
+
+def _with_constant(module: str, name: str, excess: float) -> Any:
+    """A fault by which a constant is larger by a factor of 1 + size times the excess during a call."""
+
+    def wrong(original: Function, size: float) -> Function:
+        space = import_module(module)
+
+        def called(*given: Any, **named: Any) -> Any:
+            right = getattr(space, name)
+            setattr(space, name, right * (1 + size * excess))
+            try:
+                return original(*given, **named)
+            finally:
+                setattr(space, name, right)
+
+        return called
+
+    return wrong
+
+
+def _scan_at_zero(original: Function, size: float) -> Function:
+    """Samples are taken for those of a scan that begins nearer to zero."""
+
+    def wrong(cls: Any, x: Any, *given: Any, **named: Any) -> Any:
+        position = np.asarray(x, dtype=np.float64)
+        return original(cls, position - size * position[0], *given, **named)
+
+    return wrong
+
+
+def _no_crests(original: Function, size: float) -> Function:
+    """Edges run into crests that have touched long before."""
+    return lambda ahead, seen, after: (None, original(ahead, seen, after)[1])
+
+
+def _last_crossing(original: Function, size: float) -> Function:
+    """Of several states at one load between two points the last is taken."""
+
+    def wrong(path: Any, before: Any, after: Any, load: float, refinements: int) -> Any:
+        if not after.events or refinements == 0:
+            return original(path, before, after, load, refinements)
+        finer = crossing._refined(path, abs(after.value - before.value))
+        points = [before, *finer.advance(before, after.value)]
+        if points[-1].balance is None:
+            return original(path, before, after, load, refinements)
+        for first, last in reversed(list(pairwise(points))):
+            if crossing.may_meet(path, first, last, load):
+                found = wrong(path, first, last, load, refinements - 1)
+                if found is not None:
+                    return found
+        return None
+
+    return wrong
+
+
+def _tension_left(original: Function, size: float) -> Function:
+    """Tension of a percent of the pressure is rounding, and no gap opens."""
+
+    def wrong(charge: Any, *given: Any) -> Any:
+        at, value, bend = original(charge, *given)
+        return at, value + size * 1e-2 * float(np.abs(charge).max()), bend
+
+    return wrong
+
+
+def _spring_without_half(original: Function, size: float) -> Function:
+    """The energy of the spring of a total displacement without its 1/2."""
+
+    def wrong(control: Any, state: Any, energy: float, target: float) -> Any:
+        spring = control.penetration_weight * state.penetration**2 / (2 * control.load_weight)
+        return original(control, state, energy, target) + size * spring
+
+    return wrong
+
+
+def _accepts(original: Function, size: float) -> Function:
+    """Every certificate is ok."""
+    return lambda *given, **named: replace(original(*given, **named), ok=True)
+
+
+def _inverted(original: Function, size: float) -> Function:
+    """Stable where it is not."""
+    return lambda balance: not original(balance)
+
+
+def _not_afresh(original: Function, size: float) -> Function:
+    """A path goes on from a target with what it knows from before, which no stored state holds."""
+    return lambda path, point: point
+
+
+def _not_turned(original: Function, size: float) -> Function:
+    """A pressure that was met while the load grew is not met again while it falls."""
+
+    def wrong(run: Any, branch: str) -> None:
+        met = set(run.met)
+        original(run, branch)
+        run.met |= met
+
+    return wrong
+
+
+PATH_FAULTS: tuple[Fault, ...] = (
+    Fault(
+        "bem-scan-at-zero",
+        "a scan that does not begin at zero is shifted",
+        "bem.profile:Profile.from_samples",
+        _scan_at_zero,
+        "by where it begins",
+    ),
+    Fault(
+        "bem-no-crests-ahead",
+        "crests ahead of an edge are not looked at",
+        "bem.touching:CrestsAhead.__call__",
+        _no_crests,
+    ),
+    Fault(
+        "bem-edges-leap",
+        "edges leap over barriers",
+        "bem.descent:_expanded",
+        _with_constant("bem.descent", "LARGEST_EXPANSION", 99.0),
+        "by a hundred times what they may",
+    ),
+    Fault(
+        "bem-patches-vanish",
+        "patches vanish that could still stand",
+        "bem.descent:_vanishing",
+        _with_constant("bem.descent", "VANISHED_WIDTH", 49.0),
+        "at the width of a lone contact at pull-off",
+    ),
+    Fault(
+        "bem-last-crossing", "of several states at one load the last is taken", "bem.crossing:_first", _last_crossing
+    ),
+    Fault(
+        "bem-tension-left",
+        "tension without adhesion is left in contact",
+        "bem.nonadhesive:_minimum",
+        _tension_left,
+        "a percent of the pressure",
+    ),
+    Fault(
+        "bem-spring-energy",
+        "energy of a total displacement without its 1/2",
+        "bem.control:LinearControl.potential",
+        _spring_without_half,
+        "1/2 becomes 1",
+    ),
+    Fault("bem-certificate-accepts", "every certificate is ok", "bem.certificate:certify", _accepts),
+    Fault(
+        "bem-stable-inverted",
+        "stable at fixed load where it is not",
+        "bem.equilibrium:Balance.stable_at_fixed_load",
+        _inverted,
+    ),
+    Fault(
+        "bem-not-afresh",
+        "a stored state does not hold all that its path depends on",
+        "bem.path:Path.afresh",
+        _not_afresh,
+    ),
+    Fault(
+        "bem-work-gradient-dropped",
+        "the work of adhesion does not grow along a slope as an edge moves",
+        "bem.adhesion:SlopeLaw.work_gradient",
+        scaled(-1.0),
+        "gradient absent",
+    ),
+    Fault(
+        "bem-met-once",
+        "a mean pressure asked for is met on the way there only",
+        "bem.solver:_Run._take_branch",
+        _not_turned,
+    ),
+)
