@@ -40,7 +40,8 @@ POINTS_PER_WAVELENGTH = 10
 WHOLE = 128  # points: larger grids are looked at in stretches
 STRETCH, ENDS = 8, 4  # points of a stretch, and stretches at each end that are looked at in any case
 FEW = 0.1  # share of stretches that are low up to which u is interpolated in these alone
-REFINEMENTS, REFINEMENT_RATIO = 2, 20.0  # of a minimum: parabolas on ever shorter bases, 1/400 of a grid cell at last
+REFINEMENTS, REFINEMENT_RATIO = 3, 5.0  # of a minimum: parabolas on ever shorter bases; the first is a tenth off
+DOWNHILL = 10  # grid cells to a minimum that has moved
 NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
 GRID_RATIO = 1.2  # steps of the list of grid sizes, so that equal ones are treated together
 LARGEST_MATRIX = 1_000_000  # entries of an interpolation, 8 MB; longer series are summed by Clenshaw's rule
@@ -199,9 +200,16 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
 
 
 def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMinima:
-    """Minima of the gap near given places in it, (n,) each, by the same parabolas; places may lie a grid cell off."""
+    """Minima of the gap near given places in it, (n,) each, downhill from there and then by the same parabolas."""
     reach = TWO_PI / (POINTS_PER_WAVELENGTH * field.elastic.profile.max_order)
-    vertex, depth = _lowest(field, position + reach * np.array([[-1.0], [0.0], [1.0]]), np.tile(gap, 3))
+    owner = np.tile(gap, 3)
+    for _ in range(DOWNHILL):
+        x = position + reach * np.array([[-1.0], [0.0], [1.0]])
+        vertex, _ = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
+        shift, position = np.max(np.abs(vertex - position), initial=0.0), vertex
+        if shift < reach / 2:
+            break
+    vertex, depth = _lowest(field, position + reach * np.array([[-1.0], [0.0], [1.0]]), owner)
     return GapMinima(vertex, depth, gap)
 
 
