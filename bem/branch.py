@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 UNBOOKED = 1e-3  # energy that may go missing in an increment, over the work of adhesion that its edges turned over
-ASTRAY = 1e-3, 0.3  # of the room, and of the largest motion
+ASTRAY, UNCERTAIN = 0.3, 10.0  # of the largest motion of an edge; times the closure
 
 
 def tangent(control: Control, here: Balance) -> FloatArray:
@@ -65,7 +65,7 @@ def misses_energy(
     return abs(missing) > max(UNBOOKED * turned_over, abs(curved) / 2) + energy_noise(system, first, last, tolerance)
 
 
-def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], change: float) -> bool:
+def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], change: float, closure: float) -> bool:
     """Whether edges moved otherwise than the tangents at both ends say: Newton leapt from one branch to another.
 
     Along a branch the trapezoidal rule leaves a part of the motion that falls with the square of the increment; over a
@@ -79,11 +79,13 @@ def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], 
         Tangents there.
     change : float
         Of the target from one to the other.
+    closure : float
+        max |G/w - 1| of the equilibria, which the edges are off by in units of their room.
     """
     patches, there = ends[0].state.patches, ends[1].state.patches
     moved = np.concatenate([patches.left - there.left, there.right - patches.right])
     astray = float(np.max(np.abs(moved - change * (rates[0] + rates[1]) / 2) / patches.edge_room))
-    return astray > ASTRAY[0] + ASTRAY[1] * float(np.max(np.abs(moved) / patches.edge_room))
+    return astray > UNCERTAIN * closure + ASTRAY * float(np.max(np.abs(moved) / patches.edge_room))
 
 
 def softest_mode(here: Balance) -> FloatArray:

@@ -13,6 +13,8 @@ from bem.problem import Problem
 from bem.scene import Scene
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
+EQUAL, ALIKE = 1e-12, 1e-5  # of the rms height: crests that are as high as the highest, and nearly so
+ALIKE_ACCURACY = 1e-3  # of the accuracies between targets, where crests are nearly as high as the highest
 COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
 
 
@@ -49,14 +51,26 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
     largest = scene.accuracy.max_increment * unit
     tolerance = scene.accuracy.tolerance
     fine = min(1e-8, 1e-2 * tolerance)
+    refined = ALIKE_ACCURACY if _has_twins(problem) else 1.0
     return Increments(
         largest=largest,
-        tolerance=min(Increments.tolerance, 0.1 * _critical_intensity(problem)),
+        tolerance=min(Increments.tolerance, 0.1 * _critical_intensity(problem)) * refined,
+        closure=Increments.closure * refined,
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
         fine_tolerance=max(fine, 1e-14),
         fine_closure=max(1e-1 * fine, 1e-12),
         allowed=0.5 * max(1e-10, 1e-3 * tolerance),
     )
+
+
+def _has_twins(problem: Problem) -> bool:
+    """Whether highest crests are nearly, but not exactly, equal: less of a difference than coarse evaluations make.
+
+    Where such crests pull off, it decides which of them goes first, and when.
+    """
+    heights = problem.profile.crests[1]
+    lower = heights.max() - heights
+    return bool(np.any((lower > EQUAL) & (lower < ALIKE)))
 
 
 def _critical_intensity(problem: Problem) -> float:

@@ -136,7 +136,7 @@ def locate_limit_point(
             broken = _neutral(system, soft, reach, tolerances, breaking=True)
             if broken is not None and not _is_pushed(broken):
                 return broken
-            tolerances = (tolerances[1], *tolerances[1:])  # coarse evaluations may be less symmetric than the profile
+            tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
         found = _neutral(system, soft, reach, tolerances, breaking=False)
         if found is None and (thorough or broken is not None):
             found = _around(system, soft, reach, tolerances)
@@ -239,10 +239,10 @@ def _neutral(
     else:
         return None
     found: list[Exact] = []
-    for tolerance in (fine, fine, finest):
-        if len(found) == 1 and tolerance == fine and size <= CLOSE:
+    for last, tolerance in ((False, fine), (False, fine), (True, finest)):
+        if len(found) == 1 and not last and size <= CLOSE:
             continue
-        here = _refined(system, soft, step, soft.value + change, tolerance, tolerance == finest)
+        here = _refined(system, soft, step, soft.value + change, tolerance, last)
         soft = _softness(system, here, soft.value + change, soft.scale, None if breaking else soft.mode)
         evaluations += 1
         step, change = _step(soft, gradient, breaking)

@@ -33,6 +33,9 @@ from bem.path_point import Point
 FloatArray = NDArray[np.float64]
 
 
+BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
+
+
 @dataclass
 class Path:
     """Follows the equilibrium of a system from point to point.
@@ -312,9 +315,9 @@ class Path:
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
         rate = tangent(self.system.control, corrected.balance)
         ahead = Point("converged", value, corrected.balance, (), rate, (rate - point.rate) / (2 * change))
-        if strays((point.balance, corrected.balance), (point.rate, rate), change) or self.jumps.misses_energy(
-            point, ahead
-        ):
+        if strays(
+            (point.balance, corrected.balance), (point.rate, rate), change, inc.closure
+        ) or self.jumps.misses_energy(point, ahead):
             return None, None
         found = interpenetration(self.system, corrected.balance.state, inc.allowed)
         return ahead, (found if found.position.size else None)
@@ -335,14 +338,16 @@ class Path:
         return step * (1 - fraction), max(min(step * fraction + shortest / 2, 0.9 * step), shortest)
 
     def _shortest(self, point: Point) -> float:
-        """The smallest increment; less where within it edges at rest would lose all their stress intensity.
+        """Where the end of a branch is not located, the increment in which it is bracketed.
+
+        A part of the smallest; less where within that edges at rest would lose all their stress intensity.
 
         Thin layers are so stiff that edges would close, and energies before and after an event not be comparable.
         """
         assert point.balance is not None
         here, control = point.balance, self.system.control
         loss = np.abs(here.state.stress_intensity_rate) * control.rate(here.state) / (2 * np.sqrt(here.work))
-        return min(self.increments.smallest, 1 / float(loss.max()))
+        return min(self.increments.smallest, 1 / float(loss.max())) / BRACKET
 
     def _step_within_reach(self, point: Point) -> float:
         """The increment whose predicted motion uses half of what Newton may travel."""

@@ -63,4 +63,4 @@ def test_tangents_say_that_the_edges_left_their_branch(start, end, left):
     change = 1e-3
     ends = at_rest(start, 0.4), at_rest(end, 0.4 + change)
     rates = tangent(RIPPLED.control, ends[0]), tangent(RIPPLED.control, ends[1])
-    assert strays(ends, rates, change) == left
+    assert strays(ends, rates, change, 1e-9) == left
