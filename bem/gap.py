@@ -201,25 +201,30 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
 
 def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMinima:
     """Minima of the gap near given places in it, (n,) each, downhill from there and then by the same parabolas."""
-    reach = TWO_PI / (POINTS_PER_WAVELENGTH * field.elastic.profile.max_order)
-    owner = np.tile(gap, 3)
+    patches, owner = field.state.patches, np.tile(gap, 3)
+    width = patches.gap_after[gap]
+    reach = np.minimum(TWO_PI / (POINTS_PER_WAVELENGTH * field.elastic.profile.max_order), width / 4)
+    first, last = patches.right[gap] + 1.01 * reach, patches.right[gap] + width - 1.01 * reach
     for _ in range(DOWNHILL):
+        position = np.clip(position, first, last)
         x = position + reach * np.array([[-1.0], [0.0], [1.0]])
         vertex, _ = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
-        shift, position = np.max(np.abs(vertex - position), initial=0.0), vertex
-        if shift < reach / 2:
+        shift, position = np.max(np.abs(vertex - position) / reach, initial=0.0), np.clip(vertex, first, last)
+        if shift < 0.5:
             break
     vertex, depth = _lowest(field, position + reach * np.array([[-1.0], [0.0], [1.0]]), owner)
     return GapMinima(vertex, depth, gap)
 
 
 def _lowest(field: GapField, x: FloatArray, owner: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Places and depths of minima of the gap from three points around each, (3, n), on ever shorter bases."""
+    """Places and depths of minima of the gap between the outer of three points each, (3, n), on ever shorter bases."""
+    first, last = x[0], x[2]
     vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
     reach = np.minimum(x[1] - x[0], x[2] - x[1])
     for _ in range(REFINEMENTS):
         reach = reach / REFINEMENT_RATIO
-        x = np.stack([vertex - reach, vertex, vertex + reach])
+        middle = np.clip(vertex, first + reach, last - reach)
+        x = np.stack([middle - reach, middle, middle + reach])
         vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
     return vertex, depth
 

@@ -118,7 +118,7 @@ class Jumps:
             end = Point("converged", value, settled.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))
             return [self._with_tangent(end)] if settled.balance is not None else []
         changes = (place, *settled.changes) if broken or not settled.changes else settled.changes
-        behind = self.behind(limit.exact, limit.error, settled, changes)
+        behind = self.behind(limit.exact, limit.error, settled, changes, broken or bool(settled.changes))
         end = Point("converged", limit.exact.value, limit.balance, last=True, fold=None if broken else limit)
         return [] if behind is None else [end, behind]
 
@@ -142,7 +142,7 @@ class Jumps:
         load = abs(pushed.load - here.state.load)
         error = Exact(width, abs(pushed.penetration - state.penetration), load, load * width)
         changes = settled.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
-        behind = self.behind(pushed, error, settled, changes)
+        behind = self.behind(pushed, error, settled, changes, bool(settled.changes))
         if behind is None:
             assert settled.balance is not None
             return self._with_tangent(Point(settled.status, value, settled.balance))
@@ -161,7 +161,14 @@ class Jumps:
         ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
         return misses_energy(system, ends, rates, change, inc.fine_tolerance)
 
-    def behind(self, at: Exact, error: Exact, settled: Settled, changes: tuple[tuple[str, float], ...]) -> Point | None:
+    def behind(
+        self,
+        at: Exact,
+        error: Exact,
+        settled: Settled,
+        changes: tuple[tuple[str, float], ...],
+        moved: bool = True,
+    ) -> Point | None:
         """The point behind a jump with its events; None where nothing changed and no energy is released.
 
         Parameters
@@ -172,6 +179,8 @@ class Jumps:
             Where the jump ended.
         changes : tuple of (kind, position)
             What happened, in order.
+        moved : bool
+            Whether something surely did; else the energy released must exceed its error.
         """
         system, value = self.system, settled.target
         if settled.balance is None:
@@ -189,7 +198,7 @@ class Jumps:
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
         released, doubt = at.potential - after.potential, error.potential + uncertain
-        if not settled.changes and released <= DOUBT * doubt:
+        if not moved and released <= DOUBT * doubt:
             return None
         return self._with_tangent(Point(settled.status, value, here, path_events(changes, at, error, released, doubt)))
 

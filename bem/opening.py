@@ -3,8 +3,9 @@
 Under the JKR model a gap of zero width needs infinite tension, so that complete contact opens only
 
 - at a flaw: a gap of given width where the pressure of complete contact is lowest.  Its K is a linear function of the
-  load; it opens when the larger of its two K reaches the critical one, K = 2 sqrt(w).  Energies of complete contact
-  know nothing of the flaw: what it costs, w g / 2 for a narrow one of width g, is paid by what the opening releases;
+  load; it opens when the larger of its two K reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no
+  adhesion: what the opening releases is counted from the flawed state, which lies above complete contact by w g / 2
+  for a narrow flaw of width g.  Nobody pays for that: a path through an opening gains it;
 - or because the separation is prescribed: s > 0 is the mean gap, so that there is one.  It begins at the same
   place with zero width, and the branch is continuous there (Johnson, Int. J. Solids Struct. 32 (1995) 423).
 
@@ -32,7 +33,7 @@ from numpy.typing import NDArray
 
 from bem.collocation import Evaluation, evaluate
 from bem.complete_contact import CompleteContact
-from bem.equilibrium import System
+from bem.equilibrium import System, balance
 from bem.patches import TWO_PI, Patches, ordered
 
 FloatArray = NDArray[np.float64]
@@ -82,6 +83,15 @@ def opened_gap(system: System, complete: CompleteContact, flaw: float, load: flo
             break
         width = max(width / 2, 1.02 * flaw)
     return with_gap(lowest_pressure(complete), width)
+
+
+def flawed_potential(system: System, complete: CompleteContact, flaw: float, value: float, tolerance: float) -> float:
+    """The potential under control of complete contact with a flaw at the load at which it opens."""
+    gap, highest = with_gap(lowest_pressure(complete), flaw), system.elastic.profile.max_height
+    if flaw >= RESOLVED_GAP:
+        return balance(system, gap, highest, value, tolerance).potential
+    work = system.law.energy(gap) - complete.adhesion_energy
+    return complete_potential(system, complete, value) + work / 2
 
 
 def _crack(complete: CompleteContact, width: float) -> tuple[FloatArray, FloatArray]:

@@ -25,7 +25,7 @@ from bem.gap import GapMinima, gap_field
 from bem.increments import Effort, Increments
 from bem.jumps import Jumps
 from bem.limit_points import before_fold
-from bem.opening import complete_potential, first_gap, lowest_pressure, opened_gap, opening_load
+from bem.opening import complete_potential, first_gap, flawed_potential, lowest_pressure, opened_gap, opening_load
 from bem.patches import Patches
 from bem.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, path_events
 from bem.path_point import Point
@@ -297,7 +297,9 @@ class Path:
                 return Point("not_converged", value)
             events = path_events((opening,), joined, NO_ERROR, 0.0, 0.0)
             return Point("converged", value, settled.balance, events, tangent(system.control, settled.balance))
-        behind = self.jumps.behind(joined, NO_ERROR, settled, (opening, *settled.changes))
+        assert self.flaw is not None
+        flawed = flawed_potential(system, self.complete, self.flaw, value, inc.fine_tolerance)
+        behind = self.jumps.behind(replace(joined, potential=flawed), NO_ERROR, settled, (opening, *settled.changes))
         return Point("not_converged", value) if behind is None else behind
 
     def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:

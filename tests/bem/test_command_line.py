@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import bem.__main__ as command_line
+from bem import certificate
 from bem.checkpoint import Checkpoint
 from bem.console import LineReporter, reporter, summary, summary_line
 from bem.effects import effects_of
@@ -440,7 +441,8 @@ def test_summary_tells(pressure, failure, said):
 
 
 def test_what_is_not_certified_ends_with_exit_code_1(scene, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("bem.states.CLOSURE", 1e-30)
+    refuse = replace(certificate.Demands(), interpenetration=-1.0)
+    monkeypatch.setattr(certificate, "Demands", lambda **limits: refuse)
     assert run(scene, tmp_path / "out") == 1
     assert capsys.readouterr().out.startswith("not_converged (")
     assert "not_converged" in {state.status for state in read_result(tmp_path / "out").states}

@@ -5,7 +5,7 @@ from functools import cache
 
 import pytest
 
-from bem.result import Event
+from bem.result import Event, EventError
 from bem.scene import parse_scene
 from bem.solver import solve
 from validation.cases import hard_case_checks as checks
@@ -102,7 +102,7 @@ def test_missing_event_is_found():
 
 def test_negative_release_of_energy_is_found():
     result = small_result()
-    wrong = replace(result, events=(Event("coalescence", 1e-5, 0.0, 0.0, -1e-6),))
+    wrong = replace(result, events=(Event("coalescence", 1e-5, 0.0, 0.0, -1e-6, EventError(0.0, 0.0, 0.0)),))
     case = HardCase("negative", "", SMALL, SMALL, ("converged",) * 2)
     assert "coalescence releases -1.0e-06" in judged(case, wrong, parse_scene(SMALL))[0]
 
