@@ -2,10 +2,11 @@
 
 Between events the equilibrium edges are a smooth function of the control value tau (penetration, load or total
 displacement) and are followed by a second-order predictor and Newton.  An increment is accepted only when Newton
-stays on its branch (K > 0, positive definite Hessian, small steps, no energy missing) and no gap interpenetrates.
-Otherwise the event in between is bracketed down to the smallest increment: new contacts by the secant of their gap,
-ends of branches by bisection.  Only there is it resolved (events.py).  The path is unique; that the result does not
-depend on the smallest increment is a property to verify, not to assume.  Dimensionless.
+stays on its branch (K > 0, positive definite Hessian, small steps along both tangents, no energy missing) and no gap
+interpenetrates.  Otherwise the end of the branch in between is located by its own equation: the touch of a crest, or a
+limit point (touch_points.py, limit_points.py), from which the contact jumps (jumps.py).  The path yields both the last
+state of a branch and the first one behind the jump.  That neither depends on the increments is a property that tests
+show; where no end is located, increments shrink until the jump begins from the last good edges.  Dimensionless.
 """
 
 from __future__ import annotations

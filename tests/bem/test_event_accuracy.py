@@ -1,0 +1,182 @@
+"""Events do not depend on the increment, on units, shift or mirror; what they release is the work that is missing."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from bem.scene import parse_scene
+from bem.solver import solve
+
+AMPLITUDE, PERIOD, MODULUS = 1e-4, 0.01, 4e6 / 3
+LARGEST = 0.05
+
+
+def crests(order, alpha, delta, control, targets, layer=None, increment=LARGEST):
+    """Equal crests but for a wave of order 1; alpha is Johnson's of one of them."""
+    full = np.pi * MODULUS * AMPLITUDE * order / PERIOD
+    orders, amplitudes = ([order], [AMPLITUDE]) if not delta else ([1, order], [delta * AMPLITUDE, AMPLITUDE])
+    data = {
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+        "profile": {"kind": "harmonics", "period": PERIOD, "orders": orders, "amplitudes": amplitudes},
+        "adhesion": {"work_of_adhesion": (alpha * full) ** 2 * PERIOD / order / (2 * MODULUS)},
+        "loading": {"control": control, "targets": targets},
+        "accuracy": {"max_increment": increment},
+    }
+    data["profile"]["phases"] = [0.3, 0.0][-len(orders) :]
+    if layer is not None:
+        data["layer"] = {"thickness": layer}
+        data["solid"]["poisson_ratio"] = 0.45
+    return data
+
+
+def outcome(data):
+    """Kinds of all events, their numbers by rows, and the contact fractions of the targets."""
+    result = solve(parse_scene(data))
+    assert result.status in ("converged", "unreachable")
+    assert all(state.certificate.ok for state in result.states if state.status != "unreachable")
+    kinds = [event.kind for event in result.events]
+    numbers = [(event.penetration, event.mean_pressure, event.energy_released or 0.0) for event in result.events]
+    return kinds, np.array(numbers), [state.contact_fraction for state in result.targets]
+
+
+def assert_same(one, other, places=1e-9, energies=1e-7, fractions=1e-10):
+    """Penetrations over the amplitude, pressures and energies over the largest, contact fractions."""
+    assert one[0] == other[0]
+    assert one[2] == pytest.approx(other[2], abs=fractions)
+    difference, size = np.abs(one[1] - other[1]).max(axis=0), np.abs(other[1]).max(axis=0)
+    assert difference[0] <= places * AMPLITUDE
+    assert difference[1] <= energies * size[1]
+    assert difference[2] <= energies * size[2]
+
+
+UNLOADED = {0.01: 0.012, 0.02: 0.021, 0.05: 0.053, 0.1: 0.113, 0.3: 0.389}  # of the amplitude, where some still hold
+
+PATTERNS = [
+    (2, 0.02, 0.0, "separation", None),
+    (2, 0.05, 1e-3, "separation", None),
+    (2, 0.3, 1e-12, "separation", None),
+    (3, 0.01, 1e-5, "separation", None),
+    (3, 0.1, 0.0, "separation", None),
+    (4, 0.02, 0.0, "separation", None),
+    (4, 0.05, 1e-12, "separation", None),
+    (7, 0.02, 0.0, "separation", None),
+    (7, 0.1, 1e-3, "separation", None),
+    (12, 0.05, 0.0, "separation", None),
+    (12, 0.02, 1e-3, "separation", 1e-3),
+    (2, 0.02, 0.0, "separation", 1e-3),
+    (3, 0.05, 1e-5, "separation", 2e-3),
+    (7, 0.3, 0.0, "separation", 5e-3),
+    (7, 0.05, 0.0, "total_displacement", 1e-3),
+    (3, 0.02, 1e-5, "total_displacement", 3e-3),
+]
+
+
+def pattern(order, alpha, delta, control, layer, increment):
+    back = UNLOADED[alpha] * AMPLITUDE
+    targets = [0.3 * AMPLITUDE, AMPLITUDE + back, AMPLITUDE + 1.5 * back]
+    if control == "total_displacement":
+        targets = [0.5 * AMPLITUDE, -back, -3 * back]
+    return crests(order, alpha, delta, control, targets, layer, increment)
+
+
+@pytest.mark.parametrize(("order", "alpha", "delta", "control", "layer"), PATTERNS)
+def test_equal_crests_pull_off_one_by_one_at_any_increment(order, alpha, delta, control, layer):
+    """Crests equal to 1e-8 are left out: which goes first is decided by less than evaluations resolve."""
+    coarse, fine = (outcome(pattern(order, alpha, delta, control, layer, LARGEST / n)) for n in (1, 3))
+    assert "detachment" in coarse[0]
+    assert_same(coarse, fine)
+
+
+@pytest.mark.parametrize("order", [2, 4, 7])
+def test_equal_crests_pull_off_one_by_one_at_a_tenth_of_the_increment(order):
+    coarse, fine = (outcome(pattern(order, 0.02, 0.0, "separation", None, LARGEST / n)) for n in (1, 10))
+    assert_same(coarse, fine)
+
+
+@pytest.mark.parametrize(("order", "alpha", "delta"), [(2, 0.02, 0.0), (4, 0.3, 1e-3), (7, 0.05, 0.0)])
+def test_equal_crests_pull_off_under_load_at_any_increment(order, alpha, delta):
+    full = np.pi * MODULUS * AMPLITUDE * order / PERIOD
+    targets = [0.1 * full, -0.5 * alpha * full, -2 * alpha * full]
+    coarse, fine = (
+        outcome(crests(order, alpha, delta, "mean_pressure", targets, increment=n * LARGEST)) for n in (4, 1)
+    )
+    assert coarse[0][-1] == "pull_off"
+    assert_same(coarse, fine)
+
+
+def rough(seed, work, control="separation", layer=None, slope_term=True, increment=LARGEST, **profile):
+    data = {
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.49},
+        "profile": {
+            "kind": "self_affine",
+            "period": PERIOD,
+            "hurst": 0.7,
+            "rms_height": 5e-5,
+            "harmonics": 20,
+            "seed": seed,
+        }
+        | profile,
+        "adhesion": {"work_of_adhesion": work, "slope_term": slope_term},
+        "loading": {"control": control, "targets": [40e-6, 250e-6]},
+        "accuracy": {"max_increment": increment},
+    }
+    if control == "mean_pressure":
+        data["loading"]["targets"] = [5e3, -20.0]
+    if control == "total_displacement":
+        data["loading"]["targets"] = [40e-6, -60e-6]
+    if layer is not None:
+        data["layer"] = {"thickness": layer}
+    return data
+
+
+ROUGH = [
+    (1, 0.003, "separation", None),
+    (2, 0.03, "separation", 1e-3),
+    (3, 0.0005, "separation", None),
+    (4, 0.01, "mean_pressure", None),
+    (5, 0.01, "mean_pressure", 2e-3),
+    (6, 0.01, "total_displacement", 1e-3),
+]
+
+
+@pytest.mark.parametrize(("seed", "work", "control", "layer"), ROUGH)
+def test_events_of_rough_profiles_do_not_depend_on_the_increment(seed, work, control, layer):
+    coarse, fine = (outcome(rough(seed, work, control, layer, increment=LARGEST / n)) for n in (1, 3))
+    assert_same(coarse, fine, energies=1e-6)
+
+
+def harmonics(shift=0.0, mirrored=False, length=1.0, stress=1.0):
+    """A steep profile of eight waves, as it is or shifted, mirrored and in other units."""
+    rng = np.random.default_rng(5)
+    orders, phases = np.arange(1, 9), rng.uniform(-np.pi, np.pi, 8)
+    amplitudes = 4e-4 / orders**1.2
+    phases = -phases if mirrored else phases
+    data = rough(0, 0.05 * length * stress)
+    data["solid"]["youngs_modulus"] *= stress
+    data["profile"] = {
+        "kind": "harmonics",
+        "period": PERIOD * length,
+        "orders": orders.tolist(),
+        "amplitudes": (amplitudes * length).tolist(),
+        "phases": (phases - orders * shift).tolist(),
+    }
+    data["loading"]["targets"] = [2e-4 * length, 2e-3 * length]
+    return data
+
+
+@lru_cache(maxsize=1)
+def plain():
+    return outcome(harmonics())
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"shift": 2.0}, {"mirrored": True}, {"length": 1e-3}, {"stress": 1e4}],
+    ids=["shifted", "mirrored", "other length", "other stress"],
+)
+def test_shift_mirror_and_units_leave_events_unchanged(change):
+    kinds, numbers, fractions = outcome(harmonics(**change))
+    length, stress = change.get("length", 1.0), change.get("stress", 1.0)
+    assert len(kinds) >= 4
+    assert_same((kinds, numbers / [length, stress, length * stress], fractions), plain())

@@ -1,0 +1,146 @@
+"""Ends of branches by their own equation: folds against closed forms, broken symmetries, and ways that lead on."""
+
+import numpy as np
+import pytest
+
+from bem.adhesion import UniformLaw
+from bem.collocation import Elastic
+from bem.control import LinearControl, PenetrationControl
+from bem.descent import descend
+from bem.equilibrium import System, correct
+from bem.limit_points import at_rest, before_fold, departure, locate_limit_point
+from bem.patches import Patches
+from bem.profile import Profile
+
+TOLERANCES = (1e-3, 1e-5, 1e-8)
+AMPLITUDE = np.sqrt(2.0)  # of a wave of unit rms height
+ALPHA = 0.3
+
+
+def johnson(quantity, psi):
+    """Load per period or penetration on the branch of one wave (Johnson 1995), dimensionless."""
+    S, t = np.sin(psi) ** 2, ALPHA * np.sqrt(np.tan(psi))
+    return 2 * np.pi * AMPLITUDE * (S - t) if quantity == "load" else AMPLITUDE * (S * (1 - np.log(S)) + t * np.log(S))
+
+
+def lowest(quantity):
+    """Least value on the branch, to rounding: on ever finer grids around it."""
+    psi = np.linspace(0.01, 0.8, 1001)
+    for _ in range(8):
+        best = psi[np.argmin(johnson(quantity, psi))]
+        psi = np.linspace(best - (psi[1] - psi[0]) * 2, best + (psi[1] - psi[0]) * 2, 1001)
+    return float(np.min(johnson(quantity, psi)))
+
+
+def system_of(orders, amplitudes, control, work):
+    return System(Elastic(Profile.from_harmonics(2 * np.pi, orders, amplitudes)), UniformLaw(work), control)
+
+
+def wave(control):
+    return system_of([1], [AMPLITUDE], control, np.pi * (ALPHA * AMPLITUDE) ** 2 / 2)
+
+
+def resting(system, centers, half_width, value):
+    """Coarse equilibrium of patches around crests, with its value of the control."""
+    patches = Patches(np.array(centers) - half_width, np.array(centers) + half_width)
+    found = descend(system, patches, 0.0, value, 1e-3, 1e-4, 0.2)
+    assert found.status == "converged"
+    return found.balance
+
+
+@pytest.mark.parametrize(
+    ("control", "quantity"),
+    [(PenetrationControl(), "penetration"), (LinearControl(0.0, 1.0), "load")],
+    ids=["Delta", "load"],
+)
+def test_a_fold_is_where_johnsons_branch_turns(control, quantity):
+    system, exact = wave(control), lowest(quantity)
+    start = 0.7 * exact
+    here = resting(system, [2 * np.pi], 0.8, start)
+    found = locate_limit_point(system, here, start, exact - start, TOLERANCES)
+    assert found.kind == "fold"
+    assert found.exact.value == pytest.approx(exact, rel=1e-11)  # measured 3e-13
+    assert abs(found.exact.value - exact) <= 3 * found.error.value + 1e-13
+    assert found.evaluations <= 12  # 9
+
+
+def test_no_fold_is_found_far_from_it():
+    system = wave(PenetrationControl())
+    here = resting(system, [2 * np.pi], 1.0, 0.5)
+    assert locate_limit_point(system, here, 0.5, -0.01, TOLERANCES) is None
+
+
+def test_before_a_fold_the_branch_is_where_its_parabola_says():
+    system, exact = wave(PenetrationControl()), lowest("penetration")
+    here = resting(system, [2 * np.pi], 0.8, 0.7 * exact)
+    fold = locate_limit_point(system, here, 0.7 * exact, 0.3 * exact, TOLERANCES)
+    value = exact * (1 - 1e-5)
+    near = before_fold(fold, value)
+    found = correct(system, near, value, value, 1e-8, 1e-9).balance
+    moved = found.state.patches.half_width - fold.balance.state.patches.half_width
+    np.testing.assert_allclose(near.half_width - fold.balance.state.patches.half_width, moved, rtol=0.05)
+
+
+def equal_crests(count, delta=0.0, alpha=0.05):
+    work = np.pi * (alpha * AMPLITUDE) ** 2 * count / 2
+    orders, amplitudes = ([count], [AMPLITUDE]) if not delta else ([1, count], [delta, AMPLITUDE])
+    return system_of(orders, amplitudes, PenetrationControl(), work)
+
+
+def symmetric_state(system, count, value):
+    crests = np.arange(1, count + 1) * 2 * np.pi / count
+    return resting(system, crests, 0.2 / count, value)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 7])
+def test_equal_crests_lose_their_symmetry_before_they_pull_off(count):
+    """The load does no work on the modes that turn soft; their number is that of a representation of the symmetry."""
+    system = equal_crests(count)
+    start = -0.05
+    here = symmetric_state(system, count, start)
+    found = locate_limit_point(system, here, start, -0.05, TOLERANCES, thorough=True)
+    assert found.kind == "bifurcation"
+    assert found.modes.shape[1] == (1 if count == 2 else 2)
+    pull = found.balance.load_gradient
+    for mode in found.modes.T:
+        assert abs(pull @ mode) <= 1e-7 * np.linalg.norm(pull) * np.linalg.norm(mode)
+    assert found.error.value <= 1e-9
+    widths = found.balance.state.patches.width
+    np.testing.assert_allclose(widths, widths.mean(), rtol=1e-6)
+    outward, leads_on, _ = departure(system, found, 1e-3, 1e-4)
+    assert leads_on
+    inward = -(outward[:count] + outward[count:])
+    assert np.argmax(inward) == np.argmax(np.abs(inward))  # one patch shrinks most
+
+
+def test_a_fold_of_almost_equal_crests_lies_before_the_symmetric_one():
+    """By the power 2/3 of the difference, as an imperfect pitchfork has it."""
+    values = []
+    for delta in (0.0, 1e-6, 1e-5):
+        system = equal_crests(2, delta)
+        here = symmetric_state(system, 2, -0.05)
+        found = locate_limit_point(system, here, -0.05, -0.05, TOLERANCES, thorough=True)
+        values.append(found.exact.value)
+        assert found.kind == ("fold" if delta else "bifurcation")
+    apart = np.array(values[1:]) - values[0]
+    assert np.all(apart > 0)
+    assert apart[1] / apart[0] == pytest.approx(10 ** (2 / 3), rel=0.2)  # measured 0.09
+
+
+def test_the_way_from_a_fold_leads_down():
+    system, exact = wave(PenetrationControl()), lowest("penetration")
+    here = resting(system, [2 * np.pi], 0.8, 0.7 * exact)
+    fold = locate_limit_point(system, here, 0.7 * exact, 0.3 * exact, TOLERANCES)
+    outward, leads_on, _ = departure(system, fold, 1e-3, 1e-4)
+    assert leads_on
+    assert np.all(outward < 0)  # it pulls off
+
+
+def test_a_coarse_equilibrium_is_improved_with_its_error():
+    system = wave(PenetrationControl())
+    here = resting(system, [2 * np.pi], 1.0, 0.5)
+    better, exact, error = at_rest(system, here, 0.5, (1e-5, 1e-8))
+    finest = at_rest(system, here, 0.5, (1e-8, 1e-12))[1]
+    assert better.closure <= 1e-7
+    assert abs(exact.potential - finest.potential) <= 3 * error.potential + 1e-13
+    assert abs(exact.load - finest.load) <= 3 * error.load + 1e-12
