@@ -127,12 +127,12 @@ def locate_limit_point(
         Whether the branch is followed around its fold where Newton fails: almost symmetric profiles turn sharply.
     """
     try:
-        soft = _softness(system, start, value, start.scale)
-        broken = None
+        soft, broken = _softness(system, start, value, start.scale), None
         if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
+            soft = _softness(system, start, value, start.scale, every=True)
             for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
                 here = _refined(system, soft, _to_rest(soft), value, tolerances[1], False)
-                soft = _softness(system, here, value, start.scale)
+                soft = _softness(system, here, value, start.scale, every=True)
             broken = _neutral(system, soft, reach, tolerances, breaking=True)
             if broken is not None and not _is_pushed(broken):
                 return broken
@@ -145,13 +145,13 @@ def locate_limit_point(
         return None
 
 
-def _softness(system: System, here: Balance, value: float, scale: FloatArray, last: FloatArray | None = None) -> _Soft:
-    """Forces and modes of a balance: the two softest where `last`, the softest one before, is given, else all."""
+def _softness(
+    system: System, here: Balance, value: float, scale: FloatArray, last: FloatArray | None = None, every: bool = False
+) -> _Soft:
+    """Forces of a balance, and its two softest modes or `every` one; the first has the sign of `last`."""
     hessian = _scaled(here, scale)
-    if last is None:
-        eigenvalues, modes = eigh(hessian, check_finite=False)
-    else:
-        eigenvalues, modes = eigh(hessian, subset_by_index=[0, 1], check_finite=False)
+    eigenvalues, modes = eigh(hessian, subset_by_index=None if every else [0, 1], check_finite=False)
+    if last is not None:
         modes *= np.sign(modes[:, 0] @ last) or 1.0
     state, mode = here.state, modes[:, 0]
     rate = system.control.rate(state)
@@ -220,21 +220,23 @@ def _neutral(
 ) -> LimitPoint | None:
     """Newton on the equilibrium and its neutrality: a fold, or the point where a symmetry breaks."""
     coarse, fine, finest = tolerances
-    begin, evaluations = soft.value, 0
+    begin, evaluations, size = soft.value, 0, np.inf
     resolution = resolve(system.elastic, soft.here.state.patches, coarse)
-    for _ in range(STEPS):
+    for count in range(STEPS):
         gradient = _eigenvalue_gradient(system, soft, coarse)
         step, change = _step(soft, gradient, breaking)
         evaluations += 1
-        size = soft.size(step)
+        size, before = soft.size(step), size
         if size <= NEAR:
             break
+        if count > 1 and size > before:
+            return None
         part = min(1.0, LONGEST_STEP / size)
         value = soft.value + part * change
         if not -0.5 <= (value - begin) / reach <= 2:
             return None
         here = _at(system, soft, part * step, value, coarse, resolution)
-        soft = _softness(system, here, value, soft.scale, None if breaking else soft.mode)
+        soft = _softness(system, here, value, soft.scale, soft.mode, breaking)
         evaluations += 1
     else:
         return None
@@ -243,7 +245,7 @@ def _neutral(
         if len(found) == 1 and not last and size <= CLOSE:
             continue
         here = _refined(system, soft, step, soft.value + change, tolerance, last)
-        soft = _softness(system, here, soft.value + change, soft.scale, None if breaking else soft.mode)
+        soft = _softness(system, here, soft.value + change, soft.scale, soft.mode, breaking)
         evaluations += 1
         step, change = _step(soft, gradient, breaking)
         size = soft.size(step)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.branch import tangent
 from bem.equilibrium import Balance, System, correct
 from bem.gap import GapMinima, gap_field, minima_near
 from bem.patches import Patches
@@ -83,17 +84,17 @@ def locate_touch(
     value = first + (last - first) * float(np.clip(crossing.min(), 0.0, 1.0))
     before: Exact | None = None
     slope = (high[1] - low[1]) / (last - first)
-    near, evaluations, known = found, 0, [low, high]
+    near, patches, evaluations, known = found, branch(value), 0, [low, high]
     for _ in range(STEPS):
         tolerance = tolerances[int(before is not None)]
-        patches = branch(value)
         if not patches.is_ordered:
             return None
         corrected = correct(system, patches, penetration, value, tolerance, CLOSURE * tolerance)
         evaluations += corrected.evaluations
         if corrected.balance is None:
             return None
-        here = corrected.balance
+        here, at = corrected.balance, value
+        rate = tangent(system.control, here)
         near = minima_near(gap_field(system.elastic, here.state), near.position, found.gap)
         depth = float(near.depth.min())
         nearest = min(known, key=lambda point: abs(point[0] - value))
@@ -116,6 +117,7 @@ def locate_touch(
         if before is None and abs(depth) <= NEARLY:
             before = exact
         value += change
+        patches = here.state.patches.moved(rate * (value - at))
         if not min(ends) - abs(last - first) / 10 <= value <= max(ends) + abs(last - first) / 10:
             return None
     return None
