@@ -149,7 +149,7 @@ def test_balance_sees_the_energy_of_every_event(name):
 
 @pytest.mark.parametrize("name", ["separation", "load", "layer"])
 def test_quadrature_of_the_work_converges(name):
-    """Where nothing happens the balance closes by the order of Hermite's rule, but beside folds; measured X to Y times better."""
+    """Where nothing happens the balance closes by the order of Hermite's rule, but beside folds; measured 20 to 320."""
     missing = []
     for part in (1.0, 0.5):
         tables = PATHS[name] | {"accuracy": {"max_increment": part * parse_scene(PATHS[name]).accuracy.max_increment}}
@@ -157,8 +157,7 @@ def test_quadrature_of_the_work_converges(name):
         result = solve(posed)
         smooth = [b for b in balances(posed, result, Units.of(posed)) if not b.events and b.state > 0]
         missing.append(np.median([abs(b.missing) / b.energies for b in smooth]))
-        print(missing)
-    assert missing[1] < missing[0] / 4
+    assert missing[1] < missing[0] / 8
 
 
 # Dense algebra at the stored edges

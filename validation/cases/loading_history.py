@@ -172,7 +172,7 @@ def _figure(result: Result) -> Figure:
     )
 
 
-MEASURED_WORK, MEASURED_SYMMETRY = 1.2e-3, 0.006
+MEASURED_WORK, MEASURED_SYMMETRY = 2.6e-10, 0.006
 
 CASES = (
     Case(

@@ -283,7 +283,7 @@ def _figure(wave: RippledWave, jumps: list[Jump], result: Result) -> Figure:
 LEAST_RELEASED = 1e-3  # of the work of adhesion, by a jump: measured 0.017 to 0.23; what releases less is a fold's edge
 
 MEASURED_LOADED, MEASURED_DRIVEN = (1e-12, 5.1e-14), (1e-12, 7.8e-15)
-MEASURED_RELEASED, MEASURED_PRESSURE = 9e-4, 2.5e-4  # events are resolved within the smallest increment
+MEASURED_RELEASED, MEASURED_PRESSURE = 8.9e-12, 4.4e-12
 
 CASES = (
     Case(

@@ -58,7 +58,7 @@ EPS = float(np.finfo(float).eps)
 TARGET = 1e-11  # of the unit of the controlled quantity
 IDENTITY = 1e-12  # of the unit of the quantity
 RELEASED = 1e-12  # of E* a^2 / period: rounding of the energy that an event releases
-SAFETY, AT_EVENTS = 6.0, 3.0  # times the difference of two rules; measured 2.6, and MEASURED where events lie between
+SAFETY, AT_EVENTS = 7.5, 4.0  # times the difference of two rules; measured 3.0, and 1.5 where events lie between
 RESOLVED = 0.03  # of the energies of an interval: its quadrature error, above which it is not judged
 BALANCE = 1e-6  # of the energies of an interval
 
