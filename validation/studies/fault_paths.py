@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from bem import crossing
+from bem.path_events import Exact
 from validation.studies.fault_injection import Fault, Function, scaled
 
 
@@ -117,7 +118,82 @@ def _not_turned(original: Function, size: float) -> Function:
     return wrong
 
 
+def _located_late(original: Function, size: float) -> Function:
+    """The end of a branch is taken for a ten-thousandth of the rms height, or of the pressure unit, farther on."""
+
+    def wrong(system: Any, *given: Any) -> Any:
+        found = original(system, *given)
+        if found is None:
+            return None
+        late, stiffness = size * 1e-4, found.balance.stiffness
+        deeper = late / (system.control.penetration_weight + system.control.load_weight * stiffness)
+        at = found.exact
+        moved = (at.value + late, at.penetration + deeper, at.load + deeper * stiffness)
+        return replace(found, exact=Exact(*moved, at.potential + late * system.control.force(found.balance.state)))
+
+    return wrong
+
+
+def _wrong_way(original: Function, size: float) -> Function:
+    """Contact leaves the end of its branch against the forces."""
+
+    def wrong(*given: Any) -> Any:
+        outward, leads_on, evaluations = original(*given)
+        return -outward, leads_on, evaluations
+
+    return wrong
+
+
+def _coarse_behind(original: Function, size: float) -> Function:
+    """The energy behind a jump is that of the coarse evaluation."""
+
+    def wrong(system: Any, here: Any, value: float, *given: Any) -> Any:
+        found = original(system, here, value, *given)
+        coarse = Exact(value, here.state.penetration, here.state.load, here.potential)
+        return None if found is None else (found[0], coarse, found[2])
+
+    return wrong
+
+
+def _no_error(original: Function, size: float) -> Function:
+    """What the last refinement changed is taken for a ten-thousandth of it."""
+
+    def wrong(at: Any, *given: Any) -> Any:
+        error = original(at, *given)
+        return Exact(*((1 - size * (1 - 1e-4)) * value for value in vars(error).values()))
+
+    return wrong
+
+
 PATH_FAULTS: tuple[Fault, ...] = (
+    Fault(
+        "bem-fold-late",
+        "folds and bifurcations are located late",
+        "bem.limit_points:locate_limit_point",
+        _located_late,
+        "a ten-thousandth of the rms height or the pressure unit",
+    ),
+    Fault(
+        "bem-touch-late",
+        "touches are located late",
+        "bem.touch_points:locate_touch",
+        _located_late,
+        "a ten-thousandth of the rms height or the pressure unit",
+    ),
+    Fault("bem-departs-backwards", "contact leaves a limit point backwards", "bem.limit_points:departure", _wrong_way),
+    Fault(
+        "bem-released-coarse",
+        "the energy behind a jump is not that of its equilibrium",
+        "bem.limit_points:at_rest",
+        _coarse_behind,
+    ),
+    Fault(
+        "bem-event-error",
+        "errors of events are estimated too small",
+        "bem.path_events:Exact.apart",
+        _no_error,
+        "a ten-thousandth of them",
+    ),
     Fault(
         "bem-scan-at-zero",
         "a scan that does not begin at zero is shifted",
