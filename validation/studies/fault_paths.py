@@ -8,12 +8,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from importlib import import_module
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from bem import crossing
 from bem.path_events import Exact
 from validation.studies.fault_injection import Fault, Function, scaled
 
@@ -53,21 +51,10 @@ def _no_crests(original: Function, size: float) -> Function:
 
 
 def _last_crossing(original: Function, size: float) -> Function:
-    """Of several states at one load between two points the last is taken."""
+    """A load that the end of a branch lowers is taken where it is met again, behind the jump."""
 
     def wrong(path: Any, before: Any, after: Any, load: float, refinements: int) -> Any:
-        if not after.events or refinements == 0:
-            return original(path, before, after, load, refinements)
-        finer = crossing._refined(path, abs(after.value - before.value))
-        points = [before, *finer.advance(before, after.value)]
-        if points[-1].balance is None:
-            return original(path, before, after, load, refinements)
-        for first, last in reversed(list(pairwise(points))):
-            if crossing.may_meet(path, first, last, load):
-                found = wrong(path, first, last, load, refinements - 1)
-                if found is not None:
-                    return found
-        return None
+        return None if after.last else original(path, before, after, load, refinements)
 
     return wrong
 
@@ -85,9 +72,9 @@ def _tension_left(original: Function, size: float) -> Function:
 def _spring_without_half(original: Function, size: float) -> Function:
     """The energy of the spring of a total displacement without its 1/2."""
 
-    def wrong(control: Any, state: Any, energy: float, target: float) -> Any:
-        spring = control.penetration_weight * state.penetration**2 / (2 * control.load_weight)
-        return original(control, state, energy, target) + size * spring
+    def wrong(control: Any, penetration: float, energy: float, target: float) -> Any:
+        spring = control.penetration_weight * penetration**2 / (2 * control.load_weight)
+        return original(control, penetration, energy, target) + size * spring
 
     return wrong
 
