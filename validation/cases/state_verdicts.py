@@ -263,7 +263,7 @@ def _opened() -> Row:
 
 # a at which the dip is in compression, and at which its tension is a thousandth of the largest pressure
 DENTED = (2.5, 1.57)
-OPENS = (1.575, 1.5675)
+OPENS = (1.575, 1.57)
 UNSTABLE, INSIDE = 0.5, 0.44  # a on a falling branch, and just before an edge takes a crest
 MEASURED_STIFFNESS = (1.2e-10, 4e-11)
 MEASURED_RATIOS, MEASURED_STEEP = (1e-12, 2.6e-14), (3e-11, 1e-11)

@@ -197,8 +197,8 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-edges-leap",
         "edges leap over barriers",
-        "bem.descent:_expanded",
-        _with_constant("bem.descent", "LARGEST_EXPANSION", 99.0),
+        "bem.descent:_room",
+        _with_constant("bem.descent", "LARGEST_ROOM", 99.0),
         "by a hundred times what they may",
     ),
     Fault(
