@@ -46,7 +46,8 @@ class Account:
 def legs(result: Result) -> list[tuple[tuple[State, ...], tuple[Event, ...]]]:
     """States and events of the ways between targets; the first has only the first target, and what led there."""
     marks = [index for index, state in enumerate(result.states) if state.target]
-    found = [((result.states[marks[0]],), result.events[: result.states[marks[0]].events])]
+    first_states: tuple[State, ...] = (result.states[marks[0]],)
+    found = [(first_states, result.events[: first_states[0].events])]
     for first, last in pairwise(marks):
         states = result.states[first : last + 1]
         found.append((states, result.events[states[0].events : states[-1].events]))
@@ -107,8 +108,12 @@ def accounts(posed: Scene, nodes: int = NODES) -> tuple[Result, list[Account]]:
 
 def closed(ways: Sequence[Account]) -> Account:
     """The account of several ways together."""
-    total = np.sum([[way.work, way.growth, way.released] for way in ways], axis=0)
-    return Account(*total.tolist(), sum(way.events for way in ways))
+    return Account(
+        work=sum(way.work for way in ways),
+        growth=sum(way.growth for way in ways),
+        released=sum(way.released for way in ways),
+        events=sum(way.events for way in ways),
+    )
 
 
 def _compliance(posed: Scene) -> float:

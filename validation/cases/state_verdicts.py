@@ -245,8 +245,9 @@ def _refusals() -> Outcome:
 def _opened() -> Row:
     """Patches of the dented wave without adhesion while it is unloaded."""
     dented = OnePatch(WAVE.wavelength, WAVE.modulus, (1e-4, -0.5e-4), 0.0)
-    profile = {"orders": [1, 2], "amplitudes": [1e-4, 0.5e-4], "phases": [0.0, np.pi]}
-    surface = bem.Profile.from_harmonics(WAVE.wavelength, *profile.values())
+    orders, amplitudes, phases = [1, 2], [1e-4, 0.5e-4], [0.0, np.pi]
+    profile = {"orders": orders, "amplitudes": amplitudes, "phases": phases}
+    surface = bem.Profile.from_harmonics(WAVE.wavelength, orders, amplitudes, phases)
     dip = surface.max_height - float(surface.height(0.0))
     loading = {"targets": [float(dented.penetration(angle)) + dip for angle in OPENS]}
     states = bem.solve(adapters.scene("sinusoid", {"profile": profile, "adhesion": None, "loading": loading})).targets
