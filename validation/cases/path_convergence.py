@@ -40,7 +40,7 @@ def _path_convergence() -> Outcome:
     coarse, fine = (result.targets for result, _ in runs)
     reference = Reference(kind="self", source=f"the same path at increments of {INCREMENTS[1]} rms heights")
     slope = max(abs(state.mean_pressure) for state in fine)
-    rows = (
+    rows: tuple[Row, ...] = (
         Row(
             quantity="contact fraction at every target",
             unit="",
@@ -123,10 +123,10 @@ def _path_convergence() -> Outcome:
 
 MEASURED = (4.9e-13, 3.2e-13)
 
-MEASURED_EVENTS = (
+MEASURED_EVENTS = (  # the largest over the BLAS kernels of four processors
     ("penetration", "m", 7.2e-13),
     ("mean pressure", "Pa", 9.2e-12),
-    ("energy released", "J/m^2", 1.3e-13),
+    ("energy released", "J/m^2", 3.1e-13),
 )
 
 CASES = (
