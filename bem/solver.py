@@ -142,6 +142,8 @@ class _Run:
         self.branch = "loading"
         self.failed = ""
         self.point = self._start()
+        if scene.start_state is not None:
+            self.kept = self.point.value
 
     def _start(self) -> AnyPoint:
         """Where the path begins: surfaces apart, complete contact, or a stored state."""

@@ -5,7 +5,6 @@ MODULES: tuple[str, ...] = (
     "validation.cases.sinusoid",
     "validation.cases.complete",
     "validation.cases.last_gaps",
-    "validation.cases.lone_cracks",
     "validation.cases.merged_crests",
     "validation.cases.rippled_wave",
     "validation.cases.ripple_jumps",

@@ -94,7 +94,7 @@ def _standing() -> Outcome:
     return Outcome(rows=rows)
 
 
-MEASURED_REST = (1e-12, 2.8e-13)
+MEASURED_REST = (6e-12, 2.3e-12)  # rounding of the motion in small steps; the state is good to 2e-14
 
 CASES = (
     Case(

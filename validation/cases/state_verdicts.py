@@ -239,13 +239,32 @@ def _refusals() -> Outcome:
             0.0,
         ).model_copy(update={"pinned": "exact"}),
     )
-    return Outcome(rows=rows)
+    return Outcome(rows=(*rows, _opened()))
 
 
-DENTED = (
-    2.5,
-    1.5,
-)  # a at which the dip is in compression, and at which its tension is an eighth of the largest pressure
+def _opened() -> Row:
+    """Patches of the dented wave without adhesion while it is unloaded."""
+    dented = OnePatch(WAVE.wavelength, WAVE.modulus, (1e-4, -0.5e-4), 0.0)
+    orders, amplitudes, phases = [1, 2], [1e-4, 0.5e-4], [0.0, np.pi]
+    profile = {"orders": orders, "amplitudes": amplitudes, "phases": phases}
+    surface = bem.Profile.from_harmonics(WAVE.wavelength, orders, amplitudes, phases)
+    dip = surface.max_height - float(surface.height(0.0))
+    loading = {"targets": [float(dented.penetration(angle)) + dip for angle in OPENS]}
+    states = bem.solve(adapters.scene("sinusoid", {"profile": profile, "adhesion": None, "loading": loading})).targets
+    return compared(
+        "patches before and after the dip between two crests opens",
+        "",
+        Reference(kind="exact", source="pressure of one patch, which vanishes at the dip at a = pi / 2"),
+        [1.0, 2.0],
+        [float(state.n_patches) for state in states],
+        0.1,
+        0.0,
+    ).model_copy(update={"pinned": "exact"})
+
+
+# a at which the dip is in compression, and at which its tension is a thousandth of the largest pressure
+DENTED = (2.5, 1.57)
+OPENS = (1.575, 1.57)
 UNSTABLE, INSIDE = 0.5, 0.44  # a on a falling branch, and just before an edge takes a crest
 MEASURED_STIFFNESS = (1.2e-10, 4e-11)
 MEASURED_RATIOS, MEASURED_STEEP = (1e-12, 2.6e-14), (3e-11, 1e-11)
