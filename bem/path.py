@@ -70,9 +70,10 @@ class Path:
         blocked: float | None = None
         while point.value != goal:
             if point.balance is None:
+                apart = point.status == "separated"
                 point = self._advance_without_edges(point, goal)
                 yield point
-                if point.balance is None:
+                if point.balance is None and not (apart and point.status == "complete_contact"):
                     return
                 continue
             if direction > 0 and point.value >= closing - self.increments.smallest * (1 + 1e-9) and goal >= closing:
@@ -242,8 +243,6 @@ class Path:
             self.system, first_contact(self.system, self.crests), touch, touch, inc.tolerance, inc.closure, inc.allowed
         )
         self.effort.book(settled.evaluations, settled.local_evaluations)
-        if settled.balance is None:
-            return Point(settled.status, touch)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
         touched = self.jumps.behind(FIRST_TOUCH, NO_ERROR, settled, changes)
         return Point("not_converged", touch) if touched is None else touched

@@ -195,7 +195,8 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
         may = open_ended + ["total_displacement"] * (bool(open_ended) and units.compliance > 0)
         content = asdict(state)
         values = {name: value for name, value in content.items() if name not in may and isinstance(value, float)}
-        values |= {f"certificate.{name}": value for name, value in content["certificate"].items()}
+        figures = content["certificate"] | {"reasons": None}
+        values |= {f"certificate.{name}": value for name, value in figures.items()}
         values |= {f"error_estimate.{name}": value for name, value in content["error_estimate"].items()}
         values |= {f"edges[{i}]": float(np.sum(edge)) for i, edge in enumerate(state.edges)}
         wrong = [name for name, value in values.items() if value is not None and not math.isfinite(value)]
