@@ -185,7 +185,10 @@ def _may_be_unreachable(scene: Scene, units: Units, goal: float) -> bool:
 
 
 def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
-    """No NaN and no infinity, but for the load of complete contact where the control leaves it open."""
+    """No NaN and no infinity, but for the load of complete contact where the control leaves it open.
+
+    That includes the events at its ends: with adhesion the last gap closes, and opens, under a tension without bound.
+    """
     control = scene.loading.control
     free = control in ("separation", "penetration") or (control == "total_displacement" and units.compliance == 0)
     for k, state in enumerate(result.states):
@@ -203,7 +206,9 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
         if wrong:
             yield Finding("not finite", f"{', '.join(wrong)} of state {k} ({state.status})")
     for k, event in enumerate(result.events):
-        values = {name: getattr(event, name) for name in ("penetration", "mean_pressure", "position")}
+        joined = free and scene.adhesion is not None and event.kind in ("opening", "complete_contact")
+        names = ("penetration", "position") if joined else ("penetration", "mean_pressure", "position")
+        values = {name: getattr(event, name) for name in names}
         if any(value is not None and not math.isfinite(value) for value in values.values()):
             yield Finding("not finite", f"event {k} ({event.kind}): {values}")
     for name, array in result.fields.items():
@@ -292,8 +297,6 @@ def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
     for k, (before, after, events) in enumerate(zip([apart, *marks], marks, groups, strict=False)):
         if before is None or any(event.energy_released is None for event in events):
             continue
-        if before.force == before.slope == 0 and after.slope == 0 and not events:
-            continue  # from surfaces apart to complete contact at once: nothing of the way is stored
         freed = math.fsum(float(event.energy_released or 0.0) for event in events)
         work, error = _work(scene, units, before, after, events)
         change = after.potential - before.potential
