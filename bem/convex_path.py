@@ -30,7 +30,7 @@ from bem.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, PathStatus,
 FloatArray = NDArray[np.float64]
 
 LOAD_CONTROL = LinearControl(0.0, 1.0)
-JOINED = 4 * float(np.finfo(float).eps)  # relative distance to complete contact that is rounding of the control
+ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
 NARROW = 1e-3  # lone cracks narrower than this part of the contact beside them carry the unknowns from the start
 LONE = 0.3  # largest half width of a gap, over the shortest wavelength / 2 pi, that a lone crack is an estimate of
 
@@ -127,10 +127,10 @@ class ConvexPath:
 
     def _solved(self, control: Control, value: float, separation: float | None = None) -> ContactPoint:
         """The state at a value of a control: by its patches, or by its gaps where these are narrow."""
-        if value <= 0:
+        if value <= ROUNDED * control.penetration_weight * self.body.max_height:
             return ContactPoint("separated", value)
         joined = control.value(self.body.max_height, self.body.complete.least_load)
-        if separation <= 0 if separation is not None else value >= joined * (1 - JOINED):
+        if separation <= 0 if separation is not None else value >= joined * (1 - ROUNDED):
             return ContactPoint("complete_contact", value)
         condition = condition_of(self.body, control, value, separation)
         gaps, deficit = lone_cracks(self.body, condition)

@@ -323,7 +323,7 @@ def _event_mark(scene: Scene, event: Event, units: Units) -> tuple[float, float]
     if scene.loading.control == "mean_pressure":
         return event.mean_pressure, -event.penetration
     c = units.compliance if scene.loading.control == "total_displacement" else 0.0
-    return event.penetration + c * event.mean_pressure, event.mean_pressure
+    return event.penetration + (c * event.mean_pressure if c else 0.0), event.mean_pressure
 
 
 def _by_interval(
