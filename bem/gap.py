@@ -214,16 +214,11 @@ def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMini
 
 
 def _lowest(field: GapField, x: FloatArray, owner: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Places and depths of minima of the gap from three points around each, (3, n), on ever shorter bases.
-
-    The bases stay between the outer points: beyond the edges of the gap there is none.
-    """
-    first, last = x[0], x[2]
+    """Places and depths of minima of the gap from three points around each, (3, n), on ever shorter bases."""
     vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
     reach = np.minimum(x[1] - x[0], x[2] - x[1])
     for _ in range(REFINEMENTS):
         reach = reach / REFINEMENT_RATIO
-        vertex = np.clip(vertex, first + reach, last - reach)
         x = np.stack([vertex - reach, vertex, vertex + reach])
         vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
     return vertex, depth

@@ -208,6 +208,22 @@ def test_adhesion_so_strong_that_first_touch_leads_into_complete_contact(control
     assert result.events[0].energy_released == pytest.approx(-energy, rel=1e-12)
 
 
+@pytest.mark.parametrize("slope_term", [False, True])
+def test_the_last_gap_closes_at_one_place_at_any_increment(slope_term):
+    """Where the pressure of complete contact is lowest; with the slope term in a trough, where least work closes it."""
+    tables = Johnson(0.3).tables([AMPLITUDE])
+    tables["profile"] |= {"orders": [1, 2], "amplitudes": [0.8 * AMPLITUDE, 0.1 * AMPLITUDE], "phases": [0.0, 1.0]}
+    tables["adhesion"]["slope_term"] = slope_term
+    x = np.linspace(0.0, 2 * np.pi, 1_000_001)
+    sums = np.cos(x) * 0.8 + np.cos(2 * x + 1.0) * 0.1 * (1 if slope_term else 2)
+    height = np.cos(x) * 0.8 + np.cos(2 * x + 1.0) * 0.1
+    tables["loading"]["targets"] = [float(height.max()) * AMPLITUDE]
+    for increment in (0.2, 0.01):
+        result = solve(parse_scene(tables | {"accuracy": {"max_increment": increment}}))
+        (event,) = [event for event in result.events if event.kind == "complete_contact"]
+        assert event.position == pytest.approx(x[np.argmin(sums)] / (2 * np.pi) * PERIOD, abs=2e-6 * PERIOD)
+
+
 def problem_of(exact):
     scene = exact.scene([0.0])
     return pose(scene, scene.surface())
