@@ -3,6 +3,7 @@
 An edge at x is in equilibrium when its energy release rate equals w(x) = gamma sqrt(1 + h'(x)^2) (slope term: the
 adhesive energy is counted on the true length of the profile, Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30
 (2009) 65) or w = gamma (JKR on the projected length), i.e. K = sqrt(2 E* w), and U_ad = - int_contact w dx.
+The true length of the profile is integrated once, on panels, to rounding at any slope.
 
 `Adhesion` is in SI; the laws are dimensionless: w in units of E* a^2 q0 / 2, K = 2 sqrt(w), slopes h' times q0 a.
 Imported only when a scene has an [adhesion] table.
@@ -15,13 +16,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.patches import Patches
+from bem import chebyshev
+from bem.patches import TWO_PI, Patches
 from bem.profile import Profile
 from bem.scaling import Scales
 
 FloatArray = NDArray[np.float64]
 
-_POINTS_PER_WAVELENGTH = 64
+PANELS_PER_WAVELENGTH, NODES = 4, 16  # of panels on which sqrt(1 + h'^2) is a Chebyshev series
+UNRESOLVED = 1e-15  # of the largest value times 2 pi over the width: last coefficients of a panel that is halved
+MOST_HALVINGS = 45
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,65 @@ class UniformLaw:
 
 
 @dataclass(frozen=True, eq=False)
+class TrueLength:
+    """int_0^x sqrt(1 + h'^2) dx as a Chebyshev series on each of the panels that fill the circle, dimensionless.
+
+    Parameters
+    ----------
+    start : (P,) array
+        Where the panels begin, ascending from 0.
+    width : (P,) array
+    series : (P, n) array
+        Of the integral.
+    whole : float
+        Over the circle.
+    """
+
+    start: FloatArray
+    width: FloatArray
+    series: FloatArray
+    whole: float
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        """The integral up to the positions x on the line, (n,)."""
+        turns = np.floor(x / TWO_PI)
+        place = x - turns * TWO_PI
+        panel = np.searchsorted(self.start, place, side="right") - 1
+        t = 2 * (place - self.start[panel]) / self.width[panel] - 1
+        terms = np.cos(np.arange(self.series.shape[1]) * np.arccos(np.clip(t, -1.0, 1.0))[:, None])
+        return np.asarray(turns * self.whole + np.einsum("ij,ij->i", self.series[panel], terms))
+
+
+def true_length(profile: Profile, slope_scale: float) -> TrueLength:
+    """The integral of sqrt(1 + (slope_scale h')^2); panels are halved until their series have decayed.
+
+    Where slopes are steep the integrand has kinks of the width 1 / (slope_scale h'') at crests and troughs.
+    """
+    count = PANELS_PER_WAVELENGTH * profile.max_order
+    start, width = np.arange(count) * (TWO_PI / count), np.full(count, TWO_PI / count)
+    kept: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    for halvings in range(MOST_HALVINGS + 1):
+        x = start[:, None] + width[:, None] * (1 + chebyshev.basis_nodes(NODES)) / 2
+        series = chebyshev.coefficients(np.hypot(1.0, slope_scale * profile.slope(x)))
+        last = np.abs(series[:, -2:]).max(axis=1)
+        done = last * width <= UNRESOLVED * TWO_PI * np.abs(series[:, 0])
+        if halvings == MOST_HALVINGS:
+            done[:] = True
+        kept.append((start[done], width[done], series[done]))
+        half = width[~done] / 2
+        start, width = np.concatenate([start[~done], start[~done] + half]), np.concatenate([half, half])
+        if start.size == 0:
+            break
+    start, width, series = (np.concatenate(parts) for parts in zip(*kept, strict=True))
+    order = np.argsort(start)
+    start, width, series = start[order], width[order], series[order]
+    integral = np.polynomial.chebyshev.chebint(series, lbnd=-1, axis=1) * (width / 2)[:, None]
+    pieces = integral.sum(axis=1)
+    integral[:, 0] += np.cumsum(pieces) - pieces
+    return TrueLength(np.asarray(start, dtype=np.float64), width, integral, float(pieces.sum()))
+
+
+@dataclass(frozen=True, eq=False)
 class SlopeLaw(UniformLaw):
     """Work of adhesion on the true length of the profile, w = gamma sqrt(1 + h'^2), dimensionless.
 
@@ -90,16 +153,13 @@ class SlopeLaw(UniformLaw):
         Dimensionless.
     slope_scale : float
         True slope per dimensionless slope, q0 a.
-    excess : Profile
-        The zero-mean part of int sqrt(1 + h'^2) dx, as harmonics.
-    mean_stretch : float
-        Mean of sqrt(1 + h'^2).
+    length : TrueLength
+        int sqrt(1 + h'^2) dx.
     """
 
     profile: Profile
     slope_scale: float
-    excess: Profile
-    mean_stretch: float
+    length: TrueLength
 
     def work_of_adhesion(self, x: FloatArray) -> FloatArray:
         """w at the positions x, same shape."""
@@ -113,8 +173,7 @@ class SlopeLaw(UniformLaw):
 
     def energy(self, patches: Patches) -> float:
         """U_ad = -int w dx over the patches."""
-        left, right = np.split(self.excess.height(np.concatenate([patches.left, patches.right])), 2)
-        return -self.work * float(np.sum(right - left) + self.mean_stretch * np.sum(patches.width))
+        return -self.work * float(np.sum(self.length(patches.right) - self.length(patches.left)))
 
 
 def dimensionless_law(adhesion: Adhesion, profile: Profile, scales: Scales) -> UniformLaw:
@@ -132,13 +191,4 @@ def dimensionless_law(adhesion: Adhesion, profile: Profile, scales: Scales) -> U
     work = adhesion.work_of_adhesion / scales.release_rate
     if not adhesion.slope_term:
         return UniformLaw(work)
-    points = 1 << int(np.ceil(np.log2(_POINTS_PER_WAVELENGTH * profile.max_order)))
-    x = np.arange(points) * (2 * np.pi / points)
-    spectrum = np.fft.rfft(np.hypot(1.0, scales.slope * profile.slope(x))) / points
-    order = np.arange(1, points // 4)
-    integral = 2 * spectrum[order] / (1j * order)
-    kept = np.abs(integral) > 1e-17 * spectrum[0].real
-    kept[0] = True
-    last = int(np.flatnonzero(kept)[-1]) + 1
-    excess = Profile(2 * np.pi, order[:last], np.abs(integral[:last]), np.angle(integral[:last]))
-    return SlopeLaw(work, profile, scales.slope, excess, float(spectrum[0].real))
+    return SlopeLaw(work, profile, scales.slope, true_length(profile, scales.slope))

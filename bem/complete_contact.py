@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.equilibrium import InterfaceLaw
 from bem.patches import Patches
 from bem.problem import Problem
 from bem.profile import Profile
@@ -61,6 +62,17 @@ def complete_contact(problem: Problem) -> CompleteContact:
         0.0 if problem.law is None else problem.law.energy(whole),
         left_out=0.0 if problem.left_out is None else _stiffening(profile, problem.left_out),
     )
+
+
+def closing_place(complete: CompleteContact, profile: Profile, law: InterfaceLaw, near: float) -> float:
+    """Where a gap near this position closes, as the last one under adhesion.
+
+    Its tension grows without bound as it narrows, so that it moves to where least work of adhesion closes it; where
+    that is the same everywhere, to where the pressure of complete contact is lowest.
+    """
+    wave = profile if np.any(law.work_gradient(profile.grid[0])) else complete.pressure
+    places = Profile(wave.period, wave.orders, wave.amplitudes, wave.phases + np.pi).crests[0]
+    return float(places[np.argmin(np.abs((places - near + np.pi) % (2 * np.pi) - np.pi))])
 
 
 def _stiffening(profile: Profile, compliance_ratio: Callable[[FloatArray], FloatArray]) -> float:

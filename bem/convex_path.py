@@ -25,11 +25,12 @@ from bem.grid_contact import GridProblem, grid_problem
 from bem.increments import Effort, Increments
 from bem.last_gaps import Condition, assess_gaps, condition_of, lone_cracks, solve_gaps
 from bem.nonadhesive import solve_contact
-from bem.path_events import FIRST_TOUCH, NO_ERROR, PathEvent, PathStatus, path_events
+from bem.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, PathStatus, path_events
 
 FloatArray = NDArray[np.float64]
 
 LOAD_CONTROL = LinearControl(0.0, 1.0)
+ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
 NARROW = 1e-3  # lone cracks narrower than this part of the contact beside them carry the unknowns from the start
 LONE = 0.3  # largest half width of a gap, over the shortest wavelength / 2 pi, that a lone crack is an estimate of
 
@@ -80,10 +81,26 @@ class ConvexPath:
             self.effort.rejected += 1
         else:
             self.effort.accepted += 1
-        if ahead.status == "converged" and point.status == "separated":
+        yield replace(ahead, events=self._events(point, ahead))
+
+    def _events(self, before: ContactPoint, after: ContactPoint) -> tuple[PathEvent, ...]:
+        """First touch and complete contact between two points: continuous, where they happen at any increment."""
+        events: tuple[PathEvent, ...] = ()
+        if before.status == "separated" and after.status in ("converged", "complete_contact"):
             changes = tuple(("first_touch", float(crest)) for crest in self.crests)
-            ahead = replace(ahead, events=path_events(changes, FIRST_TOUCH, NO_ERROR, 0.0, 0.0))
-        yield ahead
+            events += path_events(changes, FIRST_TOUCH, NO_ERROR, 0.0, 0.0)
+        if before.status in ("separated", "converged") and after.status == "complete_contact":
+            x, pressure = self.body.minima
+            last = x[pressure <= -self.body.lowest + self.body.rounding]
+            events += path_events(tuple(("complete_contact", float(x)) for x in last), self._joined, NO_ERROR, 0.0, 0.0)
+        return events
+
+    @cached_property
+    def _joined(self) -> Exact:
+        """Where the last gap closes: where the pressure of complete contact is lowest, which vanishes there."""
+        highest, load = self.body.max_height, self.body.complete.least_load
+        value = self.control.value(highest, load)
+        return Exact(value, highest, load, self.control.potential(highest, self.body.complete.elastic_energy, value))
 
     def at(self, value: float, separation: float | None = None) -> ContactPoint:
         """The point at a value of the control, at this separation where that is what is controlled."""
@@ -110,10 +127,10 @@ class ConvexPath:
 
     def _solved(self, control: Control, value: float, separation: float | None = None) -> ContactPoint:
         """The state at a value of a control: by its patches, or by its gaps where these are narrow."""
-        if value <= 0:
+        if value <= ROUNDED * control.penetration_weight * self.body.max_height:
             return ContactPoint("separated", value)
-        above = value >= control.value(self.body.max_height, self.body.complete.least_load)
-        if separation <= 0 if separation is not None else above:
+        joined = control.value(self.body.max_height, self.body.complete.least_load)
+        if separation <= 0 if separation is not None else value >= joined * (1 - ROUNDED):
             return ContactPoint("complete_contact", value)
         condition = condition_of(self.body, control, value, separation)
         gaps, deficit = lone_cracks(self.body, condition)

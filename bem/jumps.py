@@ -32,6 +32,7 @@ IntArray = NDArray[np.int64]
 
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
 DOUBT = 3.0  # times its error: less energy is not released
+TIED = 1e-6  # relative difference of patches that move alike
 MOVING = 0.3  # of the largest motion in units of room: patches that move with a mode
 
 
@@ -107,7 +108,9 @@ class Jumps:
         self.effort.evaluations += evaluations
         size = np.abs(outward) / patches.edge_room
         moving = np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)
-        place = ("bifurcation", float(patches.center[int(np.argmax(size)) % patches.count]))
+        growth = (outward / patches.edge_room).reshape(2, -1).sum(axis=0)
+        leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))  # of two alike, what shrinks
+        place = ("bifurcation", float(patches.center[leading]))
         broken = limit.kind == "bifurcation"
         if not leads_on and not broken:
             return []

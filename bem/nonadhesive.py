@@ -41,6 +41,7 @@ COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the closure and the contact: what the edges may still have to move, for invariances to 1e-10
 TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
+ROUNDED = 1e-13  # of the highest crest: charges known no better, measured 1e-14
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
@@ -83,8 +84,13 @@ def _closed(state: Evaluation, control: Control, limit: float) -> bool:
     The steps count because a gap that closes has hardly any K left.
     """
     rounding = state.rounding(control.penetration_rate(state))
-    small = np.all(np.abs(state.stress_intensity) <= np.maximum(limit * _mean_intensity(state), rounding))
-    return bool(small) and _remaining(state, rounding) <= TWO_PI * limit
+    return _is_small(state, control, limit) and _remaining(state, rounding) <= TWO_PI * limit
+
+
+def _is_small(state: Evaluation, control: Control, limit: float) -> bool:
+    """Whether |K| relative to the load of its patch is below the limit, or rounding."""
+    rounding = state.rounding(control.penetration_rate(state))
+    return bool(np.all(np.abs(state.stress_intensity) <= np.maximum(limit * _mean_intensity(state), rounding)))
 
 
 def _remaining(state: Evaluation, rounding: FloatArray | float = 0.0) -> float:
@@ -122,6 +128,7 @@ def solve_contact(
         Interpenetration that is not a contact, dimensionless.
     """
     measure = remaining = np.inf
+    rounded = ROUNDED * elastic.profile.max_height
     accuracy, closed_gap, opened = COARSEST, COARSELY_CLOSED, 0
     damping, last_sign, steps = np.ones(2 * patches.count), np.zeros(2 * patches.count), 0
     for count in range(1, ITERATIONS + 1):
@@ -135,7 +142,7 @@ def solve_contact(
         penetration = state.penetration
         measure = edge_closure(state)
         pressure = state.pressure()
-        tensile = _under_tension(pressure)
+        tensile = _under_tension(pressure, rounded)
         changed: Patches | None = None
         finer = accuracy
         if not tensile and accuracy <= tolerance and _closed(state, control, closure):
@@ -157,9 +164,9 @@ def solve_contact(
             last_sign = sign
             moved = patches.moved(damping * _edge_steps(state, elastic.profile.max_order))
             changed = _joined(elastic, _split(patches, moved, pressure, tensile), closed_gap)
-            if not tensile and accuracy > COARSE and measure < NEAR:
+            if not tensile and accuracy > COARSE and _is_small(state, control, NEAR):
                 finer = COARSE
-            elif not tensile and tolerance < accuracy <= COARSE and measure < CLOSE:
+            elif not tensile and tolerance < accuracy <= COARSE and _is_small(state, control, CLOSE):
                 finer, closed_gap = tolerance, CLOSED_GAP
         if changed is None:
             return Contact("complete_contact", None, 0.0, count)
@@ -277,23 +284,23 @@ def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArra
     return found
 
 
-def _under_tension(pressure: PatchPressure) -> dict[int, list[tuple[int, int]]]:
+def _under_tension(pressure: PatchPressure, rounded: float) -> dict[int, list[tuple[int, int]]]:
     """Patches whose pressure is tensile somewhere inside: first and last nodes of the parts of each that are not."""
     found: dict[int, list[tuple[int, int]]] = {}
     for who, values in _at_nodes(pressure.charges):
         most = values.max(axis=1)
-        for k in np.flatnonzero((values.min(axis=1) <= -TENSILE * most) | (most <= 0)):
-            parts = _compressive(values[k], float(pressure.charges[who[k]][0]))
+        for k in np.flatnonzero((values.min(axis=1) <= -TENSILE * most - rounded) | (most <= 0)):
+            parts = _compressive(values[k], float(pressure.charges[who[k]][0]), rounded)
             if parts != [(0, values.shape[1] - 1)]:
                 found[int(who[k])] = parts
     return found
 
 
-def _compressive(values: FloatArray, mean: float) -> list[tuple[int, int]]:
+def _compressive(values: FloatArray, mean: float, rounded: float) -> list[tuple[int, int]]:
     """First and last nodes of the parts of a patch in compression; where the patch carries a load, its ends are."""
     if values.max() <= 0:
         return []
-    compressive = values > -TENSILE * values.max()
+    compressive = values > -TENSILE * values.max() - rounded
     starts = np.flatnonzero(compressive & ~np.append(False, compressive[:-1]))
     stops = np.flatnonzero(compressive & ~np.append(compressive[1:], False))
     if mean > 0:

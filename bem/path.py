@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from bem.assessment import Assessment, assess_equilibrium
 from bem.branch import strays, tangent
-from bem.complete_contact import CompleteContact
+from bem.complete_contact import CompleteContact, closing_place
 from bem.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.events import first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
@@ -74,9 +74,10 @@ class Path:
         blocked: float | None = None
         while point.value != goal:
             if point.balance is None:
+                apart = point.status == "separated"
                 point = self._advance_without_edges(point, goal)
                 yield point
-                if point.balance is None:
+                if point.balance is None and not (apart and point.status == "complete_contact"):
                     return
                 continue
             if direction > 0 and point.value >= closing - self.increments.smallest * (1 + 1e-9) and goal >= closing:
@@ -246,8 +247,6 @@ class Path:
             self.system, first_contact(self.system, self.crests), touch, touch, inc.tolerance, inc.closure, inc.allowed
         )
         self.effort.book(settled.evaluations, settled.local_evaluations)
-        if settled.balance is None:
-            return Point(settled.status, touch)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
         touched = self.jumps.behind(FIRST_TOUCH, NO_ERROR, settled, changes)
         return Point("not_converged", touch) if touched is None else touched
@@ -258,11 +257,13 @@ class Path:
         return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
 
     def _closed(self, point: Point, value: float) -> tuple[PathEvent, ...]:
-        """The last gaps close where the separation vanishes: a continuous end of the branch, no energy is released."""
+        """The last gap closes where the separation vanishes: a continuous end of the branch, no energy is released."""
         assert point.balance is not None
         patches = point.balance.state.patches
-        changes = tuple(("complete_contact", float(x)) for x in patches.right + patches.gap_after / 2)
-        return path_events(changes, self._fully_joined(value), NO_ERROR, 0.0, 0.0)
+        last = int(np.argmax(patches.gap_after))  # others release energy when they close before it
+        near = float(patches.right[last] + patches.gap_after[last] / 2)
+        place = closing_place(self.complete, self.system.elastic.profile, self.system.law, near)
+        return path_events((("complete_contact", place),), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
 
     def _fully_joined(self, value: float) -> Exact:
         """Complete contact at a value of the control; the tension under which the last gap closes has no bound."""

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
+from scipy.special import ellipeinc
 
-from bem.adhesion import Adhesion, UniformLaw, dimensionless_law
+from bem.adhesion import Adhesion, UniformLaw, dimensionless_law, true_length
 from bem.patches import Patches
 from bem.profile import Profile
 from bem.scaling import Scales
@@ -39,6 +40,18 @@ def test_energy_is_minus_the_integral_of_the_work(slope_term, left, width):
     integral = quad(lambda x: float(law.work_of_adhesion(np.array(x))), left, left + width, epsabs=1e-12, limit=300)[0]
     energy = law.energy(Patches(np.array([left]), np.array([left + width])))
     assert energy == pytest.approx(-integral, rel=1e-10)  # measured 1e-11
+
+
+@pytest.mark.parametrize("slope", [0.1, 2.0, 30.0, 1e6])
+@pytest.mark.parametrize("order", [1, 5])
+def test_true_length_of_a_sinusoid_is_an_elliptic_integral(slope, order):
+    """int_0^x sqrt(1 + s^2 sin^2 t) dt = E(x | -s^2), shifted to where the profile has its crest."""
+    phase = 0.7
+    wave = Profile.from_harmonics(2 * np.pi, [order], [np.sqrt(2)], [phase])
+    x = np.array([-9.0, -0.7 / order, 0.0, 0.1, 2.0, 6.2, 6.3, 40.0])
+    exact = ellipeinc(order * x + phase, -(slope**2)) - ellipeinc(phase, -(slope**2))
+    found = true_length(wave, slope / (np.sqrt(2) * order))(x) * order
+    assert np.abs(found - exact).max() <= 6e-16 * np.hypot(1, slope) * 40 * order  # measured 2.3e-16
 
 
 @given(x=st.floats(0, 0.01))

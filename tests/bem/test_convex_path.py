@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
+from bem.complete_contact import complete_contact
 from bem.control import LinearControl, PenetrationControl
 from bem.convex_path import ContactPoint, ConvexPath
 from bem.problem import pose
@@ -24,8 +25,6 @@ def fresh(control=None):
 
 
 def _complete():
-    from bem.complete_contact import complete_contact
-
     return complete_contact(PROBLEM)
 
 
@@ -57,6 +56,35 @@ def test_first_touch_is_an_event_at_the_highest_crest():
     (event,) = reached(fresh(), 0.5).events
     assert (event.kind, event.at.value, event.at.load, event.energy_released) == ("first_touch", 0.0, 0.0, 0.0)
     assert PROBLEM.profile.height(np.array([event.position]))[0] == pytest.approx(PROBLEM.profile.max_height)
+
+
+@pytest.mark.parametrize("control", [PenetrationControl(), LinearControl(0.0, 1.0)], ids=["penetration", "load"])
+@pytest.mark.parametrize("stops", [(), (0.3, 0.9)], ids=["at once", "in steps"])
+def test_complete_contact_is_an_event_where_the_last_gap_closes(control, stops):
+    """Westergaard's last gap closes at the mean pressure and the penetration of complete contact, at the trough."""
+    scene = rough_scene([0.0], 1, 2, None)
+    problem = pose(scene, scene.surface())
+    path = replace(_path_for(scene, problem, complete_contact(problem)), control=control)
+    highest = problem.profile.max_height
+    last = control.value(highest, 2 * np.pi * highest)
+    point, events = ContactPoint("separated", -1.0), []
+    for value in (*(stop * last for stop in stops), last * 1.5 if control.load_weight else last):
+        *_, point = path.advance(point, value)
+        events += point.events
+    assert [event.kind for event in events] == ["first_touch", "complete_contact"]
+    at = events[1].at
+    assert (at.value, at.penetration, at.load) == pytest.approx((last, highest, 2 * np.pi * highest), rel=1e-14)
+    trough = (np.pi - problem.profile.phases[0]) % (2 * np.pi)
+    assert events[1].position == pytest.approx(trough, abs=1e-9)
+    assert events[1].energy_released == 0
+
+
+@pytest.mark.parametrize("roundings", [-3, -1, 0, 1])
+def test_penetration_of_complete_contact_is_that_whatever_rounding_does(roundings):
+    highest = PROBLEM.profile.max_height
+    value = highest * (1 + roundings * np.finfo(float).eps)
+    assert fresh().at(value).status == "complete_contact"
+    assert fresh().at(value, 1e-30).status == "converged"  # a separation is known to its last digit
 
 
 def test_later_contacts_are_no_events():

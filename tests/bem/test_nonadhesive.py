@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 
 from bem.collocation import Elastic
 from bem.control import LinearControl, PenetrationControl
@@ -120,3 +121,14 @@ def test_a_gap_is_opened_where_pressure_dips_between_nodes_below_a_lower_node():
     assert not left_over
     assert (opened.right[0] + opened.left[1]) / 2 == pytest.approx(2 + b, abs=2e-3)  # measured 1.1e-3: the factor leans
     assert opened.gap_after[0] == pytest.approx(2 * np.sqrt(2 * 1e-3), rel=0.02)  # sqrt 2 times as wide as the tension
+
+
+@pytest.mark.parametrize("roundings", [1, 3, 10, 100, 1000, 1e4, 1e5])
+def test_penetrations_near_rounding_of_the_heights_are_one_small_patch(roundings):
+    """Westergaard's load to rounding; noise of the heights is no tension, which would split the patch for ever."""
+    penetration = roundings * np.finfo(float).eps
+    S = brentq(lambda S: S * (1 - np.log(S)) - penetration, 1e-30, 1e-6, xtol=1e-30)
+    found = solved(WAVE, penetration)
+    assert found.state.patches.count == 1
+    assert found.evaluations <= 60  # measured 42
+    assert abs(found.state.load - 2 * np.pi * S) <= 1e-14  # measured 4e-15

@@ -59,22 +59,23 @@ class Johnson:
         near = psi[np.argmin(quantity(psi))]
         return float(minimize_scalar(quantity, (near - 3e-3, near, near + 3e-3), options={"xtol": 1e-12}).x)
 
-    def scene(self, targets, control="penetration", tolerance=1e-10, increment=0.05):
-        return parse_scene(
-            {
-                "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-                "profile": {
-                    "kind": "harmonics",
-                    "period": PERIOD,
-                    "orders": [1],
-                    "amplitudes": [AMPLITUDE],
-                    "phases": [0.0],
-                },
-                "adhesion": {"work_of_adhesion": self.work_of_adhesion},
-                "loading": {"control": control, "targets": [float(target) for target in targets]},
-                "accuracy": {"tolerance": tolerance, "max_increment": increment},
-            }
-        )
+    def tables(self, targets, control="penetration", tolerance=1e-10, increment=0.05):
+        return {
+            "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+            "profile": {
+                "kind": "harmonics",
+                "period": PERIOD,
+                "orders": [1],
+                "amplitudes": [AMPLITUDE],
+                "phases": [0.0],
+            },
+            "adhesion": {"work_of_adhesion": self.work_of_adhesion},
+            "loading": {"control": control, "targets": [float(target) for target in targets]},
+            "accuracy": {"tolerance": tolerance, "max_increment": increment},
+        }
+
+    def scene(self, *arguments, **named):
+        return parse_scene(self.tables(*arguments, **named))
 
 
 @pytest.fixture(scope="module", params=[0.1, 0.3, 0.5], ids=lambda alpha: f"alpha={alpha}")
@@ -182,6 +183,45 @@ def test_load_control_jumps_to_complete_contact_at_the_maximum_pressure():
     event = next(event for point in points for event in point.events if event.kind == "complete_contact")
     assert event.at.value == pytest.approx(problem_of(exact).load_of(most), rel=1e-9)  # of `most`
     assert event.energy_released > 0
+
+
+@pytest.mark.parametrize(("control", "layer"), [("mean_pressure", None), ("total_displacement", 0.005)])
+def test_adhesion_so_strong_that_first_touch_leads_into_complete_contact(control, layer):
+    """Contact goes on being complete to the target; the jump releases all that complete contact has less energy."""
+    exact = Johnson(30.0)
+    targets = [0.1 * FULL, 0.2 * FULL] if layer is None else [1e-5, 2e-5]
+    solid = {"youngs_modulus": 1e6, "poisson_ratio": 0.5 if layer is None else 0.3}
+    tables = exact.tables(targets, control) | {"solid": solid}
+    result = solve(parse_scene(tables | ({} if layer is None else {"layer": {"thickness": layer}})))
+    assert result.status == "converged"
+    assert [state.status for state in result.targets] == ["complete_contact"] * 2
+    assert [getattr(state, control) for state in result.targets] == pytest.approx(targets, rel=1e-14)
+    assert [event.kind for event in result.events] == ["first_touch", "complete_contact"]
+    assert all((event.penetration, event.mean_pressure) == (0, 0) for event in result.events)
+    state = result.targets[0]
+    energy = state.total_energy
+    if layer is None:
+        assert energy == pytest.approx(FULL * AMPLITUDE / 4 - exact.work_of_adhesion, rel=1e-12)
+    else:  # at no total displacement the layer is stretched by the penetration
+        compliance = (state.total_displacement - state.penetration) / state.mean_pressure
+        energy += AMPLITUDE**2 / (2 * compliance)
+    assert result.events[0].energy_released == pytest.approx(-energy, rel=1e-12)
+
+
+@pytest.mark.parametrize("slope_term", [False, True])
+def test_the_last_gap_closes_at_one_place_at_any_increment(slope_term):
+    """Where the pressure of complete contact is lowest; with the slope term in a trough, where least work closes it."""
+    tables = Johnson(0.3).tables([AMPLITUDE])
+    tables["profile"] |= {"orders": [1, 2], "amplitudes": [0.8 * AMPLITUDE, 0.1 * AMPLITUDE], "phases": [0.0, 1.0]}
+    tables["adhesion"]["slope_term"] = slope_term
+    x = np.linspace(0.0, 2 * np.pi, 1_000_001)
+    sums = np.cos(x) * 0.8 + np.cos(2 * x + 1.0) * 0.1 * (1 if slope_term else 2)
+    height = np.cos(x) * 0.8 + np.cos(2 * x + 1.0) * 0.1
+    tables["loading"]["targets"] = [float(height.max()) * AMPLITUDE]
+    for increment in (0.2, 0.01):
+        result = solve(parse_scene(tables | {"accuracy": {"max_increment": increment}}))
+        (event,) = [event for event in result.events if event.kind == "complete_contact"]
+        assert event.position == pytest.approx(x[np.argmin(sums)] / (2 * np.pi) * PERIOD, abs=2e-6 * PERIOD)
 
 
 def problem_of(exact):

@@ -12,7 +12,7 @@ from bem.solver import solve
 from validation.cases.hard_case_scenes import rough, scene, waves
 from validation.studies import random_copies as copies
 from validation.studies import random_trial as trial
-from validation.studies.random_checks import Units, balances, findings_of
+from validation.studies.random_checks import AT_EVENTS, Units, balances, findings_of
 from validation.studies.random_scenes import Drawn
 
 WAVES = waves([1, 3], [40e-6, 15e-6]) | {"phases": [0.3, 1.0]}
@@ -142,21 +142,30 @@ def test_separation_zero_must_be_complete_contact():
 def test_balance_sees_the_energy_of_every_event(name):
     """Under every control: an event that releases a twentieth more is found where the states resolve its interval."""
     posed, result = solved(name)
-    large = max(range(len(result.events)), key=lambda k: result.events[k].energy_released)
-    wrong = event_changed(result, large, energy_released=lambda energy: 1.05 * energy)
-    assert "energy balance" in kinds(findings_of(posed, wrong))
+    seen, resolved = 0, 0
+    for part in balances(posed, result, Units.of(posed)):
+        seen += part.events
+        event = result.events[seen - 1]
+        if part.events and 0.04 * event.energy_released > AT_EVENTS * part.quadrature:
+            resolved += 1
+            wrong = event_changed(result, seen - 1, energy_released=lambda energy: 1.05 * energy)
+            assert "energy balance" in kinds(findings_of(posed, wrong))
+    assert resolved > 0
 
 
 @pytest.mark.parametrize("name", ["separation", "load", "layer"])
 def test_quadrature_of_the_work_converges(name):
-    """Where nothing happens the balance closes by the order of Hermite's rule, but beside folds; measured 20 to 320."""
+    """Where nothing happens the balance closes by the order of Hermite's rule; measured 20 to 320 times better.
+
+    The median, because next to a fold, where slopes have no bound, no rule has its order.
+    """
     missing = []
     for part in (1.0, 0.5):
         tables = PATHS[name] | {"accuracy": {"max_increment": part * parse_scene(PATHS[name]).accuracy.max_increment}}
         posed = parse_scene(tables)
         result = solve(posed)
         smooth = [b for b in balances(posed, result, Units.of(posed)) if not b.events and b.state > 0]
-        missing.append(np.median([abs(b.missing) / b.energies for b in smooth]))
+        missing.append(float(np.median([abs(b.missing) / b.energies for b in smooth])))
     assert missing[1] < missing[0] / 8
 
 
@@ -245,6 +254,7 @@ HAPPENED = {
     "another kind": lambda r: event_changed(r, 1, kind="bifurcation"),
     "order": lambda r: replace(r, events=r.events[::-1]),
     "place": lambda r: event_changed(r, 1, penetration=lambda d: d + 1e-5),
+    "no pressure": lambda r: event_changed(r, 1, mean_pressure=np.nan),
     "energy": lambda r: event_changed(r, 1, energy_released=lambda e: 2 * e),
     "position": lambda r: event_changed(r, 1, position=lambda x: x + 5e-4),
 }
@@ -382,6 +392,8 @@ def test_the_other_of_two_equal_crests_is_as_good():
     other = replace(alone, states=tuple(moved))
     same = copies.Copy("increment", posed)
     assert copies.compared(same, posed, alone, other) == []
+    mixed = replace(alone, states=(*states[:-1], moved[-1]))  # each state chooses anew
+    assert copies.compared(same, posed, alone, mixed) == []
     wrong = [replace(s, edges=tuple((a + 0.004, b + 0.004) for a, b in s.edges)) for s in states]
     assert kinds(copies.compared(same, posed, alone, replace(alone, states=tuple(wrong)))) == {"increment"}
 

@@ -188,7 +188,10 @@ def _may_be_unreachable(scene: Scene, units: Units, goal: float) -> bool:
 
 
 def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
-    """No NaN and no infinity, but for the load of complete contact where the control leaves it open."""
+    """No NaN and no infinity, but for the load of complete contact where the control leaves it open.
+
+    That includes the events at its ends: with adhesion the last gap closes, and opens, under a tension without bound.
+    """
     control = scene.loading.control
     free = control in ("separation", "penetration") or (control == "total_displacement" and units.compliance == 0)
     for k, state in enumerate(result.states):
@@ -201,7 +204,9 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
         if wrong:
             yield Finding("not finite", f"{', '.join(wrong)} of state {k} ({state.status})")
     for k, event in enumerate(result.events):
-        unbounded = free and event.kind in ("complete_contact", "opening")  # the tension on the last gap
+        unbounded = (
+            free and scene.adhesion is not None and event.kind in ("complete_contact", "opening")
+        )  # the tension on the last gap
         names = ("penetration", "position") if unbounded else ("penetration", "mean_pressure", "position")
         values = {name: getattr(event, name) for name in names}
         known = vars(event.error_estimate)
@@ -293,10 +298,9 @@ def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
     counts = [0, *(state.events or 0 for state in result.states)]
     groups = [result.events[first:last] for first, last in pairwise(counts)]
     for k, (before, after, events) in enumerate(zip([apart, *marks], marks, groups, strict=False)):
-        if before is None or any(event.energy_released is None for event in events):
-            continue
-        if before.force == before.slope == 0 and after.slope == 0 and not events:
-            continue  # from surfaces apart to complete contact at once: nothing of the way is stored
+        flawed = scene.loading.flaw is not None and any(event.kind == "opening" for event in events)
+        if before is None or flawed or any(event.energy_released is None for event in events):
+            continue  # energies of complete contact know nothing of a flaw (bem/opening.py)
         freed = math.fsum(float(event.energy_released or 0.0) for event in events)
         work, error = _work(scene, units, before, after, events)
         change = after.potential - before.potential
@@ -323,7 +327,7 @@ def _event_mark(scene: Scene, event: Event, units: Units) -> tuple[float, float]
     if scene.loading.control == "mean_pressure":
         return event.mean_pressure, -event.penetration
     c = units.compliance if scene.loading.control == "total_displacement" else 0.0
-    return event.penetration + c * event.mean_pressure, event.mean_pressure
+    return event.penetration + (c * event.mean_pressure if c else 0.0), event.mean_pressure
 
 
 def _work(scene: Scene, units: Units, before: Mark, after: Mark, events: tuple[Event, ...]) -> tuple[float, float]:
