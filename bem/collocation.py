@@ -34,6 +34,7 @@ Field = Callable[[FloatArray], FloatArray]
 
 MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes
 MOST_UNKNOWNS = 12_000  # of one factorisation: 2.3 GB for matrix and factor
+MOST_MODES = 4000  # of one patch: a gap of 1e-5 periods beside it at the accuracy of targets, seconds an evaluation
 FAR_SHARE, FINEST_FAR = 1e-5, 1e-14  # accuracy of the kernel between clusters over the tolerance, and at least
 
 ROUNDING = 1e-14  # absolute accuracy of charges of order 1, per node; measured up to 4e-15, at 500 harmonics
@@ -209,8 +210,8 @@ def evaluate(
     resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
     count, half_width, modes = patches.count, patches.half_width, resolution.modes
     largest = int(np.sum(modes) if elastic.corrections else np.max(modes))
-    if largest > MOST_UNKNOWNS:
-        raise IllConditionedSystemError(f"{largest} unknowns needed, at most {MOST_UNKNOWNS} fit: gaps too narrow")
+    if largest > MOST_UNKNOWNS or np.max(modes) > MOST_MODES:
+        raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
     series, tail_edge, edge_slope, tail_energy = _right_hand_sides(elastic.profile, patches, penetration, resolution)
     skeleton = _skeleton(elastic, patches, resolution, series)
     solution = solve(skeleton, max(FAR_SHARE * tolerance, FINEST_FAR))

@@ -91,7 +91,7 @@ class Path:
                     blocked = None
                 else:
                     step = min(step, max(abs(blocked - point.value) / 2, shortest))
-            step = max(step, shortest)
+            step = max(step, shortest if blocked is not None else shortest * BRACKET)
             end = min(goal, closing - self.increments.smallest) if goal >= closing else goal
             if step >= abs(end - point.value) * (1 - 1e-12):
                 step, value = abs(end - point.value), end

@@ -216,8 +216,7 @@ def test_the_last_gap_closes_at_one_place_at_any_increment(slope_term):
     tables["adhesion"]["slope_term"] = slope_term
     x = np.linspace(0.0, 2 * np.pi, 1_000_001)
     sums = np.cos(x) * 0.8 + np.cos(2 * x + 1.0) * 0.1 * (1 if slope_term else 2)
-    height = np.cos(x) * 0.8 + np.cos(2 * x + 1.0) * 0.1
-    tables["loading"]["targets"] = [float(height.max()) * AMPLITUDE]
+    tables["loading"]["targets"] = [parse_scene(tables).surface().max_height]
     for increment in (0.2, 0.01):
         result = solve(parse_scene(tables | {"accuracy": {"max_increment": increment}}))
         (event,) = [event for event in result.events if event.kind == "complete_contact"]
