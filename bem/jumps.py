@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from bem.branch import misses_energy, tangent, unstable_patches
 from bem.complete_contact import CompleteContact
+from bem.departure import departure
 from bem.equilibrium import Balance, System, balance
 from bem.events import Settled, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.increments import Effort, Increments
-from bem.limit_points import LimitPoint, at_rest, departure, locate_limit_point
+from bem.limit_points import LimitPoint, at_rest, locate_limit_point
 from bem.opening import complete_potential
 from bem.patches import Patches
 from bem.path_events import Exact, path_events

@@ -38,10 +38,7 @@ CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
 SIDEWAYS = 1e-3  # of the room, over which D_v H is a difference
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
-DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the room
-LEAST_FORCE = 3.0  # times the closure between targets
 FELT = 1e-9  # of the work of adhesion: a force on a mode, which then breaks no symmetry that the profile has
-TIED = 1e-6  # relative difference of patches that are equal
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +131,7 @@ def locate_limit_point(
                 here = _refined(system, soft, _to_rest(soft), value, tolerances[1], False)
                 soft = _softness(system, here, value, start.scale, every=True)
             broken = _neutral(system, soft, reach, tolerances, breaking=True)
-            if broken is not None and not _is_pushed(broken):
+            if broken is not None and not is_pushed(broken):
                 return broken
             tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
         found = _neutral(system, soft, reach, tolerances, breaking=False)
@@ -396,41 +393,7 @@ def _after_step(system: System, here: Balance, value: float, outward: FloatArray
     )
 
 
-def departure(system: System, limit: LimitPoint, tolerance: float, closure: float) -> tuple[FloatArray, bool, int]:
-    """A way from a limit point, whether forces lead on along it, and the number of evaluations.
-
-    Parameters
-    ----------
-    system : System
-    limit : LimitPoint
-    tolerance, closure : float
-        Of the evaluations, and of max |G/w - 1|: weaker forces say nothing.
-
-    Returns
-    -------
-    outward : (2 L,) array
-        Motion of the edges, the shortest on which they feel a force.
-    leads_on : bool
-        Whether the force is along the motion; against it all the way where another branch begins continuously.
-    evaluations : int
-    """
-    state, direction = limit.balance.state, _direction(limit)
-    motion = direction / np.max(np.abs(direction) / state.patches.edge_room)
-    force, outward, evaluations = -np.inf, motion, 0
-    for part in DEPARTURES:
-        for sign in (1.0,) if limit.kind == "fold" else (1.0, -1.0):
-            moved = state.patches.moved(sign * part * motion)
-            here = balance(system, moved, state.penetration, limit.exact.value, tolerance)
-            evaluations += 1
-            along = -sign * float(here.gradient @ motion) / float(here.work @ np.abs(motion))
-            if along > force:
-                force, outward = along, sign * part * motion
-        if force > LEAST_FORCE * closure:
-            return outward, True, evaluations
-    return outward, False, evaluations
-
-
-def _is_pushed(limit: LimitPoint) -> bool:
+def is_pushed(limit: LimitPoint) -> bool:
     """Whether a force acts along the modes of a bifurcation: the profile does not quite have the symmetry."""
     return _push(limit.balance, limit.modes) > FELT
 
@@ -439,19 +402,3 @@ def _push(here: Balance, modes: FloatArray) -> float:
     """Force along modes over the work of adhesion."""
     unit = modes / np.linalg.norm(modes, axis=0)
     return float(np.linalg.norm(here.gradient @ unit) / np.max(here.work))
-
-
-def _direction(limit: LimitPoint) -> FloatArray:
-    """Outward motion of the edges, (2 L,): the mode of a fold; at a bifurcation that in which a force acts, or the one
-    nearest to a single patch that shrinks, among equal ones the first."""
-    modes = limit.modes
-    if limit.kind == "fold":
-        return np.asarray(modes[:, 0])
-    unit = modes / np.linalg.norm(modes, axis=0)
-    if _is_pushed(limit):
-        return np.asarray(-unit @ (limit.balance.gradient @ unit))
-    count = limit.balance.state.patches.count
-    shrink = -(unit[:count] + unit[count:])
-    share = np.linalg.norm(shrink, axis=1)
-    first = int(np.flatnonzero(share >= (1 - TIED) * share.max())[0])
-    return np.asarray(unit @ shrink[first])

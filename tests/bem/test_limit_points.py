@@ -6,9 +6,10 @@ import pytest
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic
 from bem.control import LinearControl, PenetrationControl
+from bem.departure import departure
 from bem.descent import descend
 from bem.equilibrium import System, correct
-from bem.limit_points import at_rest, before_fold, departure, locate_limit_point
+from bem.limit_points import at_rest, before_fold, locate_limit_point
 from bem.patches import Patches
 from bem.profile import Profile
 

@@ -167,7 +167,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
         _located_late,
         "a ten-thousandth of the rms height or the pressure unit",
     ),
-    Fault("bem-departs-backwards", "contact leaves a limit point backwards", "bem.limit_points:departure", _wrong_way),
+    Fault("bem-departs-backwards", "contact leaves a limit point backwards", "bem.departure:departure", _wrong_way),
     Fault(
         "bem-released-coarse",
         "the energy behind a jump is not that of its equilibrium",

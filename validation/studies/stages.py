@@ -40,7 +40,7 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.grid_contact", "GridProblem.patches", "start on a grid"),
     ("bem.events", "settle", "events, rest"),
     ("bem.limit_points", "locate_limit_point", "events, rest"),
-    ("bem.limit_points", "departure", "events, rest"),
+    ("bem.departure", "departure", "events, rest"),
     ("bem.limit_points", "at_rest", "events, rest"),
     ("bem.touch_points", "locate_touch", "events, rest"),
     ("bem.states", "equilibrium_state", "states kept, rest"),
