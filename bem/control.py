@@ -1,4 +1,4 @@
-"""What is held fixed while the edges move: penetration, mean pressure or total displacement.
+"""What is held fixed while the edges move: displacement, or mean pressure.
 
 Every control is a linear condition alpha Delta + beta load = target, and both load and Delta are linear in each
 other at given edges, so a state solved at any Delta is carried to the condition exactly, without a second
@@ -6,12 +6,14 @@ factorisation.  With g_Delta = d(load)/d(edges) = K K_Delta / 2 the second deriv
 control is H - beta / (alpha + beta dload/dDelta) g_Delta g_Delta^T: penetration control leaves H alone, load
 control borders it fully, and a layer driven by u_tot = Delta + c(0) sigma_0 lies in between.
 
-The potential is U for beta = 0, else U + alpha Delta^2 / (2 beta) - target Delta / beta.  Dimensionless.
+The potential is U + beta load^2 / 2 for alpha = 1 (the layer as a spring in series: a sum of squares, in which no
+stiffness of the spring can cancel), and U - load Delta for alpha = 0.  Dimensionless.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,27 +24,39 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PenetrationControl:
-    """Delta is prescribed."""
+class DisplacementControl:
+    """Delta + beta load is prescribed: the penetration itself, or the displacement above a spring in series.
 
-    penetration_weight: float = 1.0
+    Parameters
+    ----------
+    load_weight : float
+        beta >= 0, the compliance of the spring.
+    """
+
     load_weight: float = 0.0
+    penetration_weight: ClassVar[float] = 1.0
 
     def reach(self, state: Evaluation, target: float) -> Evaluation:
-        """The state itself, which was evaluated at the target."""
-        return state
+        """The state carried to the target along Delta at fixed edges."""
+        if not self.load_weight:
+            return state
+        return state.shifted((target - self.value(state.penetration, state.load)) * self.rate(state))
 
     def guess(self, penetration: float, target: float) -> float:
-        """Penetration at which to evaluate: the target."""
-        return target
+        """Penetration at which to evaluate: the target itself; above a spring any would do, that of the last state."""
+        return penetration if self.load_weight else target
 
     def value(self, penetration: float, load: float) -> float:
         """What the control holds fixed, in a state."""
-        return penetration
+        return penetration + self.load_weight * load
 
-    def potential(self, penetration: float, energy: float, target: float) -> float:
-        """The energy that an equilibrium minimises."""
-        return energy
+    def load(self, penetration: float, target: float) -> float:
+        """The load at the target, where the penetration is known; NaN where that is what the target says."""
+        return (target - penetration) / self.load_weight if self.load_weight else np.nan
+
+    def potential(self, penetration: float, load: float, energy: float) -> float:
+        """What an equilibrium minimises."""
+        return energy + self.load_weight * load**2 / 2 if self.load_weight else energy
 
     def force(self, state: Evaluation) -> float:
         """Derivative of the potential by the target, in equilibrium or at fixed edges."""
@@ -50,37 +64,33 @@ class PenetrationControl:
 
     def force_rate(self, state: Evaluation, load_growth: float = 0.0) -> float:
         """Derivative of the force by the target; `load_growth` is that of the load by the motion of the edges."""
-        return state.load_rate + load_growth
+        return self.rate(state) * (state.load_rate + load_growth)
 
     def rate(self, state: Evaluation) -> float:
         """dDelta / dtarget at fixed edges."""
-        return 1.0
+        return 1.0 / (1.0 + self.load_weight * state.load_rate)
 
     def penetration_rate(self, state: Evaluation) -> float:
-        """Share of an error in the heights that is left as an error of Delta: all of it."""
-        return 1.0
+        """Share of an error in the heights that is left as an error of Delta, from 0 (soft spring) to 1."""
+        return self.rate(state)
 
     def stiffen(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
         """Hessian of the potential, (2 L, 2 L)."""
-        return hessian
+        if not self.load_weight:
+            return hessian
+        return hessian - self.load_weight * self.rate(state) * np.outer(load_gradient, load_gradient)
 
 
 @dataclass(frozen=True)
-class LinearControl:
-    """alpha Delta + beta load is prescribed, beta > 0.
+class LoadControl:
+    """The load is prescribed."""
 
-    Parameters
-    ----------
-    penetration_weight, load_weight : float
-        alpha and beta; (0, 1) is load control.
-    """
-
-    penetration_weight: float
-    load_weight: float
+    load_weight: ClassVar[float] = 1.0
+    penetration_weight: ClassVar[float] = 0.0
 
     def reach(self, state: Evaluation, target: float) -> Evaluation:
         """The state carried to the target along Delta at fixed edges."""
-        return state.shifted((target - self.value(state.penetration, state.load)) * self.rate(state))
+        return state.shifted((target - state.load) / state.load_rate)
 
     def guess(self, penetration: float, target: float) -> float:
         """Penetration at which to evaluate: any would do; that of the last state."""
@@ -88,31 +98,35 @@ class LinearControl:
 
     def value(self, penetration: float, load: float) -> float:
         """What the control holds fixed, in a state."""
-        return self.penetration_weight * penetration + self.load_weight * load
+        return load
 
-    def potential(self, penetration: float, energy: float, target: float) -> float:
-        """The energy that an equilibrium minimises."""
-        return energy + (self.penetration_weight * penetration / 2 - target) * penetration / self.load_weight
+    def load(self, penetration: float, target: float) -> float:
+        """The load at the target: the target."""
+        return target
+
+    def potential(self, penetration: float, load: float, energy: float) -> float:
+        """What an equilibrium minimises."""
+        return energy - load * penetration
 
     def force(self, state: Evaluation) -> float:
         """Derivative of the potential by the target, in equilibrium or at fixed edges."""
-        return -state.penetration / self.load_weight
+        return -state.penetration
 
     def force_rate(self, state: Evaluation, load_growth: float = 0.0) -> float:
         """Derivative of the force by the target; `load_growth` is that of the load by the motion of the edges."""
-        return -self.rate(state) * (1 / self.load_weight - load_growth)
+        return -self.rate(state) * (1 - load_growth)
 
     def rate(self, state: Evaluation) -> float:
         """dDelta / dtarget at fixed edges."""
-        return 1.0 / (self.penetration_weight + self.load_weight * state.load_rate)
+        return 1.0 / state.load_rate
 
     def penetration_rate(self, state: Evaluation) -> float:
-        """Share of an error in the heights that is left as an error of Delta, from 0 (load control) to 1."""
-        return self.penetration_weight * self.rate(state)
+        """Share of an error in the heights that is left as an error of Delta: none."""
+        return 0.0
 
     def stiffen(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
         """Hessian of the potential, (2 L, 2 L)."""
-        return hessian - self.load_weight * self.rate(state) * np.outer(load_gradient, load_gradient)
+        return hessian - np.outer(load_gradient, load_gradient) / state.load_rate
 
 
-Control = PenetrationControl | LinearControl
+Control = DisplacementControl | LoadControl

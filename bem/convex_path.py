@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from bem.assessment import Assessment, assess_contact
 from bem.collocation import Elastic, Evaluation
 from bem.completed_body import CompletedBody
-from bem.control import Control, LinearControl
+from bem.control import Control, LoadControl
 from bem.gap_series import GapEvaluation
 from bem.gaps import Gaps, gaps_of
 from bem.grid_contact import GridProblem, grid_problem
@@ -29,7 +29,7 @@ from bem.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, PathStatus,
 
 FloatArray = NDArray[np.float64]
 
-LOAD_CONTROL = LinearControl(0.0, 1.0)
+LOAD_CONTROL = LoadControl()
 ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
 NARROW = 1e-3  # lone cracks narrower than this part of the contact beside them carry the unknowns from the start
 LONE = 0.3  # largest half width of a gap, over the shortest wavelength / 2 pi, that a lone crack is an estimate of
@@ -100,7 +100,7 @@ class ConvexPath:
         """Where the last gap closes: where the pressure of complete contact is lowest, which vanishes there."""
         highest, load = self.body.max_height, self.body.complete.least_load
         value = self.control.value(highest, load)
-        return Exact(value, highest, load, self.control.potential(highest, self.body.complete.elastic_energy, value))
+        return Exact(value, highest, load, self.control.potential(highest, load, self.body.complete.elastic_energy))
 
     def at(self, value: float, separation: float | None = None) -> ContactPoint:
         """The point at a value of the control, at this separation where that is what is controlled."""

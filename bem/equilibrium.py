@@ -197,7 +197,7 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
         hessian=system.control.stiffen(hessian, load_gradient, state),
         fixed_penetration_hessian=hessian,
         load_gradient=load_gradient,
-        potential=system.control.potential(state.penetration, energy, target),
+        potential=system.control.potential(state.penetration, state.load, energy),
         energy=energy,
         rounding=state.rounding(system.control.penetration_rate(state)),
     )

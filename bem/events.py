@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.collocation import Evaluation, Resolution, resolve
-from bem.control import PenetrationControl
+from bem.control import DisplacementControl
 from bem.descent import descend, pull_off_half_width
 from bem.equilibrium import Balance, System
 from bem.gap import GapMinima, gap_field, low_minima
@@ -210,7 +210,7 @@ def _settled_locally(
             total += correction.field(x, nodes, charges)
         return total
 
-    local = System(replace(system.elastic, backgrounds=(field,)), system.law, PenetrationControl())
+    local = System(replace(system.elastic, backgrounds=(field,)), system.law, DisplacementControl())
     inner, outer = (Patches(patches.left[who], patches.right[who]) for who in (members, far))
     whole = resolve(system.elastic, patches, tolerance)
     floor = Resolution(whole.nodes[members], whole.modes[members])

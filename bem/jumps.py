@@ -191,7 +191,7 @@ class Jumps:
             released = np.nan
             if settled.status == "separated":
                 changes = (*changes[:-1], ("pull_off", changes[-1][1]))
-                if system.control.load_weight == 0:  # a dead tension falls for ever
+                if system.control.penetration_weight:  # a dead tension falls for ever
                     released = at.potential
             elif settled.status == "complete_contact":
                 released = at.potential - complete_potential(system, self.complete, value)

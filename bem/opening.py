@@ -137,4 +137,5 @@ def first_gap(system: System, complete: CompleteContact, separation: float) -> P
 def complete_potential(system: System, complete: CompleteContact, value: float) -> float:
     """The potential under control of complete contact."""
     energy = complete.elastic_energy + complete.adhesion_energy
-    return system.control.potential(system.elastic.profile.max_height, energy, value)
+    highest = system.elastic.profile.max_height
+    return system.control.potential(highest, system.control.load(highest, value), energy)

@@ -268,10 +268,9 @@ class Path:
     def _fully_joined(self, value: float) -> Exact:
         """Complete contact at a value of the control; the tension under which the last gap closes has no bound."""
         control, highest = self.system.control, self.system.elastic.profile.max_height
-        if control.load_weight == 0:
-            return Exact(highest, highest, np.nan, complete_potential(self.system, self.complete, highest))
-        load = (value - control.penetration_weight * highest) / control.load_weight
-        return Exact(value, highest, load, complete_potential(self.system, self.complete, value))
+        value = value if control.load_weight else highest
+        potential = complete_potential(self.system, self.complete, value)
+        return Exact(value, highest, control.load(highest, value), potential)
 
     def _opened(self, point: Point, goal: float) -> Point:
         """Complete contact at the goal, or the equilibrium into which it opens on the way there."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.collocation import Elastic
-from bem.control import Control, LinearControl, PenetrationControl
+from bem.control import Control, DisplacementControl, LoadControl
 from bem.equilibrium import InterfaceLaw
 from bem.profile import Profile
 from bem.scaling import Scales, Solid
@@ -107,7 +107,7 @@ def pose(scene: Scene, surface: Profile) -> Problem:
 def _control(kind: str, scales: Scales, mean_compliance: float | None) -> Control:
     """The control of a scene as a linear condition on penetration and load."""
     if kind == "mean_pressure":
-        return LinearControl(0.0, 1.0)
+        return LoadControl()
     if kind == "total_displacement" and mean_compliance:
-        return LinearControl(1.0, mean_compliance * scales.stress / (2 * np.pi * scales.height))
-    return PenetrationControl()
+        return DisplacementControl(mean_compliance * scales.stress / (2 * np.pi * scales.height))
+    return DisplacementControl()

@@ -307,8 +307,7 @@ class _Run:
     def _described(self, point: AnyPoint, target: bool, status: str | None) -> State:
         if point.status == "complete_contact":
             control, highest = self.problem.control, self.problem.profile.max_height
-            loaded = control.load_weight > 0
-            load = (point.value - control.penetration_weight * highest) / control.load_weight if loaded else np.nan
+            load = control.load(highest, point.value)
             return complete_state(self.problem, self.complete, load, self.branch, target, self._cost(0))
         evaluation = point.state
         if evaluation is None:
@@ -395,7 +394,7 @@ class _Run:
             return 0.0
         if control.load_weight == 0:
             return self.complete.least_load
-        return (point.value - control.penetration_weight * self.problem.profile.max_height) / control.load_weight
+        return control.load(self.problem.profile.max_height, point.value)
 
     def _target_of(self, point: AnyPoint) -> float:
         """The controlled quantity of a point, SI."""

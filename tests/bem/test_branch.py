@@ -8,13 +8,13 @@ import pytest
 from bem.adhesion import UniformLaw
 from bem.branch import misses_energy, strays, tangent, unstable_patches
 from bem.collocation import Elastic
-from bem.control import PenetrationControl
+from bem.control import DisplacementControl
 from bem.descent import descend
 from bem.equilibrium import System, balance
 from bem.patches import Patches
 from bem.profile import Profile
 
-SYSTEM = System(Elastic(Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])), UniformLaw(0.1), PenetrationControl())
+SYSTEM = System(Elastic(Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])), UniformLaw(0.1), DisplacementControl())
 WIDE_AND_TINY = Patches(np.array([0.0, 3.0]), np.array([1.0, 3.001]))
 
 
@@ -32,7 +32,7 @@ def test_the_patch_about_to_jump_is_found_whatever_its_size(soft):
 
 
 RIPPLED = System(
-    Elastic(Profile.from_harmonics(2 * np.pi, [1, 40], [1.0, 0.02])), UniformLaw(0.03), PenetrationControl()
+    Elastic(Profile.from_harmonics(2 * np.pi, [1, 40], [1.0, 0.02])), UniformLaw(0.03), DisplacementControl()
 )
 SMALLER, LARGER = 0.8, 0.9  # half widths from which the edges come to rest on one ripple or on the next
 

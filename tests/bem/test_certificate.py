@@ -10,7 +10,7 @@ import pytest
 from bem import certificate, displacement
 from bem.certificate import Demands, certify
 from bem.collocation import evaluate
-from bem.control import LinearControl
+from bem.control import LoadControl
 from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.displacement import DisplacementField, GapPoints
 from bem.patches import Patches, PatchPressure
@@ -317,7 +317,7 @@ def test_a_gap_taken_for_contact_between_the_nodes_is_tension():
     patch = Patches(np.array([valley - 2 * np.pi + 2.3e-3]), np.array([valley - 2.3e-3]))
     load = problem.load_of(86393.687)
     for _ in range(20):
-        state = LinearControl(0.0, 1.0).reach(evaluate(problem.elastic, patch, 1.0, 1e-8), load)
+        state = LoadControl().reach(evaluate(problem.elastic, patch, 1.0, 1e-8), load)
         slope = np.diagonal(stress_intensity_jacobian(state))
         patch = patch.moved(np.clip(-state.stress_intensity / slope, -1e-3, 1e-3))
     judged = certify(profile, state.pressure(), state.penetration, None)

@@ -5,7 +5,7 @@ import pytest
 
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic, evaluate
-from bem.control import LinearControl, PenetrationControl
+from bem.control import DisplacementControl, LoadControl
 from bem.equilibrium import System, balance
 from bem.patches import Patches
 from bem.profile import Profile
@@ -14,9 +14,9 @@ ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 20, 0).scaled()
 ELASTIC = Elastic(ROUGH)
 PATCHES = Patches(np.array([0.5, 1.9, 5.5]), np.array([1.2, 2.2, 6.6]))
 CONTROLS = {
-    "penetration": (PenetrationControl(), 1.3),
-    "load": (LinearControl(0.0, 1.0), 2.0),
-    "spring": (LinearControl(1.0, 0.2), 1.5),
+    "penetration": (DisplacementControl(), 1.3),
+    "load": (LoadControl(), 2.0),
+    "spring": (DisplacementControl(0.2), 1.5),
 }
 by_control = pytest.mark.parametrize(("control", "target"), CONTROLS.values(), ids=CONTROLS)
 
@@ -58,8 +58,8 @@ def test_rate_is_the_derivative_of_the_penetration_by_the_target(control, target
 @pytest.mark.parametrize("change", [0.3, -0.7])
 def test_force_does_the_work_that_the_potential_grows_by_at_fixed_edges(control, target, change):
     here, there = reached(control, target), reached(control, target + change)
-    growth = control.potential(there.penetration, there.elastic_energy, target + change)
-    growth -= control.potential(here.penetration, here.elastic_energy, target)
+    growth = control.potential(there.penetration, there.load, there.elastic_energy)
+    growth -= control.potential(here.penetration, here.load, here.elastic_energy)
     work = change * (control.force(here) + change / 2 * control.force_rate(here))
     assert work == pytest.approx(growth, rel=1e-11)
 
@@ -99,8 +99,18 @@ def test_soft_control_lies_between_penetration_and_load():
     """The harder the control, the larger the smallest eigenvalue."""
     load = reached(*CONTROLS["penetration"]).load
     least = []
-    for control in (PenetrationControl(), LinearControl(1.0, 0.2), LinearControl(0.0, 1.0)):
+    for control in (DisplacementControl(), DisplacementControl(0.2), LoadControl()):
         here = balance(System(ELASTIC, UniformLaw(0.05), control), PATCHES, 1.3, control.value(1.3, load), 1e-12)
         assert here.state.penetration == pytest.approx(1.3, rel=1e-12)
         least.append(np.linalg.eigvalsh((here.hessian + here.hessian.T) / 2)[0])
     assert least[0] > least[1] > least[2]
+
+
+def test_energies_do_not_feel_how_stiff_the_spring_is():
+    """An almost incompressible layer is a spring 1e9 times as stiff as the contact."""
+    state = reached(DisplacementControl(), 1.3)
+    held, sprung = (
+        control.potential(state.penetration, state.load, state.elastic_energy)
+        for control in (DisplacementControl(), DisplacementControl(1e-9))
+    )
+    assert sprung - held == pytest.approx(1e-9 * state.load**2 / 2, rel=3e-7)  # measured 1.1e-7: rounding of the energy

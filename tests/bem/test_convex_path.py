@@ -7,7 +7,7 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem.complete_contact import complete_contact
-from bem.control import LinearControl, PenetrationControl
+from bem.control import DisplacementControl, LoadControl
 from bem.convex_path import ContactPoint, ConvexPath
 from bem.problem import pose
 from bem.solver import _path_for, solve
@@ -20,7 +20,7 @@ def fresh(control=None):
     path = _path_for(SCENE, PROBLEM, _complete())
     assert isinstance(path, ConvexPath)
     return ConvexPath(
-        path.elastic, control or PenetrationControl(), path.increments, path.body, path.crests, path.effort
+        path.elastic, control or DisplacementControl(), path.increments, path.body, path.crests, path.effort
     )
 
 
@@ -58,7 +58,7 @@ def test_first_touch_is_an_event_at_the_highest_crest():
     assert PROBLEM.profile.height(np.array([event.position]))[0] == pytest.approx(PROBLEM.profile.max_height)
 
 
-@pytest.mark.parametrize("control", [PenetrationControl(), LinearControl(0.0, 1.0)], ids=["penetration", "load"])
+@pytest.mark.parametrize("control", [DisplacementControl(), LoadControl()], ids=["penetration", "load"])
 @pytest.mark.parametrize("stops", [(), (0.3, 0.9)], ids=["at once", "in steps"])
 def test_complete_contact_is_an_event_where_the_last_gap_closes(control, stops):
     """Westergaard's last gap closes at the mean pressure and the penetration of complete contact, at the trough."""
@@ -102,11 +102,11 @@ def test_surfaces_part_at_zero():
 
 def test_load_control_meets_penetration_control():
     here = reached(fresh(), 1.0)
-    same(here, reached(fresh(LinearControl(0.0, 1.0)), here.state.load))
+    same(here, reached(fresh(LoadControl()), here.state.load))
 
 
 def test_more_than_the_least_load_is_complete_contact():
-    path = fresh(LinearControl(0.0, 1.0))
+    path = fresh(LoadControl())
     assert reached(path, 1.01 * path.body.complete.least_load).status == "complete_contact"
     assert reached(path, 0.99 * path.body.complete.least_load).status == "converged"
 

@@ -5,7 +5,7 @@ import pytest
 
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic
-from bem.control import PenetrationControl
+from bem.control import DisplacementControl
 from bem.descent import descend
 from bem.equilibrium import System, balance
 from bem.patches import TWO_PI, Patches
@@ -22,7 +22,7 @@ RIPPLES = {  # orders, height of the ripple, work of adhesion, penetration, half
 
 def rippled(order, ripple, work):
     profile = Profile.from_harmonics(TWO_PI, [1, order], [1.0, ripple])
-    return System(Elastic(profile), UniformLaw(work), PenetrationControl())
+    return System(Elastic(profile), UniformLaw(work), DisplacementControl())
 
 
 def symmetric(half_width):

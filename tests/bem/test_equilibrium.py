@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from bem import descent
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic
-from bem.control import LinearControl, PenetrationControl
+from bem.control import DisplacementControl, LoadControl
 from bem.descent import descend, pull_off_half_width, trust_region_step
 from bem.equilibrium import System, balance, correct
 from bem.patches import Patches
@@ -17,8 +17,8 @@ from bem.profile import Profile
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 ALPHA = 0.3
 WORK = np.pi * ALPHA**2 / 2
-SYSTEM = System(Elastic(WAVE), UniformLaw(WORK), PenetrationControl())
-UNDER_LOAD = System(Elastic(WAVE), UniformLaw(WORK), LinearControl(0.0, 1.0))
+SYSTEM = System(Elastic(WAVE), UniformLaw(WORK), DisplacementControl())
+UNDER_LOAD = System(Elastic(WAVE), UniformLaw(WORK), LoadControl())
 
 
 def patch(fraction):
@@ -164,7 +164,7 @@ def test_closure_measures_the_release_rate():
     """At K twice the critical one G is four times w."""
     law = UniformLaw(WORK / 4)
     target = float(penetration_of(0.4))
-    here = balance(System(Elastic(WAVE), law, PenetrationControl()), patch(0.4), target, target, 1e-13)
+    here = balance(System(Elastic(WAVE), law, DisplacementControl()), patch(0.4), target, target, 1e-13)
     assert here.closure == pytest.approx(3.0, rel=1e-11)
     assert here.closed(3.1)
     assert not here.closed(2.9)
@@ -220,7 +220,7 @@ def test_descent_moves_edges_with_negative_stress_intensity_outward():
 
 def test_narrow_gap_between_two_patches_coalesces():
     profile = Profile.from_harmonics(2 * np.pi, [1, 2], [1.0, 0.01])
-    system = System(Elastic(profile), UniformLaw(0.3), PenetrationControl())
+    system = System(Elastic(profile), UniformLaw(0.3), DisplacementControl())
     halves = Patches(np.array([-1.5, 0.01]), np.array([-0.01, 1.5]))
     end = descend(system, halves, 0.5, 0.5, 1e-8, 1e-8, 0.4)
     assert end.status == "converged"
@@ -230,7 +230,7 @@ def test_narrow_gap_between_two_patches_coalesces():
 
 def test_pull_off_width_is_that_of_a_lone_cylinder():
     """The fold of Johnson's branch under load at tiny alpha is that of the cylinder (Barquins 1988)."""
-    system = System(Elastic(WAVE), UniformLaw(1e-6), PenetrationControl())
+    system = System(Elastic(WAVE), UniformLaw(1e-6), DisplacementControl())
     found = pull_off_half_width(system, np.zeros(1))[0]
     alpha = np.sqrt(2e-6 / np.pi)
     psi = np.geomspace(1e-4, 0.5, 400_001)
@@ -241,7 +241,7 @@ def test_pull_off_width_is_that_of_a_lone_cylinder():
 def test_narrow_gaps_close_in_few_steps(monkeypatch):
     """The end is that of small steps."""
     profile = Profile.from_harmonics(2 * np.pi, [1, 2], [1.0, 0.01])
-    system = System(Elastic(profile), UniformLaw(0.3), PenetrationControl())
+    system = System(Elastic(profile), UniformLaw(0.3), DisplacementControl())
     halves = Patches(np.array([-1.5, 0.1]), np.array([-0.1, 1.5]))
     fast = descend(system, halves, 1.0, 1.0, 1e-8, 1e-8, 0.1)
     monkeypatch.setattr(descent, "CLOSING_STEP", 0.1)

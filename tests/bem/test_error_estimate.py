@@ -8,7 +8,7 @@ import pytest
 
 from bem.assessment import _of_contact, assess_contact
 from bem.collocation import Elastic, evaluate
-from bem.control import LinearControl, PenetrationControl
+from bem.control import DisplacementControl, LoadControl
 from bem.grid_contact import grid_problem
 from bem.nonadhesive import solve_contact
 from bem.profile import Profile
@@ -73,9 +73,9 @@ def test_a_finer_tolerance_takes_more_unknowns():
 
 
 CONTROLS = {
-    "penetration": (PenetrationControl(), 1.0),
-    "load": (LinearControl(0.0, 1.0), 3.0),
-    "total displacement": (LinearControl(1.0, 0.3), 2.0),
+    "penetration": (DisplacementControl(), 1.0),
+    "load": (LoadControl(), 3.0),
+    "total displacement": (DisplacementControl(0.3), 2.0),
 }
 
 

@@ -6,7 +6,7 @@ from rough_surfaces import rough_profile
 
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic
-from bem.control import LinearControl, PenetrationControl
+from bem.control import DisplacementControl, LoadControl
 from bem.descent import pull_off_half_width
 from bem.equilibrium import System, balance, correct
 from bem.events import first_contact, interpenetration, settle
@@ -15,7 +15,7 @@ from bem.profile import Profile
 
 ACCURACY = {"tolerance": 1e-8, "closure": 1e-9, "allowed": 1e-10}
 TWO_CRESTS = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])
-SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), PenetrationControl())
+SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), DisplacementControl())
 
 
 def settled(system, patches, target, penetration=None, **changes):
@@ -79,7 +79,7 @@ def test_settling_does_not_depend_on_where_it_starts(start):
 
 def test_equal_crests_make_contact_at_the_same_instant():
     three = Profile.from_harmonics(2 * np.pi, [3], [1.0])
-    system = System(Elastic(three), UniformLaw(0.1), PenetrationControl())
+    system = System(Elastic(three), UniformLaw(0.1), DisplacementControl())
     crests = np.arange(3) * 2 * np.pi / 3
     end = settled(system, first_contact(system, crests), 0.5)
     assert end.balance.state.patches.count == 3
@@ -102,7 +102,7 @@ def test_last_patch_separates():
 
 
 def test_load_that_no_branch_carries_ends_in_complete_contact():
-    system = System(SYSTEM.elastic, SYSTEM.law, LinearControl(0.0, 1.0))
+    system = System(SYSTEM.elastic, SYSTEM.law, LoadControl())
     end = settle(system, one_patch(0.6), 1.0, 30.0, tolerance=1e-4, closure=1e-5, allowed=1e-7)
     assert end.status == "complete_contact"
     assert kinds(end)[-1] == "complete_contact"
@@ -116,7 +116,7 @@ def test_first_contact_is_tensile_at_its_edges():
 
 
 def test_first_contacts_of_close_crests_stay_apart():
-    strong = System(SYSTEM.elastic, UniformLaw(100.0), PenetrationControl())
+    strong = System(SYSTEM.elastic, UniformLaw(100.0), DisplacementControl())
     patches = first_contact(strong, np.array([0.0, 0.2, 3.0]))
     assert patches.is_ordered
     assert patches.count == 3
@@ -125,7 +125,7 @@ def test_first_contacts_of_close_crests_stay_apart():
 def test_local_settling_ends_in_the_same_state():
     """With many patches the unstable ones move first in the field of the others; the end must not know."""
     profile = rough_profile(harmonics=200, seed=3, hurst=0.4).scaled()
-    system = System(Elastic(profile), UniformLaw(2e-4), PenetrationControl())
+    system = System(Elastic(profile), UniformLaw(2e-4), DisplacementControl())
     x, h = profile.crests
     high = x[h > profile.max_height - 1.3]
     before = settled(system, first_contact(system, np.sort(high)), 1.3).balance.state

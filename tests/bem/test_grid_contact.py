@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from bem.collocation import Elastic
-from bem.control import LinearControl, PenetrationControl
+from bem.control import DisplacementControl, LoadControl
 from bem.grid_contact import _intervals, grid_problem
 from bem.layer import Layer
 from bem.nonadhesive import solve_contact
 from bem.profile import Profile
 from bem.scaling import Solid
 
-FIXED, LOADED = PenetrationControl(), LinearControl(0.0, 1.0)
+FIXED, LOADED = DisplacementControl(), LoadControl()
 BOTH = pytest.mark.parametrize("control", [FIXED, LOADED], ids=["penetration", "load"])
 
 
@@ -79,7 +79,10 @@ def test_a_layer_is_seen(thickness):
 
 @pytest.mark.parametrize("compliance", [1e-6, 0.3, 5.0, 50.0, 500.0], ids=str)
 def test_few_steps_under_total_displacement(compliance):
-    elastic, control = Elastic(Profile.self_affine(2 * np.pi, 0.7, 1.0, 30, 3).scaled()), LinearControl(1.0, compliance)
+    elastic, control = (
+        Elastic(Profile.self_affine(2 * np.pi, 0.7, 1.0, 30, 3).scaled()),
+        DisplacementControl(compliance),
+    )
     fixed = reached(elastic, FIXED, 1.3).state
     found = reached(elastic, control, control.value(1.3, fixed.load))
     assert found.state.penetration == pytest.approx(1.3, abs=1e-9)

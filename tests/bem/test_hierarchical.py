@@ -5,7 +5,7 @@ import pytest
 
 from bem import hierarchical
 from bem.collocation import Elastic, evaluate
-from bem.control import LinearControl
+from bem.control import LoadControl
 from bem.dense import evaluate_dense
 from bem.hierarchical import IllConditionedSystemError
 from bem.patches import Patches, ordered
@@ -84,7 +84,7 @@ def test_states_of_given_load_close_to_complete_contact(evaluated, gap, error):
     """The matrix is nearly singular, and the penetration hardly known; the stress intensities are."""
     edges = np.linspace(0.0, 2 * np.pi, 11)[:-1] + 0.05 * np.sin(np.arange(10))
     patches = Patches(edges + gap / 2, np.append(edges[1:], edges[0] + 2 * np.pi) - gap / 2)
-    load = LinearControl(0.0, 1.0)
+    load = LoadControl()
     found, full = (load.reach(evaluated(patches, 3.0, 1e-8, largest), 100.0) for largest in (100, 10**9))
     assert relative(found.stress_intensity, full.stress_intensity) <= error
 

@@ -5,7 +5,7 @@ import pytest
 
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic
-from bem.control import LinearControl, PenetrationControl
+from bem.control import DisplacementControl, LoadControl
 from bem.departure import departure
 from bem.descent import descend
 from bem.equilibrium import System, correct
@@ -51,7 +51,7 @@ def resting(system, centers, half_width, value):
 
 @pytest.mark.parametrize(
     ("control", "quantity"),
-    [(PenetrationControl(), "penetration"), (LinearControl(0.0, 1.0), "load")],
+    [(DisplacementControl(), "penetration"), (LoadControl(), "load")],
     ids=["Delta", "load"],
 )
 def test_a_fold_is_where_johnsons_branch_turns(control, quantity):
@@ -66,13 +66,13 @@ def test_a_fold_is_where_johnsons_branch_turns(control, quantity):
 
 
 def test_no_fold_is_found_far_from_it():
-    system = wave(PenetrationControl())
+    system = wave(DisplacementControl())
     here = resting(system, [2 * np.pi], 1.0, 0.5)
     assert locate_limit_point(system, here, 0.5, -0.01, TOLERANCES) is None
 
 
 def test_before_a_fold_the_branch_is_where_its_parabola_says():
-    system, exact = wave(PenetrationControl()), lowest("penetration")
+    system, exact = wave(DisplacementControl()), lowest("penetration")
     here = resting(system, [2 * np.pi], 0.8, 0.7 * exact)
     fold = locate_limit_point(system, here, 0.7 * exact, 0.3 * exact, TOLERANCES)
     value = exact * (1 - 1e-5)
@@ -85,7 +85,7 @@ def test_before_a_fold_the_branch_is_where_its_parabola_says():
 def equal_crests(count, delta=0.0, alpha=0.05):
     work = np.pi * (alpha * AMPLITUDE) ** 2 * count / 2
     orders, amplitudes = ([count], [AMPLITUDE]) if not delta else ([1, count], [delta, AMPLITUDE])
-    return system_of(orders, amplitudes, PenetrationControl(), work)
+    return system_of(orders, amplitudes, DisplacementControl(), work)
 
 
 def symmetric_state(system, count, value):
@@ -129,7 +129,7 @@ def test_a_fold_of_almost_equal_crests_lies_before_the_symmetric_one():
 
 
 def test_the_way_from_a_fold_leads_down():
-    system, exact = wave(PenetrationControl()), lowest("penetration")
+    system, exact = wave(DisplacementControl()), lowest("penetration")
     here = resting(system, [2 * np.pi], 0.8, 0.7 * exact)
     fold = locate_limit_point(system, here, 0.7 * exact, 0.3 * exact, TOLERANCES)
     outward, leads_on, _ = departure(system, fold, 1e-3, 1e-4)
@@ -138,7 +138,7 @@ def test_the_way_from_a_fold_leads_down():
 
 
 def test_a_coarse_equilibrium_is_improved_with_its_error():
-    system = wave(PenetrationControl())
+    system = wave(DisplacementControl())
     here = resting(system, [2 * np.pi], 1.0, 0.5)
     better, exact, error = at_rest(system, here, 0.5, (1e-5, 1e-8))
     finest = at_rest(system, here, 0.5, (1e-8, 1e-12))[1]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from bem.collocation import Elastic
-from bem.control import LinearControl, PenetrationControl
+from bem.control import DisplacementControl, LoadControl
 from bem.dense import evaluate_dense
 from bem.gap import gap_field, low_minima
 from bem.grid_contact import grid_problem
@@ -16,7 +16,7 @@ from bem.patches import TWO_PI, PatchPressure
 from bem.profile import Profile
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
-FIXED, LOADED = PenetrationControl(), LinearControl(0.0, 1.0)
+FIXED, LOADED = DisplacementControl(), LoadControl()
 ACCURACY = {"tolerance": 1e-10, "closure": 1e-11, "allowed": 1e-10}
 
 

@@ -6,7 +6,7 @@ import pytest
 from bem import events
 from bem.adhesion import UniformLaw
 from bem.collocation import Elastic
-from bem.control import PenetrationControl
+from bem.control import DisplacementControl
 from bem.descent import descend
 from bem.equilibrium import System, balance
 from bem.events import settle
@@ -16,7 +16,7 @@ from bem.profile import Profile
 from bem.touching import CrestsAhead
 
 TWO_CRESTS = Profile.from_harmonics(TWO_PI, [1, 2], [0.2, 1.0])  # at 0 the higher, at pi the lower one
-SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), PenetrationControl())
+SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), DisplacementControl())
 DEEP, SHALLOW = 1.0, 0.3  # penetrations at which the lower crest is in contact with one patch, and is not
 
 
@@ -37,7 +37,7 @@ def looked_at(seen, after, penetration=DEEP, occupied=None):
 def test_the_crest_in_the_gap_ahead_is_found(center, turn, side, moving, closed):
     """Three higher crests in contact, three lower ones between them, anywhere on the circle and on any of its turns."""
     profile = Profile.from_harmonics(TWO_PI, [3, 6], [0.2 / 3, 1 / 3], [-3 * center, -6 * center])
-    system = System(Elastic(profile), UniformLaw(0.1), PenetrationControl())
+    system = System(Elastic(profile), UniformLaw(0.1), DisplacementControl())
     places = center + np.arange(3) * TWO_PI / 3 + turn * TWO_PI
     half = np.full(3, 1 / 3)
     gap = moving if side == "right" else (moving - 1) % 3
@@ -90,7 +90,7 @@ def test_no_crest_touches_within_other_patches(center, found):
 def test_small_steps_add_up_until_an_edge_has_moved():
     """Forty wavelengths round the circle: the right edge creeps, the left one walks."""
     profile = Profile.from_harmonics(TWO_PI, [40], [1.0])
-    ahead = CrestsAhead(System(Elastic(profile), UniformLaw(1e-3), PenetrationControl()), 1e-10)
+    ahead = CrestsAhead(System(Elastic(profile), UniformLaw(1e-3), DisplacementControl()), 1e-10)
     creep = 0.004 * TWO_PI / 40
     start = 5.5 * TWO_PI / 40
     seen, found = around(0, start, start), []
@@ -105,13 +105,13 @@ def test_small_steps_add_up_until_an_edge_has_moved():
 def test_only_crests_within_four_wavelengths_are_looked_at():
     """Equal crests all round, a patch over some of them."""
     wavelength = TWO_PI / 64
-    system = System(Elastic(Profile.from_harmonics(TWO_PI, [64], [1.0])), UniformLaw(1e-3), PenetrationControl())
+    system = System(Elastic(Profile.from_harmonics(TWO_PI, [64], [1.0])), UniformLaw(1e-3), DisplacementControl())
     before, after = around(0, 5.5 * wavelength, 5.4 * wavelength), around(0, 5.5 * wavelength, 5.5 * wavelength)
     found, _ = CrestsAhead(system, 1e-10)(before, balance(system, after, 1.5, 1.5, 1e-10))
     np.testing.assert_allclose(found.position, wavelength * (5 + np.arange(1, 5)), atol=1e-9)
 
 
-RIPPLED = System(Elastic(Profile.from_harmonics(TWO_PI, [1, 20], [1.0, 0.08])), UniformLaw(0.1), PenetrationControl())
+RIPPLED = System(Elastic(Profile.from_harmonics(TWO_PI, [1, 20], [1.0, 0.08])), UniformLaw(0.1), DisplacementControl())
 NARROW, DEPTH = around(0, 0.2, 0.2), 0.4
 TOUCHES = ["new_contact"] * 2 + ["coalescence"] * 2
 
@@ -144,7 +144,7 @@ BUMPS = 20
 MANY = System(
     Elastic(Profile.from_harmonics(TWO_PI, [BUMPS, 20 * BUMPS], [1 / BUMPS, 0.08 / BUMPS])),
     UniformLaw(0.1 / BUMPS),
-    PenetrationControl(),
+    DisplacementControl(),
 )
 
 
@@ -154,7 +154,7 @@ def test_in_the_field_of_others_the_same_crests_touch():
     moved = Profile.from_harmonics(
         TWO_PI, MANY.elastic.profile.orders, MANY.elastic.profile.amplitudes, -MANY.elastic.profile.orders * centers[0]
     )
-    system = System(Elastic(moved), MANY.law, PenetrationControl())
+    system = System(Elastic(moved), MANY.law, DisplacementControl())
     alone = settle(RIPPLED, NARROW, DEPTH, DEPTH, 1e-6, 1e-7, 1e-10).balance.state.patches.half_width[0] / BUMPS
     half = np.full(BUMPS, alone)
     half[10] = 0.2 / BUMPS

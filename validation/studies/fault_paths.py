@@ -72,9 +72,8 @@ def _tension_left(original: Function, size: float) -> Function:
 def _spring_without_half(original: Function, size: float) -> Function:
     """The energy of the spring of a total displacement 1e-5 too large; with more the path crawls, as energy misses."""
 
-    def wrong(control: Any, penetration: float, energy: float, target: float) -> Any:
-        spring = control.penetration_weight * penetration**2 / (2 * control.load_weight)
-        return original(control, penetration, energy, target) + 1e-5 * size * spring
+    def wrong(control: Any, penetration: float, load: float, energy: float) -> Any:
+        return original(control, penetration, load, energy) + 1e-5 * size * control.load_weight * load**2 / 2
 
     return wrong
 
@@ -221,7 +220,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-spring-energy",
         "wrong energy of a total displacement",
-        "bem.control:LinearControl.potential",
+        "bem.control:DisplacementControl.potential",
         _spring_without_half,
         "a hundred-thousandth of that of the spring",
     ),
