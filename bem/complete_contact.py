@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.equilibrium import InterfaceLaw
+from bem.interface_law import InterfaceLaw
 from bem.patches import Patches
 from bem.problem import Problem
 from bem.profile import Profile

@@ -9,7 +9,7 @@ Eur. Phys. J. E 30 (2009) 65, section 3.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from scipy.linalg import LinAlgError, cho_factor, eigh
 from bem.collocation import Elastic, Evaluation, Resolution, evaluate
 from bem.control import Control
 from bem.hierarchical import IllConditionedSystemError
+from bem.interface_law import InterfaceLaw
 from bem.patches import Patches
 from bem.sensitivities import stress_intensity_jacobian
 
@@ -27,27 +28,6 @@ NEWTON_STEPS = 8
 LARGEST_NEWTON_STEP = 0.3  # of the room of an edge
 ENERGY_TRUNCATION = 3e-3  # relative error of the energy over the square of the tolerance of the evaluation
 LAYER_TRUNCATION = 5e-3  # the same over the tolerance itself, where a layer adds to the kernel; measured 5e-3
-
-
-class InterfaceLaw(Protocol):
-    """Work of adhesion along the interface, dimensionless (adhesion.py)."""
-
-    @property
-    def least_work(self) -> float:
-        """A lower bound of w that no shift of the profile changes."""
-        ...
-
-    def work_of_adhesion(self, x: FloatArray) -> FloatArray:
-        """w at the positions x, same shape."""
-        ...
-
-    def work_gradient(self, x: FloatArray) -> FloatArray:
-        """dw/dx at the positions x, same shape."""
-        ...
-
-    def energy(self, patches: Patches) -> float:
-        """-int w dx over the patches."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

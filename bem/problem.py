@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bem.collocation import Elastic
 from bem.control import Control, DisplacementControl, LoadControl
-from bem.equilibrium import InterfaceLaw
+from bem.interface_law import InterfaceLaw
 from bem.profile import Profile
 from bem.scaling import Scales, Solid
 from bem.scene import Scene

@@ -1,0 +1,33 @@
+"""What the solver asks of an interface: the work of adhesion along it.  Dimensionless."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.patches import Patches
+
+FloatArray = NDArray[np.float64]
+
+
+class InterfaceLaw(Protocol):
+    """Work of adhesion along the interface, dimensionless (adhesion.py)."""
+
+    @property
+    def least_work(self) -> float:
+        """A lower bound of w that no shift of the profile changes."""
+        ...
+
+    def work_of_adhesion(self, x: FloatArray) -> FloatArray:
+        """w at the positions x, same shape."""
+        ...
+
+    def work_gradient(self, x: FloatArray) -> FloatArray:
+        """dw/dx at the positions x, same shape."""
+        ...
+
+    def energy(self, patches: Patches) -> float:
+        """-int w dx over the patches."""
+        ...
