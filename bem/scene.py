@@ -368,8 +368,9 @@ def _resolved(
         cut_by_default=scan is not None and "harmonics" not in values["profile"],
         start_state=None if start is None else start.state,
     )
-    mistakes = [*_output_mistakes(scene, shapes, missed), *other_problem(scene.resolved(), start)]
-    mistakes += magnitude_mistakes(scene)
+    resolved = scene.resolved()
+    mistakes = [*_output_mistakes(scene, shapes, missed), *other_problem(resolved, start)]
+    mistakes += magnitude_mistakes(resolved, scene.surface())
     if mistakes:
         raise SceneError(mistakes)
     return scene

@@ -10,15 +10,12 @@ import difflib
 import json
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from bem.profile import Profile
 from bem.scan_file import Scan
-
-if TYPE_CHECKING:
-    from bem.scene import Scene
 
 SAMPLED_HARMONICS = 1000  # default cut of a scan
 REQUIRED = {
@@ -166,35 +163,35 @@ def loading_mistakes(
         yield Mistake("loading.flaw", f"= {flaw:g}", allowed)
 
 
-def magnitude_mistakes(scene: Scene) -> Iterator[Mistake]:
-    """Ratios of magnitudes that leave what the solver's numbers or memory hold, each told by a key that makes it.
+def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[Mistake]:
+    """Ratios of magnitudes in a resolved scene that the solver's numbers or memory do not hold, each with its key.
 
     The scales are those of scaling.py; a flat profile has none.
     """
-    profile = surface_of(scene.profile.model_dump(), scene.scan)
     largest = float(np.max(np.abs(profile.amplitudes)))
     period = profile.period
-    if scene.layer is not None and not THICKNESSES[0] * period <= scene.layer.thickness <= THICKNESSES[1] * period:
+    layer, adhesion, loading = tables["layer"], tables["adhesion"], tables["loading"]
+    if layer is not None and not THICKNESSES[0] * period <= layer["thickness"] <= THICKNESSES[1] * period:
         lowest, highest = (share * period for share in THICKNESSES)
         allowed = f"a number from {lowest:g} to {highest:g} (m), {THICKNESSES[0]:g} to {THICKNESSES[1]:g} periods"
-        yield Mistake("layer.thickness", f"= {scene.layer.thickness:g}", f"{allowed}: memory grows as its inverse")
+        yield Mistake("layer.thickness", f"= {layer['thickness']:g}", f"{allowed}: memory grows as its inverse")
     if largest == 0:
         return
     if not LARGEST_RATIO**-1 <= largest / period <= LARGEST_RATIO:
-        name = "rms_height" if scene.profile.rms_height is not None else "amplitudes"
+        name = "rms_height" if "rms_height" in tables["profile"] else "amplitudes"
         allowed = f"from {1 / LARGEST_RATIO:g} to {LARGEST_RATIO:g} periods"
         yield Mistake(f"profile.{name}", f"reach {largest / period:.2g} periods", allowed)
         return
-    modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
+    modulus = tables["solid"]["youngs_modulus"] / (1 - tables["solid"]["poisson_ratio"] ** 2)
     scale = modulus * largest**2 / period
-    if scene.adhesion is not None:
-        share = scene.adhesion.work_of_adhesion / scale
+    if adhesion is not None:
+        share = adhesion["work_of_adhesion"] / scale
         if not LARGEST_RATIO**-1 <= share <= LARGEST_RATIO:
             allowed = f"from {1 / LARGEST_RATIO:g} to {LARGEST_RATIO:g} times E* h^2 / period = {scale:g} J/m^2"
-            yield Mistake("adhesion.work_of_adhesion", f"= {scene.adhesion.work_of_adhesion:g}", allowed)
-    pressed = scene.loading.control == "mean_pressure"
+            yield Mistake("adhesion.work_of_adhesion", f"= {adhesion['work_of_adhesion']:g}", allowed)
+    pressed = loading["control"] == "mean_pressure"
     unit = modulus * largest / period if pressed else largest
-    for k, target in enumerate(scene.loading.targets):
+    for k, target in enumerate(loading["targets"]):
         if not abs(target) <= LARGEST_RATIO * unit:
             name = "E* h / period" if pressed else "the largest amplitude"
             yield Mistake(f"loading.targets[{k}]", f"= {target:g}", f"at most {LARGEST_RATIO:g} times {name}, {unit:g}")
