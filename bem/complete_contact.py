@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from bem.interface_law import InterfaceLaw
 from bem.patches import Patches
-from bem.problem import Problem
 from bem.profile import Profile
 
 FloatArray = NDArray[np.float64]
+ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +45,28 @@ class CompleteContact:
     left_out: float = 0.0
 
 
-def complete_contact(problem: Problem) -> CompleteContact:
-    """The closed form for the profile of a problem."""
-    profile = problem.profile
+def complete_contact(
+    profile: Profile,
+    law: InterfaceLaw | None = None,
+    compliance_ratio: ComplianceRatio | None = None,
+    left_out: ComplianceRatio | None = None,
+) -> CompleteContact:
+    """The closed form for a profile.
+
+    Parameters
+    ----------
+    profile : Profile
+        Dimensionless.
+    law : InterfaceLaw, optional
+        None without adhesion.
+    compliance_ratio : callable, optional
+        Compliance of the modes m >= 1 relative to the half-space, (n,) to (n,); None for a half-space.
+    left_out : callable, optional
+        The same of a layer that is left out of the equations.
+    """
     ratio = np.ones(profile.orders.size)
-    if problem.compliance_ratio is not None:
-        ratio = problem.compliance_ratio(profile.orders.astype(np.float64))
+    if compliance_ratio is not None:
+        ratio = compliance_ratio(profile.orders.astype(np.float64))
     amplitude = profile.orders * profile.amplitudes / ratio
     pressure = Profile(profile.period, profile.orders, amplitude, profile.phases)
     lowest = Profile(profile.period, profile.orders, amplitude, profile.phases + np.pi).max_height
@@ -59,8 +75,8 @@ def complete_contact(problem: Problem) -> CompleteContact:
         pressure,
         2 * np.pi * lowest,
         float(np.pi / 2 * np.sum(amplitude * profile.amplitudes)),
-        0.0 if problem.law is None else problem.law.energy(whole),
-        left_out=0.0 if problem.left_out is None else _stiffening(profile, problem.left_out),
+        0.0 if law is None else law.energy(whole),
+        left_out=0.0 if left_out is None else _stiffening(profile, left_out),
     )
 
 
@@ -75,7 +91,7 @@ def closing_place(complete: CompleteContact, profile: Profile, law: InterfaceLaw
     return float(places[np.argmin(np.abs((places - near + np.pi) % (2 * np.pi) - np.pi))])
 
 
-def _stiffening(profile: Profile, compliance_ratio: Callable[[FloatArray], FloatArray]) -> float:
+def _stiffening(profile: Profile, compliance_ratio: ComplianceRatio) -> float:
     """Elastic energy of complete contact on a layer of this compliance, less that on a half-space."""
     stiffer = 1 / compliance_ratio(profile.orders.astype(np.float64)) - 1
     return float(np.pi / 2 * np.sum(profile.orders * profile.amplitudes**2 * stiffer))

@@ -25,7 +25,7 @@ def fresh(control=None):
 
 
 def _complete():
-    return complete_contact(PROBLEM)
+    return complete_contact(PROBLEM.profile, PROBLEM.law, PROBLEM.compliance_ratio)
 
 
 def reached(path, *values):
@@ -64,7 +64,10 @@ def test_complete_contact_is_an_event_where_the_last_gap_closes(control, stops):
     """Westergaard's last gap closes at the mean pressure and the penetration of complete contact, at the trough."""
     scene = rough_scene([0.0], 1, 2, None)
     problem = pose(scene, scene.surface())
-    path = replace(_path_for(scene, problem, complete_contact(problem)), control=control)
+    path = replace(
+        _path_for(scene, problem, complete_contact(problem.profile, problem.law, problem.compliance_ratio)),
+        control=control,
+    )
     highest = problem.profile.max_height
     last = control.value(highest, 2 * np.pi * highest)
     point, events = ContactPoint("separated", -1.0), []

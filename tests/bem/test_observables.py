@@ -252,7 +252,9 @@ def test_separated_state_stores_no_pressure(problem):
 
 
 def test_complete_contact_stores_the_closed_form(problem):
-    stored = complete_contact_fields(ALL, problem, complete_contact(problem), 2 * np.pi * 50.0, 0)
+    stored = complete_contact_fields(
+        ALL, problem, complete_contact(problem.profile, problem.law, problem.compliance_ratio), 2 * np.pi * 50.0, 0
+    )
     np.testing.assert_array_equal(stored["C_u_0"], stored["C_h"])
     np.testing.assert_array_equal(stored["gap_0"], 0.0)
     assert np.mean(stored["pressure_0"]) == pytest.approx(50.0 * problem.scales.stress, rel=1e-12)
