@@ -32,11 +32,10 @@ from bem.crossing import at_load, may_meet
 from bem.effects import effects_of
 from bem.flat import flat_states
 from bem.hierarchical import IllConditionedSystemError
-from bem.increments import increments_of
 from bem.patches import PatchPressure, ordered
 from bem.path import Path, restart
 from bem.path_point import Point
-from bem.problem import Problem, pose
+from bem.problem import Problem, increments_of, pose
 from bem.profile import Profile
 from bem.result import Event, NotFiniteError, Progress, Result, State, provenance
 from bem.scene import Scene

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from bem.increments import increments_of
-from bem.problem import pose
+from bem.problem import increments_of, pose
 from bem.profile import Profile
 from bem.scene import parse_scene
 from bem.solver import solve
