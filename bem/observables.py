@@ -11,15 +11,16 @@ k is the index of the stored state.  Methods: shapes.py, spectra.py, pressure_di
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.complete_contact import CompleteContact
 from bem.patches import PatchPressure
-from bem.problem import Problem
+from bem.profile import Profile
+from bem.scaling import Scales
 
 if TYPE_CHECKING:
     from bem.pressure_distribution import PressureDistribution
@@ -27,17 +28,37 @@ if TYPE_CHECKING:
     from bem.spectra import Spectra
 
 Fields = dict[str, NDArray[Any]]
+FloatArray = NDArray[np.float64]
+
+
+class Posed(Protocol):
+    """What the observables depend on besides the state: the profile, its units, and the compliance of the modes."""
+
+    @property
+    def profile(self) -> Profile:
+        """Dimensionless."""
+        ...
+
+    @property
+    def scales(self) -> Scales:
+        """Of the results."""
+        ...
+
+    @property
+    def compliance_ratio(self) -> Callable[[FloatArray], FloatArray] | None:
+        """Relative to the half-space, (n,) to (n,) for modes m >= 1; None for a half-space."""
+        ...
 
 
 def contact_fields(
-    wanted: Collection[str], problem: Problem, pressure: PatchPressure, penetration: float, index: int
+    wanted: Collection[str], problem: Posed, pressure: PatchPressure, penetration: float, index: int
 ) -> Fields:
     """Arrays of a state with patches and gaps, or without any patch (separated).
 
     Parameters
     ----------
     wanted : collection of {"shapes", "spectra", "pressure_distribution", "width_distributions"}
-    problem : Problem
+    problem : Posed
     pressure : PatchPressure
         Dimensionless.
     penetration : float
@@ -63,14 +84,14 @@ def contact_fields(
 
 
 def complete_contact_fields(
-    wanted: Collection[str], problem: Problem, complete: CompleteContact, load: float, index: int
+    wanted: Collection[str], problem: Posed, complete: CompleteContact, load: float, index: int
 ) -> Fields:
     """Arrays of complete contact under a dimensionless load; widths are empty, there being no edge.
 
     Parameters
     ----------
     wanted : collection of {"shapes", "spectra", "pressure_distribution", "width_distributions"}
-    problem : Problem
+    problem : Posed
     complete : CompleteContact
     load : float
         Dimensionless, per period.
@@ -96,7 +117,7 @@ def complete_contact_fields(
     return fields
 
 
-def _contact_shape(problem: Problem, pressure: PatchPressure, penetration: float, index: int) -> Fields:
+def _contact_shape(problem: Posed, pressure: PatchPressure, penetration: float, index: int) -> Fields:
     from bem.shapes import separated_shape, shape
 
     if pressure.left.size == 0:
@@ -104,7 +125,7 @@ def _contact_shape(problem: Problem, pressure: PatchPressure, penetration: float
     return _shape(problem, shape(problem.profile, pressure, penetration, problem.compliance_ratio), index)
 
 
-def _shape(problem: Problem, found: Shape, index: int) -> Fields:
+def _shape(problem: Posed, found: Shape, index: int) -> Fields:
     scales = problem.scales
     return {
         f"x_{index}": found.x * scales.length,
@@ -115,7 +136,7 @@ def _shape(problem: Problem, found: Shape, index: int) -> Fields:
     }
 
 
-def _spectra(problem: Problem, found: Spectra, index: int) -> Fields:
+def _spectra(problem: Posed, found: Spectra, index: int) -> Fields:
     scales = problem.scales
     return {
         "q": found.orders / scales.length,
@@ -125,7 +146,7 @@ def _spectra(problem: Problem, found: Spectra, index: int) -> Fields:
     }
 
 
-def _distribution(problem: Problem, found: PressureDistribution, index: int) -> Fields:
+def _distribution(problem: Posed, found: PressureDistribution, index: int) -> Fields:
     stress = problem.scales.stress
     return {
         f"sigma_{index}": found.pressures * stress,
@@ -136,7 +157,7 @@ def _distribution(problem: Problem, found: PressureDistribution, index: int) -> 
     }
 
 
-def _widths(problem: Problem, patches: NDArray[np.float64], gaps: NDArray[np.float64], index: int) -> Fields:
+def _widths(problem: Posed, patches: FloatArray, gaps: FloatArray, index: int) -> Fields:
     from bem.width_distributions import width_distribution
 
     fields: Fields = {}
