@@ -17,10 +17,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.assessment import Assessment, assess_equilibrium
+from bem.assessment import Assessment
 from bem.branch import strays, tangent
 from bem.complete_contact import CompleteContact, closing_place
 from bem.equilibrium import LARGEST_NEWTON_STEP, System, correct
+from bem.equilibrium_assessment import assess_equilibrium
 from bem.events import first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.increments import Effort, Increments

@@ -6,8 +6,9 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from bem.assessment import _of_contact, assess_contact
+from bem.assessment import quantities_of
 from bem.collocation import Elastic, evaluate
+from bem.contact_assessment import assess_contact
 from bem.control import DisplacementControl, LoadControl
 from bem.grid_contact import grid_problem
 from bem.nonadhesive import solve_contact
@@ -91,6 +92,6 @@ def test_wrong_edges_without_adhesion_are_corrected_to_second_order(control, qua
     state = evaluate(elastic, exact.patches.moved(off), condition.guess(exact.penetration, target), 1e-12)
     state = condition.reach(state, target)
     correction = getattr(assess_contact(elastic, condition, state, target, 1e-13).correction, quantity)
-    needed = getattr(_of_contact(exact).minus(_of_contact(state)), quantity)
+    needed = getattr(quantities_of(exact).minus(quantities_of(state)), quantity)
     # measured 2e-4
     assert correction == pytest.approx(needed, rel=5e-4, abs=1e-13)

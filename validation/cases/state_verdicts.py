@@ -17,9 +17,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 import bem
-from bem.assessment import assess_contact, assess_equilibrium
 from bem.collocation import evaluate
+from bem.contact_assessment import assess_contact
 from bem.equilibrium import System, balance
+from bem.equilibrium_assessment import assess_equilibrium
 from bem.patches import Patches
 from bem.problem import pose
 from bem.result import State

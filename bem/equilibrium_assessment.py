@@ -1,0 +1,56 @@
+"""Stability, stiffness and estimated errors of an adhesive equilibrium (assessment.py).
+
+The corrected edges are evaluated once more, because the stiffness has third derivatives of the energy in it.
+Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bem.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
+from bem.collocation import finer
+from bem.equilibrium import Balance, System, balance
+
+
+def assess_equilibrium(system: System, here: Balance, value: float, tolerance: float) -> Assessment:
+    """Assess an adhesive equilibrium at a value of the control by two evaluations at `tolerance`.
+
+    Parameters
+    ----------
+    system : System
+    here : Balance
+    value : float
+        Of the control.
+    tolerance : float
+        Finer than that of `here`.
+    """
+    state, resolution = here.state, finer(here.state.resolution)
+    system = replace(system, elastic=with_left_out(system.elastic, state))
+    fine = balance(system, state.patches, state.penetration, value, tolerance, resolution)
+    corrected = state.patches.moved(np.asarray(-np.linalg.solve(fine.hessian, fine.gradient)))
+    correction = UNKNOWN
+    if corrected.is_ordered:
+        exact = balance(system, corrected, state.penetration, value, tolerance, resolution)
+        correction = _of_equilibrium(exact).minus(_of_equilibrium(here))
+        correction = stiffened(correction, system.elastic, state, here.stiffness)
+    return Assessment(
+        work=here.work,
+        adhesion_energy=here.energy - state.elastic_energy,
+        min_eigenvalue=here.smallest_eigenvalue,
+        hessian_asymmetry=here.hessian_asymmetry,
+        stiffness=here.stiffness,
+        stable_at_fixed_load=here.stable_at_fixed_load,
+        correction=correction,
+    )
+
+
+def _of_equilibrium(here: Balance) -> Quantities:
+    return replace(
+        quantities_of(here.state),
+        adhesion_energy=here.energy - here.state.elastic_energy,
+        total_energy=here.energy,
+        stiffness=here.stiffness,
+    )
