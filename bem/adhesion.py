@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem import chebyshev
-from bem.patches import TWO_PI, Patches
-from bem.profile import Profile
-from bem.scaling import Scales
+from bem.geometry import chebyshev
+from bem.geometry.patches import TWO_PI, Patches
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Scales
 
 FloatArray = NDArray[np.float64]
 

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from scipy.fft import dct, idct
 
 from bem.displacement import ComplianceRatio, DisplacementField, GapPoints, regular_part
-from bem.patches import PatchPressure
-from bem.profile import Profile
+from bem.geometry.patches import PatchPressure
+from bem.geometry.profile import Profile
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -136,7 +136,7 @@ def certify(
     --------
     Half a period of a sinusoid in contact (Westergaard), and the same pressure with a wrong penetration:
 
-    >>> from bem.profile import Profile
+    >>> from bem.geometry.profile import Profile
     >>> wave = Profile.from_harmonics(2 * np.pi, [1], [1.0])
     >>> t = np.cos((np.arange(40) + 0.5) * np.pi / 40)
     >>> x = np.pi / 2 * t

@@ -23,10 +23,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bem import chebyshev, half_space
+from bem import half_space
+from bem.geometry import chebyshev
+from bem.geometry.patches import Patches, PatchPressure
+from bem.geometry.profile import Profile
 from bem.hierarchical import IllConditionedSystemError, KernelCorrection, Skeleton, solve
-from bem.patches import Patches, PatchPressure
-from bem.profile import Profile
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
 from bem.interface_law import InterfaceLaw
-from bem.patches import Patches
-from bem.profile import Profile
 
 FloatArray = NDArray[np.float64]
 ComplianceRatio = Callable[[FloatArray], FloatArray]

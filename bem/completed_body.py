@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.complete_contact import CompleteContact
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 
 FloatArray = NDArray[np.float64]
 

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from bem.collocation import Elastic, Evaluation, evaluate
 from bem.gap import gap_field
-from bem.patches import Patches
-from bem.profile import Profile
-from bem.scaling import Scales, Solid
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Scales, Solid
 from bem.sensitivities import stress_intensity_jacobian
 
 if TYPE_CHECKING:

@@ -29,8 +29,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
-from bem.patches import PatchPressure
-from bem.profile import Profile
+from bem.geometry.patches import PatchPressure
+from bem.geometry.profile import Profile
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -102,7 +102,7 @@ def dense_nodes(
 
     Examples
     --------
-    >>> from bem.profile import Profile
+    >>> from bem.geometry.profile import Profile
     >>> wave = Profile.from_harmonics(2 * np.pi, [10], [1.0])
     >>> dense_nodes(wave, np.array([0.0]), np.array([2.0])).tolist()
     [40]
@@ -148,7 +148,7 @@ def evaluate_dense(
     --------
     Half a period of a sinusoid in contact without adhesion carries the load 2 pi sin^2(pi/4) (Westergaard):
 
-    >>> from bem.profile import Profile
+    >>> from bem.geometry.profile import Profile
     >>> wave = Profile.from_harmonics(2 * np.pi, [1], [1.0])
     >>> state = evaluate_dense(wave, np.array([-np.pi / 2]), np.array([np.pi / 2]), 0.5 * (1 + np.log(2)))
     >>> round(state.load / np.pi, 12)

@@ -20,8 +20,8 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 from bem.collocation import Resolution, resolve
 from bem.equilibrium import Balance, System, balance, energy_noise
 from bem.gap import GapMinima
+from bem.geometry.patches import Patches
 from bem.hierarchical import IllConditionedSystemError
-from bem.patches import Patches
 from bem.touching import CrestsAhead
 
 FloatArray = NDArray[np.float64]

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dct
 
-from bem.patches import PatchPressure
+from bem.geometry.patches import PatchPressure
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

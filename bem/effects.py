@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from importlib import import_module
 
+from bem.geometry.scaling import Solid
 from bem.result import Effect
-from bem.scaling import Solid
 from bem.scene import Scene
 from bem.targets import unloads
 

@@ -17,9 +17,9 @@ from scipy.linalg import LinAlgError, cho_factor, eigh
 
 from bem.collocation import Elastic, Evaluation, Resolution, evaluate
 from bem.control import Control
+from bem.geometry.patches import Patches
 from bem.hierarchical import IllConditionedSystemError
 from bem.interface_law import InterfaceLaw
-from bem.patches import Patches
 from bem.sensitivities import stress_intensity_jacobian
 
 FloatArray = NDArray[np.float64]

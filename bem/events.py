@@ -20,8 +20,8 @@ from bem.control import DisplacementControl
 from bem.descent import descend, pull_off_half_width
 from bem.equilibrium import Balance, System
 from bem.gap import GapMinima, gap_field, low_minima
+from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.logarithmic_potential import LogarithmicPotential
-from bem.patches import TWO_PI, Patches, ordered
 from bem.touching import CrestsAhead
 
 FloatArray = NDArray[np.float64]

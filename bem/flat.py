@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from bem.scaling import Solid
+from bem.geometry.scaling import Solid
 from bem.scene import Scene
 
 

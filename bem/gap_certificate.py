@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from bem.certificate import Certificate, Demands
 from bem.displacement import ComplianceRatio
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

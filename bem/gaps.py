@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.patches import TWO_PI, Patches, ordered
+from bem.geometry.patches import TWO_PI, Patches, ordered
 
 FloatArray = NDArray[np.float64]
 

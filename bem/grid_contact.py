@@ -23,7 +23,7 @@ from scipy import fft
 
 from bem.collocation import Elastic
 from bem.control import Control
-from bem.patches import TWO_PI, Patches, ordered
+from bem.geometry.patches import TWO_PI, Patches, ordered
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

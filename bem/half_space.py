@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import zeta
 
-from bem.chebyshev import Basis, basis_nodes
+from bem.geometry.chebyshev import Basis, basis_nodes
 
 FloatArray = NDArray[np.float64]
 

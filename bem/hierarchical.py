@@ -33,8 +33,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
+from bem.geometry.patches import TWO_PI, Patches
 from bem.half_space import between_nodes
-from bem.patches import TWO_PI, Patches
 from bem.separated_kernel import separated_kernel
 
 FloatArray = NDArray[np.float64]

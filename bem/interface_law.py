@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.patches import Patches
+from bem.geometry.patches import Patches
 
 FloatArray = NDArray[np.float64]
 

@@ -20,10 +20,10 @@ from bem.departure import departure
 from bem.equilibrium import Balance, System, balance
 from bem.events import Settled, interpenetration, settle
 from bem.gap import GapMinima, gap_field
+from bem.geometry.patches import Patches
 from bem.increments import Effort, Increments
 from bem.limit_points import LimitPoint, at_rest, locate_limit_point
 from bem.opening import complete_potential
-from bem.patches import Patches
 from bem.path_events import Exact, path_events
 from bem.path_point import Point
 from bem.touch_points import locate_touch

@@ -27,8 +27,8 @@ from bem.completed_body import CompletedBody
 from bem.control import Control
 from bem.gap_series import GapEvaluation, end_values, evaluate_gaps
 from bem.gaps import Gaps
+from bem.geometry.patches import TWO_PI
 from bem.hierarchical import IllConditionedSystemError
-from bem.patches import TWO_PI
 
 FloatArray = NDArray[np.float64]
 

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bem.scaling import Solid
+from bem.geometry.scaling import Solid
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

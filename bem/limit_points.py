@@ -24,8 +24,8 @@ from scipy.linalg import eigh
 
 from bem.collocation import Resolution, finer, resolve
 from bem.equilibrium import Balance, System, balance, forces
+from bem.geometry.patches import Patches
 from bem.hierarchical import IllConditionedSystemError
-from bem.patches import Patches
 from bem.path_events import Exact
 
 FloatArray = NDArray[np.float64]

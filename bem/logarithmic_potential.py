@@ -22,7 +22,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bem import chebyshev
+from bem.geometry import chebyshev
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

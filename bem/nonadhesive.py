@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from bem import chebyshev
 from bem.collocation import Elastic, Evaluation, evaluate
 from bem.control import Control
 from bem.gap import gap_field, low_minima
+from bem.geometry import chebyshev
+from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.hierarchical import IllConditionedSystemError
-from bem.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.sensitivities import stress_intensity_jacobian
 
 FloatArray = NDArray[np.float64]

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.complete_contact import CompleteContact
-from bem.patches import PatchPressure
-from bem.profile import Profile
-from bem.scaling import Scales
+from bem.geometry.patches import PatchPressure
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Scales
 
 if TYPE_CHECKING:
     from bem.pressure_distribution import PressureDistribution

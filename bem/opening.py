@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from bem.collocation import Evaluation, evaluate
 from bem.complete_contact import CompleteContact
 from bem.equilibrium import System, balance
-from bem.patches import TWO_PI, Patches, ordered
+from bem.geometry.patches import TWO_PI, Patches, ordered
 
 FloatArray = NDArray[np.float64]
 

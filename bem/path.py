@@ -24,11 +24,11 @@ from bem.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.equilibrium_assessment import assess_equilibrium
 from bem.events import first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
+from bem.geometry.patches import Patches
 from bem.increments import Effort, Increments
 from bem.jumps import Jumps
 from bem.limit_points import before_fold
 from bem.opening import complete_potential, first_gap, flawed_potential, lowest_pressure, opened_gap, opening_load
-from bem.patches import Patches
 from bem.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, path_events
 from bem.path_point import Point
 

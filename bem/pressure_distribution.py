@@ -26,8 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dct, dst
 
-from bem.patches import PatchPressure
-from bem.profile import Profile
+from bem.geometry.patches import PatchPressure
+from bem.geometry.profile import Profile
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from bem.collocation import Elastic
 from bem.control import Control, DisplacementControl, LoadControl
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Scales, Solid
 from bem.increments import Increments
 from bem.interface_law import InterfaceLaw
-from bem.profile import Profile
-from bem.scaling import Scales, Solid
 from bem.scene import Scene
 
 FloatArray = NDArray[np.float64]

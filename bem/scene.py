@@ -21,7 +21,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 from bem.result import State
 from bem.scan_file import Scan, ScanFileError, read_scan
 from bem.scene_rules import (

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 from bem.scan_file import Scan
 
 SAMPLED_HARMONICS = 1000  # default cut of a scan

@@ -19,7 +19,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.chebyshev import basis_nodes, coefficients
+from bem.geometry.chebyshev import basis_nodes, coefficients
 
 FloatArray = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from scipy.fft import dct
 
 from bem.displacement import ComplianceRatio, DisplacementField, GapPoints
-from bem.patches import PatchPressure
-from bem.profile import Profile
+from bem.geometry.patches import PatchPressure
+from bem.geometry.profile import Profile
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

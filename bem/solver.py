@@ -31,12 +31,12 @@ from bem.convex_path import ContactPoint, ConvexPath
 from bem.crossing import at_load, may_meet
 from bem.effects import effects_of
 from bem.flat import flat_states
+from bem.geometry.patches import PatchPressure, ordered
+from bem.geometry.profile import Profile
 from bem.hierarchical import IllConditionedSystemError
-from bem.patches import PatchPressure, ordered
 from bem.path import Path, restart
 from bem.path_point import Point
 from bem.problem import Problem, increments_of, pose
-from bem.profile import Profile
 from bem.result import Event, NotFiniteError, Progress, Result, State, provenance
 from bem.scene import Scene
 from bem.states import Cost, complete_state, equilibrium_state, event_of, flat_state, separated_state

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from bem.branch import tangent
 from bem.equilibrium import Balance, System, correct
 from bem.gap import GapMinima, gap_field, minima_near
-from bem.patches import Patches
+from bem.geometry.patches import Patches
 from bem.path_events import Exact
 
 FloatArray = NDArray[np.float64]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from bem.equilibrium import Balance, System
 from bem.gap import GapMinima, gap_field
-from bem.patches import TWO_PI, Patches
+from bem.geometry.patches import TWO_PI, Patches
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

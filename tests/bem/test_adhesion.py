@@ -8,9 +8,9 @@ from scipy.integrate import quad
 from scipy.special import ellipeinc
 
 from bem.adhesion import Adhesion, UniformLaw, dimensionless_law, true_length
-from bem.patches import Patches
-from bem.profile import Profile
-from bem.scaling import Scales
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Scales
 
 SURFACE = Profile.self_affine(0.01, 0.7, 50e-6, 20, 3)
 SCALED = SURFACE.scaled()

@@ -11,8 +11,8 @@ from bem.collocation import Elastic
 from bem.control import DisplacementControl
 from bem.descent import descend
 from bem.equilibrium import System, balance
-from bem.patches import Patches
-from bem.profile import Profile
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
 
 SYSTEM = System(Elastic(Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])), UniformLaw(0.1), DisplacementControl())
 WIDE_AND_TINY = Patches(np.array([0.0, 3.0]), np.array([1.0, 3.001]))

@@ -13,9 +13,9 @@ from bem.collocation import evaluate
 from bem.control import LoadControl
 from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.displacement import DisplacementField, GapPoints
-from bem.patches import Patches, PatchPressure
+from bem.geometry.patches import Patches, PatchPressure
+from bem.geometry.profile import Profile
 from bem.problem import pose
-from bem.profile import Profile
 from bem.scene import parse_scene
 from bem.sensitivities import stress_intensity_jacobian
 
@@ -368,4 +368,8 @@ def test_patches_that_are_none_are_refused(adhesive, left, right):
 def test_the_certificate_shares_no_code_with_the_solver(module):
     tree = ast.parse(Path(module.__file__).read_text())
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    assert {name for name in imported if name.startswith("bem")} <= {"bem.displacement", "bem.patches", "bem.profile"}
+    assert {name for name in imported if name.startswith("bem")} <= {
+        "bem.displacement",
+        "bem.geometry.patches",
+        "bem.geometry.profile",
+    }

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from bem import chebyshev
+from bem.geometry import chebyshev
 
 
 def modes(n, t):

@@ -7,8 +7,8 @@ from bem.adhesion import UniformLaw
 from bem.collocation import Elastic, evaluate
 from bem.control import DisplacementControl, LoadControl
 from bem.equilibrium import System, balance
-from bem.patches import Patches
-from bem.profile import Profile
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
 
 ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 20, 0).scaled()
 ELASTIC = Elastic(ROUGH)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 
 AMPLITUDE = 1.3
 

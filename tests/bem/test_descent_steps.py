@@ -8,8 +8,8 @@ from bem.collocation import Elastic
 from bem.control import DisplacementControl
 from bem.descent import descend
 from bem.equilibrium import System, balance
-from bem.patches import TWO_PI, Patches
-from bem.profile import Profile
+from bem.geometry.patches import TWO_PI, Patches
+from bem.geometry.profile import Profile
 
 TOLERANCE, CLOSURE = 1e-8, 1e-8
 RIPPLES = {  # orders, height of the ripple, work of adhesion, penetration, half width from which the edges start

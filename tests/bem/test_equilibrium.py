@@ -11,8 +11,8 @@ from bem.collocation import Elastic
 from bem.control import DisplacementControl, LoadControl
 from bem.descent import descend, pull_off_half_width, trust_region_step
 from bem.equilibrium import System, balance, correct
-from bem.patches import Patches
-from bem.profile import Profile
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 ALPHA = 0.3

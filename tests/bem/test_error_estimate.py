@@ -10,9 +10,9 @@ from bem.assessment import quantities_of
 from bem.collocation import Elastic, evaluate
 from bem.contact_assessment import assess_contact
 from bem.control import DisplacementControl, LoadControl
+from bem.geometry.profile import Profile
 from bem.grid_contact import grid_problem
 from bem.nonadhesive import solve_contact
-from bem.profile import Profile
 from bem.result import ErrorEstimate
 from bem.solver import solve
 from validation.cases.error_estimate import ORDERS, distance, numbers, scenes

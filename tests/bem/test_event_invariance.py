@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from bem.geometry.profile import Profile
 from bem.problem import increments_of, pose
-from bem.profile import Profile
 from bem.scene import parse_scene
 from bem.solver import solve
 

@@ -10,8 +10,8 @@ from bem.control import DisplacementControl, LoadControl
 from bem.descent import pull_off_half_width
 from bem.equilibrium import System, balance, correct
 from bem.events import first_contact, interpenetration, settle
-from bem.patches import Patches
-from bem.profile import Profile
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
 
 ACCURACY = {"tolerance": 1e-8, "closure": 1e-9, "allowed": 1e-10}
 TWO_CRESTS = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])

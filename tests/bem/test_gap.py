@@ -11,9 +11,9 @@ from rough_surfaces import bearing_cut, rough_profile
 from bem import gap
 from bem.collocation import Elastic, Resolution, evaluate
 from bem.gap import gap_field, low_minima
+from bem.geometry.patches import TWO_PI, Patches
+from bem.geometry.profile import Profile
 from bem.logarithmic_potential import LogarithmicPotential
-from bem.patches import TWO_PI, Patches
-from bem.profile import Profile
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 

@@ -12,9 +12,9 @@ from bem.complete_contact import CompleteContact
 from bem.completed_body import CompletedBody
 from bem.gap_certificate import OpenGaps, certify_gaps
 from bem.gap_series import evaluate_gaps
+from bem.geometry.profile import Profile
 from bem.last_gaps import Condition, lone_cracks, solve_gaps
 from bem.layer import layer_kernel
-from bem.profile import Profile
 
 DEFICITS = pytest.mark.parametrize("deficit", [0.1, 1e-4, 1e-9], ids=str)
 
@@ -159,5 +159,5 @@ def test_gaps_that_are_none_are_refused(half_width):
 def test_the_certificate_shares_no_code_with_the_solver():
     tree = ast.parse(Path(gap_certificate.__file__).read_text())
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    allowed = {"bem.certificate", "bem.displacement", "bem.profile"}
+    allowed = {"bem.certificate", "bem.displacement", "bem.geometry.profile"}
     assert {name for name in imported if name.startswith("bem")} <= allowed

@@ -5,11 +5,11 @@ import pytest
 
 from bem.collocation import Elastic
 from bem.control import DisplacementControl, LoadControl
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Solid
 from bem.grid_contact import _intervals, grid_problem
 from bem.layer import Layer
 from bem.nonadhesive import solve_contact
-from bem.profile import Profile
-from bem.scaling import Solid
 
 FIXED, LOADED = DisplacementControl(), LoadControl()
 BOTH = pytest.mark.parametrize("control", [FIXED, LOADED], ids=["penetration", "load"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bem import half_space
-from bem.chebyshev import basis
+from bem.geometry.chebyshev import basis
 
 
 def test_kernel_between_nodes_is_the_logarithm_of_the_chord():

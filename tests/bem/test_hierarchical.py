@@ -7,9 +7,9 @@ from bem import hierarchical
 from bem.collocation import Elastic, evaluate
 from bem.control import LoadControl
 from bem.dense import evaluate_dense
+from bem.geometry.patches import Patches, ordered
+from bem.geometry.profile import Profile
 from bem.hierarchical import IllConditionedSystemError
-from bem.patches import Patches, ordered
-from bem.profile import Profile
 from bem.sensitivities import stress_intensity_jacobian
 from bem.separated_kernel import SeparatedKernel
 

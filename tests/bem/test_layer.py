@@ -7,10 +7,10 @@ import pytest
 
 from bem.collocation import Elastic, evaluate
 from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Solid
 from bem.layer import Layer, compliance_deficit, compliance_ratio, layer_kernel
-from bem.patches import Patches
-from bem.profile import Profile
-from bem.scaling import Solid
 
 POISSON = [-0.9, 0.0, 0.3, 0.499999, 0.5]
 by_poisson = pytest.mark.parametrize("nu", POISSON, ids=lambda nu: f"nu={nu}")

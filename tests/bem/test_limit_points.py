@@ -9,9 +9,9 @@ from bem.control import DisplacementControl, LoadControl
 from bem.departure import departure
 from bem.descent import descend
 from bem.equilibrium import System, correct
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
 from bem.limit_points import at_rest, before_fold, locate_limit_point
-from bem.patches import Patches
-from bem.profile import Profile
 
 TOLERANCES = (1e-3, 1e-5, 1e-8)
 AMPLITUDE = np.sqrt(2.0)  # of a wave of unit rms height

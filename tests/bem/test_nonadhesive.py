@@ -10,10 +10,10 @@ from bem.collocation import Elastic
 from bem.control import DisplacementControl, LoadControl
 from bem.dense import evaluate_dense
 from bem.gap import gap_field, low_minima
+from bem.geometry.patches import TWO_PI, PatchPressure
+from bem.geometry.profile import Profile
 from bem.grid_contact import grid_problem
 from bem.nonadhesive import _with_opened_gaps, edge_closure, solve_contact
-from bem.patches import TWO_PI, PatchPressure
-from bem.profile import Profile
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 FIXED, LOADED = DisplacementControl(), LoadControl()

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bem.dense import dense_nodes, evaluate_dense
-from bem.patches import PatchPressure
+from bem.geometry.patches import PatchPressure
+from bem.geometry.profile import Profile
 from bem.pressure_distribution import (
     complete_contact_distribution,
     patch_branches,
@@ -12,7 +13,6 @@ from bem.pressure_distribution import (
     profile_branches,
     share_below,
 )
-from bem.profile import Profile
 
 NOTHING = PatchPressure(np.empty(0), np.empty(0), ())
 HALF = np.array([1.0])

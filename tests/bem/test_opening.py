@@ -7,7 +7,7 @@ from rough_surfaces import rough_scene
 from bem import opening
 from bem.complete_contact import complete_contact
 from bem.equilibrium import System, balance
-from bem.patches import TWO_PI
+from bem.geometry.patches import TWO_PI
 from bem.problem import pose
 from bem.scene import SceneError
 from bem.solver import solve

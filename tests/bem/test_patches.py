@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from bem.patches import TWO_PI, Patches, PatchPressure, ordered
+from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 
 
 @st.composite

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 
 
 @st.composite

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from bem.collocation import Elastic, evaluate
 from bem.dense import evaluate_dense
-from bem.patches import Patches
-from bem.profile import Profile
+from bem.geometry.patches import Patches
+from bem.geometry.profile import Profile
 from bem.sensitivities import stress_intensity_jacobian
 
 ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 0).scaled()

@@ -11,8 +11,8 @@ from bem.descent import descend
 from bem.equilibrium import System, balance
 from bem.events import settle
 from bem.gap import gap_field
-from bem.patches import TWO_PI, Patches
-from bem.profile import Profile
+from bem.geometry.patches import TWO_PI, Patches
+from bem.geometry.profile import Profile
 from bem.touching import CrestsAhead
 
 TWO_CRESTS = Profile.from_harmonics(TWO_PI, [1, 2], [0.2, 1.0])  # at 0 the higher, at pi the lower one

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from bem.patches import ordered
-from bem.profile import Profile
+from bem.geometry.patches import ordered
+from bem.geometry.profile import Profile
 from bem.scene import parse_scene
 
 

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Solid
 from bem.layer import Layer
-from bem.profile import Profile
 from bem.result import State
-from bem.scaling import Solid
 from bem.scene import Scene
 
 FloatArray = NDArray[np.float64]

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from bem.contact_state import ContactState
 from bem.dense import evaluate_dense
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Scales, Solid
 from bem.layer import Layer
-from bem.profile import Profile
 from bem.result import Result, State, write_result
-from bem.scaling import Scales, Solid
 from bem.scene import Scene, parse_scene
 from bem.solver import solve
 from validation.cases.hard_case_crack import closing, crack, valleys

@@ -28,7 +28,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 
 STEPS = 40  # of Newton's rule for the lowest pressure; from the grid it takes five
 POINTS = 200  # within the gap, at the cosines of equally spaced angles

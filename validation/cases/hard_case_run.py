@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 from bem.result import Result
 from bem.scene import SceneError, parse_scene
 from bem.solver import solve

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 import bem
 from bem.certificate import certify
 from bem.contact_state import ContactState
-from bem.profile import Profile
+from bem.geometry.profile import Profile
+from bem.geometry.scaling import Solid
 from bem.result import State
-from bem.scaling import Solid
 from bem.scene import parse_scene
 from validation.case import Case, Outcome
 from validation.cases.hard_case_crack import closing, valleys

@@ -9,8 +9,8 @@ import numpy as np
 
 import bem
 from bem.dense import evaluate_dense
+from bem.geometry.scaling import Scales
 from bem.result import Result
-from bem.scaling import Scales
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid

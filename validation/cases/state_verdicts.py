@@ -21,7 +21,7 @@ from bem.collocation import evaluate
 from bem.contact_assessment import assess_contact
 from bem.equilibrium import System, balance
 from bem.equilibrium_assessment import assess_equilibrium
-from bem.patches import Patches
+from bem.geometry.patches import Patches
 from bem.problem import pose
 from bem.result import State
 from bem.states import Cost, equilibrium_state

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 from bem.result import Result, State
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
 from validation.replicate.members import LOADS, MODULUS, PAPER, Size

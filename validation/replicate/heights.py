@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 from validation.case import Outcome
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import RMS_HEIGHT

@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 from validation.ensemble import Member
 
 PERIOD, RMS_HEIGHT, HURST = 0.01, 50e-6, 0.7

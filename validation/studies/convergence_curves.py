@@ -25,7 +25,7 @@ from scipy.special import erf
 
 import bem
 from bem.dense import evaluate_dense
-from bem.scaling import Scales
+from bem.geometry.scaling import Scales
 from fem_reference.closure import Evaluation, evaluate
 from fem_reference.mesh import LayerMesh, Resolution, crisscross
 from fem_reference.result import quantities

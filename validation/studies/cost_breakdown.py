@@ -17,9 +17,9 @@ import numpy as np
 
 import bem
 from bem.collocation import Elastic, evaluate
-from bem.patches import ordered
+from bem.geometry.patches import ordered
+from bem.geometry.scaling import Scales
 from bem.result import State
-from bem.scaling import Scales
 from bem.scene import Scene
 from bem.sensitivities import stress_intensity_jacobian
 from validation import adapters

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 import bem
 from bem.dense import DenseState, SmoothKernel, evaluate_dense
-from bem.patches import Patches
-from bem.scaling import Scales
+from bem.geometry.patches import Patches
+from bem.geometry.scaling import Scales
 from validation.studies.work_precision_scenes import Found, MethodError, Posed, overlap
 
 FloatArray = NDArray[np.float64]

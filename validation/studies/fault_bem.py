@@ -214,29 +214,35 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-e-for-e-star",
         "E in place of E* = E / (1 - nu^2)",
-        "bem.scaling:Solid.plane_strain_modulus",
+        "bem.geometry.scaling:Solid.plane_strain_modulus",
         _youngs_for_plane_strain,
         "E* becomes E",
     ),
     Fault(
         "bem-work-factor-2",
         "factor 2 in G: work of adhesion made dimensionless with half its unit",
-        "bem.scaling:Scales.release_rate",
+        "bem.geometry.scaling:Scales.release_rate",
         scaled(1.0),
         "unit of G doubled",
     ),
     Fault(
         "bem-k-factor-sqrt-2",
         "factor sqrt 2 in K: sqrt(2 pi) for sqrt(pi) in its definition",
-        "bem.scaling:Scales.stress_intensity",
+        "bem.geometry.scaling:Scales.stress_intensity",
         scaled(np.sqrt(2) - 1),
         "unit of K times sqrt 2",
     ),
-    Fault("bem-stress-factor-2", "factor 2 in the unit of stress", "bem.scaling:Scales.stress", scaled(1.0), "doubled"),
+    Fault(
+        "bem-stress-factor-2",
+        "factor 2 in the unit of stress",
+        "bem.geometry.scaling:Scales.stress",
+        scaled(1.0),
+        "doubled",
+    ),
     Fault(
         "bem-energy-factor-2",
         "the 1/2 of the elastic energy lost where it becomes J/m^2",
-        "bem.scaling:Scales.energy_per_area",
+        "bem.geometry.scaling:Scales.energy_per_area",
         scaled(1.0),
         "unit of energy doubled",
     ),
@@ -285,14 +291,14 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-one-node-weight",
         "one node of the Chebyshev transform counts twice",
-        "bem.chebyshev:coefficients",
+        "bem.geometry.chebyshev:coefficients",
         _heavier_node,
         "weight doubled",
     ),
     Fault(
         "bem-one-moment",
         "one entry of the logarithmic moments is doubled",
-        "bem.chebyshev:basis",
+        "bem.geometry.chebyshev:basis",
         _heavier_charge,
         "entry doubled",
     ),
@@ -338,13 +344,13 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-merge-forgets-wrap",
         "a merge across the end of the period closes the gap on the other side",
-        "bem.patches:Patches.merged_after",
+        "bem.geometry.patches:Patches.merged_after",
         _merge_forgets_wrap,
     ),
     Fault(
         "bem-gap-forgets-wrap",
         "the last gap ends with the period",
-        "bem.patches:Patches.gap_after",
+        "bem.geometry.patches:Patches.gap_after",
         _gap_forgets_wrap,
     ),
     Fault(
@@ -364,7 +370,7 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-phases-reused",
         "every realisation gets the phases of the first",
-        "bem.profile:Profile.self_affine",
+        "bem.geometry.profile:Profile.self_affine",
         _phases_reused,
     ),
     Fault(

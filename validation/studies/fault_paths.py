@@ -183,7 +183,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-scan-at-zero",
         "a scan that does not begin at zero is shifted",
-        "bem.profile:Profile.from_samples",
+        "bem.geometry.profile:Profile.from_samples",
         _scan_at_zero,
         "by where it begins",
     ),

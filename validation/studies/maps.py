@@ -36,7 +36,7 @@ from typing import Any
 
 import numpy as np
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 from bem.result import FINAL_STATUSES, Result, State
 from validation.ensemble import Member, Outcome, member_seed, read_member, run_ensemble
 from validation.executors import Opener, local_processes

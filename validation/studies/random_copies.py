@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.profile import Profile
+from bem.geometry.profile import Profile
 from bem.result import FINAL_STATUSES, Event, Result, State, write_result
 from bem.scene import LoadingTable, Scene, parse_scene
 from bem.solver import solve

@@ -20,9 +20,9 @@ from pathlib import Path
 import numpy as np
 
 from bem.dense import dense_nodes
+from bem.geometry.scaling import Solid
 from bem.layer import Layer
 from bem.result import Result, State
-from bem.scaling import Solid
 from bem.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
 from validation.cases.dense_equilibrium import NoReferenceError, reference
