@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bem.adhesion import Adhesion as Adhesion
     from bem.contact_state import ContactState as ContactState
+    from bem.elastic.layer import Layer as Layer
     from bem.geometry.profile import Profile as Profile
     from bem.geometry.scaling import Solid as Solid
-    from bem.layer import Layer as Layer
     from bem.scene import load_scene as load_scene
     from bem.solver import solve as solve
 
 _HOME = {
     "Adhesion": "bem.adhesion",
     "ContactState": "bem.contact_state",
-    "Layer": "bem.layer",
+    "Layer": "bem.elastic.layer",
     "Profile": "bem.geometry.profile",
     "Solid": "bem.geometry.scaling",
     "load_scene": "bem.scene",

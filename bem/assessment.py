@@ -17,7 +17,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Elastic, Evaluation
+from bem.elastic.collocation import Elastic, Evaluation
 
 FloatArray = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
-from bem.collocation import Elastic, Evaluation, evaluate, finer
 from bem.control import Control
-from bem.sensitivities import stress_intensity_jacobian
+from bem.elastic.collocation import Elastic, Evaluation, evaluate, finer
+from bem.elastic.sensitivities import stress_intensity_jacobian
 
 FloatArray = NDArray[np.float64]
 

@@ -14,16 +14,16 @@ import numpy as np
 from numpy.polynomial import chebyshev as series
 from numpy.typing import ArrayLike, NDArray
 
-from bem.collocation import Elastic, Evaluation, evaluate
-from bem.gap import gap_field
+from bem.elastic.collocation import Elastic, Evaluation, evaluate
+from bem.elastic.gap import gap_field
+from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
-from bem.sensitivities import stress_intensity_jacobian
 
 if TYPE_CHECKING:
     from bem.adhesion import Adhesion, UniformLaw
-    from bem.layer import Layer
+    from bem.elastic.layer import Layer
 
 FloatArray = NDArray[np.float64]
 

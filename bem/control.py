@@ -18,7 +18,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Evaluation
+from bem.elastic.collocation import Evaluation
 
 FloatArray = NDArray[np.float64]
 

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.assessment import Assessment
-from bem.collocation import Elastic, Evaluation
 from bem.completed_body import CompletedBody
 from bem.contact_assessment import assess_contact
 from bem.control import Control, LoadControl
+from bem.elastic.collocation import Elastic, Evaluation
 from bem.gap_series import GapEvaluation
 from bem.gaps import Gaps, gaps_of
 from bem.grid_contact import GridProblem, grid_problem

@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
-from bem.collocation import Resolution, resolve
+from bem.elastic.collocation import Resolution, resolve
+from bem.elastic.gap import GapMinima
+from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.equilibrium import Balance, System, balance, energy_noise
-from bem.gap import GapMinima
 from bem.geometry.patches import Patches
-from bem.hierarchical import IllConditionedSystemError
 from bem.touching import CrestsAhead
 
 FloatArray = NDArray[np.float64]

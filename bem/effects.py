@@ -73,7 +73,7 @@ def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
         yield "layer", (False, "no [layer]")
         return
     solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
-    layer = import_module("bem.layer").Layer(scene.layer.thickness)
+    layer = import_module("bem.elastic.layer").Layer(scene.layer.thickness)
     effect = float(layer.relative_effect(solid, scene.profile.period))
     limit = 0.1 * scene.accuracy.tolerance
     text = f"thickness = {scene.layer.thickness:g} m changes the compliance by {effect:.2g}"

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from bem.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
-from bem.collocation import finer
+from bem.elastic.collocation import finer
 from bem.equilibrium import Balance, System, balance
 
 

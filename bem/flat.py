@@ -42,7 +42,7 @@ def flat_states(scene: Scene) -> list[FlatState]:
 def _mean_compliance(scene: Scene) -> float | None:
     if scene.layer is None:
         return None
-    from bem.layer import Layer
+    from bem.elastic.layer import Layer
 
     solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
     return Layer(scene.layer.thickness).mean_compliance(solid)

@@ -32,10 +32,10 @@ from scipy.linalg import lapack
 from scipy.special import zeta
 
 from bem.completed_body import CompletedBody
+from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.gaps import Gaps
 from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure
-from bem.hierarchical import IllConditionedSystemError
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

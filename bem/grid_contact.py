@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from bem.collocation import Elastic
 from bem.control import Control
+from bem.elastic.collocation import Elastic
 from bem.geometry.patches import TWO_PI, Patches, ordered
 
 FloatArray = NDArray[np.float64]

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from bem.branch import misses_energy, tangent, unstable_patches
 from bem.complete_contact import CompleteContact
 from bem.departure import departure
+from bem.elastic.gap import GapMinima, gap_field
 from bem.equilibrium import Balance, System, balance
 from bem.events import Settled, interpenetration, settle
-from bem.gap import GapMinima, gap_field
 from bem.geometry.patches import Patches
 from bem.increments import Effort, Increments
 from bem.limit_points import LimitPoint, at_rest, locate_limit_point

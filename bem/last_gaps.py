@@ -25,10 +25,10 @@ from scipy.optimize import brentq
 from bem.assessment import Assessment, Quantities
 from bem.completed_body import CompletedBody
 from bem.control import Control
+from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.gap_series import GapEvaluation, end_values, evaluate_gaps
 from bem.gaps import Gaps
 from bem.geometry.patches import TWO_PI
-from bem.hierarchical import IllConditionedSystemError
 
 FloatArray = NDArray[np.float64]
 

@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from bem.collocation import Resolution, finer, resolve
+from bem.elastic.collocation import Resolution, finer, resolve
+from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.equilibrium import Balance, System, balance, forces
 from bem.geometry.patches import Patches
-from bem.hierarchical import IllConditionedSystemError
 from bem.path_events import Exact
 
 FloatArray = NDArray[np.float64]

@@ -31,8 +31,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Evaluation, evaluate
 from bem.complete_contact import CompleteContact
+from bem.elastic.collocation import Evaluation, evaluate
 from bem.equilibrium import System, balance
 from bem.geometry.patches import TWO_PI, Patches, ordered
 

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from bem.assessment import Assessment
 from bem.branch import strays, tangent
 from bem.complete_contact import CompleteContact, closing_place
+from bem.elastic.gap import GapMinima, gap_field
 from bem.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.equilibrium_assessment import assess_equilibrium
 from bem.events import first_contact, interpenetration, settle
-from bem.gap import GapMinima, gap_field
 from bem.geometry.patches import Patches
 from bem.increments import Effort, Increments
 from bem.jumps import Jumps

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Evaluation
+from bem.elastic.collocation import Evaluation
 from bem.equilibrium import Balance
 from bem.limit_points import LimitPoint
 from bem.path_events import PathEvent, PathStatus

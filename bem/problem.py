@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Elastic
 from bem.control import Control, DisplacementControl, LoadControl
+from bem.elastic.collocation import Elastic
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
 from bem.increments import Increments
@@ -98,7 +98,7 @@ def pose(scene: Scene, surface: Profile) -> Problem:
         law = adhesion.dimensionless_law(interface, profile, scales)
     elastic, mean_compliance, ratio, left_out = Elastic(profile), None, None, None
     if scene.layer is not None:
-        layer = import_module("bem.layer").Layer(scene.layer.thickness)
+        layer = import_module("bem.elastic.layer").Layer(scene.layer.thickness)
         mean_compliance = layer.mean_compliance(solid)
         kernel = layer.kernel(solid, surface.period, KERNEL_TRUNCATION)
         if layer.is_negligible(solid, surface.period, 0.1 * scene.accuracy.tolerance):

@@ -30,10 +30,10 @@ from bem.completed_body import CompletedBody
 from bem.convex_path import ContactPoint, ConvexPath
 from bem.crossing import at_load, may_meet
 from bem.effects import effects_of
+from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.flat import flat_states
 from bem.geometry.patches import PatchPressure, ordered
 from bem.geometry.profile import Profile
-from bem.hierarchical import IllConditionedSystemError
 from bem.path import Path, restart
 from bem.path_point import Point
 from bem.problem import Problem, increments_of, pose

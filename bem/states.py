@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from bem import certificate, gap_certificate
 from bem.assessment import Assessment, Quantities
-from bem.collocation import Evaluation
 from bem.complete_contact import CompleteContact
+from bem.elastic.collocation import Evaluation
 from bem.flat import FlatState
 from bem.gap_series import GapEvaluation
 from bem.path_events import PathEvent

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.branch import tangent
+from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.equilibrium import Balance, System, correct
-from bem.gap import GapMinima, gap_field, minima_near
 from bem.geometry.patches import Patches
 from bem.path_events import Exact
 

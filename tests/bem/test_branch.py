@@ -7,9 +7,9 @@ import pytest
 
 from bem.adhesion import UniformLaw
 from bem.branch import misses_energy, strays, tangent, unstable_patches
-from bem.collocation import Elastic
 from bem.control import DisplacementControl
 from bem.descent import descend
+from bem.elastic.collocation import Elastic
 from bem.equilibrium import System, balance
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile

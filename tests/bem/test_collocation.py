@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem import hierarchical
-from bem.collocation import Elastic, Resolution, evaluate, finer, resolve
 from bem.dense import SmoothKernel, evaluate_dense
+from bem.elastic import hierarchical
+from bem.elastic.collocation import Elastic, Resolution, evaluate, finer, resolve
+from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
-from bem.hierarchical import IllConditionedSystemError
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 0).scaled()

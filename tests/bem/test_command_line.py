@@ -373,7 +373,7 @@ def test_figures_and_layer_are_not_imported_to_check(scene):
     process = subprocess.run([sys.executable, "-c", code, str(scene)], capture_output=True, text=True, check=True)
     modules = process.stdout.splitlines()[-1]
     assert "'matplotlib'" not in modules
-    assert "'bem.layer'" not in modules
+    assert "'bem.elastic.layer'" not in modules
 
 
 def start(scene, out):

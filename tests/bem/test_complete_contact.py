@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from bem.complete_contact import complete_contact
+from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
-from bem.layer import Layer
 from bem.problem import pose
 from bem.scene import parse_scene
 from bem.solver import solve

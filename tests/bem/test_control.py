@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from bem.adhesion import UniformLaw
-from bem.collocation import Elastic, evaluate
 from bem.control import DisplacementControl, LoadControl
+from bem.elastic.collocation import Elastic, evaluate
 from bem.equilibrium import System, balance
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from bem.adhesion import UniformLaw
-from bem.collocation import Elastic
 from bem.control import DisplacementControl
 from bem.descent import descend
+from bem.elastic.collocation import Elastic
 from bem.equilibrium import System, balance
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from bem import descent
 from bem.adhesion import UniformLaw
-from bem.collocation import Elastic
 from bem.control import DisplacementControl, LoadControl
 from bem.descent import descend, pull_off_half_width, trust_region_step
+from bem.elastic.collocation import Elastic
 from bem.equilibrium import System, balance, correct
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from bem.assessment import quantities_of
-from bem.collocation import Elastic, evaluate
 from bem.contact_assessment import assess_contact
 from bem.control import DisplacementControl, LoadControl
+from bem.elastic.collocation import Elastic, evaluate
 from bem.geometry.profile import Profile
 from bem.grid_contact import grid_problem
 from bem.nonadhesive import solve_contact

@@ -5,9 +5,9 @@ import pytest
 from rough_surfaces import rough_profile
 
 from bem.adhesion import UniformLaw
-from bem.collocation import Elastic
 from bem.control import DisplacementControl, LoadControl
 from bem.descent import pull_off_half_width
+from bem.elastic.collocation import Elastic
 from bem.equilibrium import System, balance, correct
 from bem.events import first_contact, interpenetration, settle
 from bem.geometry.patches import Patches

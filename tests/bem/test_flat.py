@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
-from bem.layer import Layer
 from bem.scene import parse_scene
 from bem.solver import solve
 

@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rough_surfaces import bearing_cut, rough_profile
 
-from bem import gap
-from bem.collocation import Elastic, Resolution, evaluate
-from bem.gap import gap_field, low_minima
+from bem.elastic import gap
+from bem.elastic.collocation import Elastic, Resolution, evaluate
+from bem.elastic.gap import gap_field, low_minima
+from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
-from bem.logarithmic_potential import LogarithmicPotential
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bem import half_space
+from bem.elastic import half_space
 from bem.geometry.chebyshev import basis
 
 

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from bem import hierarchical
-from bem.collocation import Elastic, evaluate
 from bem.control import LoadControl
 from bem.dense import evaluate_dense
+from bem.elastic import hierarchical
+from bem.elastic.collocation import Elastic, evaluate
+from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.elastic.separated_kernel import SeparatedKernel
 from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
-from bem.hierarchical import IllConditionedSystemError
-from bem.sensitivities import stress_intensity_jacobian
-from bem.separated_kernel import SeparatedKernel
 
 M = np.arange(60, 251)
 SHORT = Profile.from_harmonics(2 * np.pi, M, M**-1.2, np.random.default_rng(3).uniform(-np.pi, np.pi, M.size)).scaled()

@@ -5,12 +5,12 @@ from decimal import Decimal, localcontext
 import numpy as np
 import pytest
 
-from bem.collocation import Elastic, evaluate
 from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
+from bem.elastic.collocation import Elastic, evaluate
+from bem.elastic.layer import Layer, compliance_deficit, compliance_ratio, layer_kernel
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
-from bem.layer import Layer, compliance_deficit, compliance_ratio, layer_kernel
 
 POISSON = [-0.9, 0.0, 0.3, 0.499999, 0.5]
 by_poisson = pytest.mark.parametrize("nu", POISSON, ids=lambda nu: f"nu={nu}")
@@ -108,7 +108,7 @@ def test_derivatives_are_those_of_the_kernel(order):
 
 @pytest.mark.parametrize("block", [2_000_000, 300], ids=["whole", "in blocks"])
 def test_matrix_is_the_kernel_between_all_pairs(block, monkeypatch):
-    monkeypatch.setattr("bem.layer._BLOCK", block)
+    monkeypatch.setattr("bem.elastic.layer._BLOCK", block)
     kernel = layer_kernel(THIN, 0.5, 1e-14)
     x = np.random.default_rng(1).uniform(-7, 7, 30)
     direct = kernel.weights @ np.cos(

@@ -3,7 +3,7 @@
 import pytest
 from rough_surfaces import rough_scene
 
-from bem.layer import Layer
+from bem.elastic.layer import Layer
 from bem.solver import solve
 
 THICKNESS = {1e-6: 0.0185, 1e-2: 0.0105}  # just thick enough to be left out

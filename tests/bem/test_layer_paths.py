@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
+from bem.elastic.layer import Layer, compliance_ratio
 from bem.geometry.scaling import Solid
-from bem.layer import Layer, compliance_ratio
 from bem.scene import parse_scene
 from bem.solver import solve
 from validation.cases.dense_equilibrium import reference

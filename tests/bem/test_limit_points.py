@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from bem.adhesion import UniformLaw
-from bem.collocation import Elastic
 from bem.control import DisplacementControl, LoadControl
 from bem.departure import departure
 from bem.descent import descend
+from bem.elastic.collocation import Elastic
 from bem.equilibrium import System, correct
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bem import logarithmic_potential
-from bem.half_space import log_chord
-from bem.logarithmic_potential import LogarithmicPotential
+from bem.elastic import logarithmic_potential
+from bem.elastic.half_space import log_chord
+from bem.elastic.logarithmic_potential import LogarithmicPotential
 
 FEW, MANY = (30, 60), (1500, 2000)  # charges and points: pair by pair, and by boxes
 AMOUNTS = [pytest.param(*FEW, id="pair by pair"), pytest.param(*MANY, id="by boxes")]

@@ -7,7 +7,7 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem import solver, states
-from bem.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.solver import NUMERICAL_FAILURES, solve
 
 TARGETS = [70e-6, 50e-6, 60e-6]

@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from bem.collocation import Elastic
 from bem.control import DisplacementControl, LoadControl
 from bem.dense import evaluate_dense
-from bem.gap import gap_field, low_minima
+from bem.elastic.collocation import Elastic
+from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.patches import TWO_PI, PatchPressure
 from bem.geometry.profile import Profile
 from bem.grid_contact import grid_problem

@@ -7,9 +7,9 @@ from scipy.special import jv
 
 from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.displacement import DisplacementField, GapPoints
+from bem.elastic.layer import layer_kernel
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
-from bem.layer import layer_kernel
 from bem.spectra import complete_contact_spectra, pressure_modes, spectra, spectral_orders
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])

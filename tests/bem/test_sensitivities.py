@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem.collocation import Elastic, evaluate
 from bem.dense import evaluate_dense
+from bem.elastic.collocation import Elastic, evaluate
+from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
-from bem.sensitivities import stress_intensity_jacobian
 
 ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 0).scaled()
 ELASTIC = Elastic(ROUGH)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bem.separated_kernel import separated_kernel
+from bem.elastic.separated_kernel import separated_kernel
 
 ARCS = {
     "half the period each, meeting at both ends": ((0.0, np.pi), 1e-4),

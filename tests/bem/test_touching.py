@@ -5,12 +5,12 @@ import pytest
 
 from bem import events
 from bem.adhesion import UniformLaw
-from bem.collocation import Elastic
 from bem.control import DisplacementControl
 from bem.descent import descend
+from bem.elastic.collocation import Elastic
+from bem.elastic.gap import gap_field
 from bem.equilibrium import System, balance
 from bem.events import settle
-from bem.gap import gap_field
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 from bem.touching import CrestsAhead

@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 import bem
-import bem.collocation
+import bem.elastic.collocation
+import bem.elastic.hierarchical
 import bem.equilibrium
-import bem.hierarchical
 from validation.studies.price_list import DIGITS, EFFECTS, Price, digits_of, rough, sentences
 from validation.studies.stages import REST, timed_stages
 
@@ -54,7 +54,10 @@ def test_list_in_words():
         "(finite elements).",
         "Absent effects cost nothing: the bare scene loads no module of theirs.",
     ]
-    assert sentences([], ["bem.layer"])[-1] == "Absent effects are not absent: the bare scene loads bem.layer."
+    assert (
+        sentences([], ["bem.elastic.layer"])[-1]
+        == "Absent effects are not absent: the bare scene loads bem.elastic.layer."
+    )
 
 
 def test_bare_scene_loads_no_module_of_absent_effects():
@@ -75,9 +78,19 @@ def test_stages_add_up_to_the_whole():
 
 
 def test_solver_is_as_before_afterwards():
-    before = bem.equilibrium.evaluate, bem.equilibrium.eigh, bem.hierarchical.lapack, bem.collocation.evaluate
+    before = (
+        bem.equilibrium.evaluate,
+        bem.equilibrium.eigh,
+        bem.elastic.hierarchical.lapack,
+        bem.elastic.collocation.evaluate,
+    )
     with pytest.raises(ZeroDivisionError), timed_stages():
         assert bem.equilibrium.evaluate is not before[0]
         raise ZeroDivisionError
-    after = bem.equilibrium.evaluate, bem.equilibrium.eigh, bem.hierarchical.lapack, bem.collocation.evaluate
+    after = (
+        bem.equilibrium.evaluate,
+        bem.equilibrium.eigh,
+        bem.elastic.hierarchical.lapack,
+        bem.elastic.collocation.evaluate,
+    )
     assert all(a is b for a, b in zip(after, before, strict=True))

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
+from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
-from bem.layer import Layer
 from bem.result import State
 from bem.scene import Scene
 

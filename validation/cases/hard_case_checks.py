@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from bem.contact_state import ContactState
 from bem.dense import evaluate_dense
+from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
-from bem.layer import Layer
 from bem.result import Result, State, write_result
 from bem.scene import Scene, parse_scene
 from bem.solver import solve

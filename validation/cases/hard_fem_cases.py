@@ -17,9 +17,9 @@ import numpy as np
 
 import fem_reference
 from bem.contact_state import ContactState
+from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
-from bem.layer import Layer
 from fem_reference import Resolution
 from validation.cases.closed_forms import Sinusoid
 from validation.cases.hard_case_run import Outcome

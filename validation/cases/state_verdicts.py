@@ -17,8 +17,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 import bem
-from bem.collocation import evaluate
 from bem.contact_assessment import assess_contact
+from bem.elastic.collocation import evaluate
 from bem.equilibrium import System, balance
 from bem.equilibrium_assessment import assess_equilibrium
 from bem.geometry.patches import Patches

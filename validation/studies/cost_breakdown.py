@@ -16,12 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 
 import bem
-from bem.collocation import Elastic, evaluate
+from bem.elastic.collocation import Elastic, evaluate
+from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import ordered
 from bem.geometry.scaling import Scales
 from bem.result import State
 from bem.scene import Scene
-from bem.sensitivities import stress_intensity_jacobian
 from validation import adapters
 from validation.compare import fitted_order
 from validation.studies.plots import Line, Plot

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from bem import gap
+from bem.elastic import gap
 from validation.studies.fault_injection import Fault, Function, scaled
 
 
@@ -263,28 +263,28 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-sensitivity-sign",
         "sign of the regular part of the pressure in dK / d(edge)",
-        "bem.sensitivities:stress_intensity_jacobian",
+        "bem.elastic.sensitivities:stress_intensity_jacobian",
         _sign_of_edge_slope,
         "sign turned",
     ),
     Fault(
         "bem-sensitivity-width",
         "K / (4 r) forgotten in dK / d(edge)",
-        "bem.sensitivities:stress_intensity_jacobian",
+        "bem.elastic.sensitivities:stress_intensity_jacobian",
         _without_width_term,
         "term absent",
     ),
     Fault(
         "bem-layer-bracket",
         "5 - 12 nu + 4 nu^2 for 5 - 12 nu + 8 nu^2 in the compliance of a layer",
-        "bem.layer:_constant",
+        "bem.elastic.layer:_constant",
         _wrong_bracket,
         "coefficient 8 becomes 4",
     ),
     Fault(
         "bem-layer-mean-compliance",
         "mean compression of a layer as of a free bar, d / E",
-        "bem.layer:Layer.mean_compliance",
+        "bem.elastic.layer:Layer.mean_compliance",
         _uniaxial_compression,
         "c(0) becomes d / E",
     ),
@@ -305,21 +305,21 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-kernel-between",
         "kernel between patches by log of the squared distance",
-        "bem.half_space:between_nodes",
+        "bem.elastic.half_space:between_nodes",
         scaled(1.0),
         "kernel doubled",
     ),
     Fault(
         "bem-kernel-between-clusters",
         "a constant of the kernel between clusters of patches forgotten",
-        "bem.separated_kernel:separated_kernel",
+        "bem.elastic.separated_kernel:separated_kernel",
         _forgotten_constant,
         "log 2 absent",
     ),
     Fault(
         "bem-kernel-open",
         "the period forgotten within a patch",
-        "bem.half_space:within_patch",
+        "bem.elastic.half_space:within_patch",
         _open_kernel,
         "log sinc absent",
     ),
@@ -332,13 +332,13 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-gap-every-second-point",
         "the gap is looked at in every second point, and nowhere between",
-        "bem.gap:low_minima",
+        "bem.elastic.gap:low_minima",
         _every_second_point,
     ),
     Fault(
         "bem-gap-every-second-minimum",
         "every second minimum of the gap is passed over",
-        "bem.gap:low_minima",
+        "bem.elastic.gap:low_minima",
         _every_second_minimum,
     ),
     Fault(
@@ -356,7 +356,7 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-gap-outer-series",
         "the tilt of the pressure is not seen from the gap",
-        "bem.gap:GapField._near_patch",
+        "bem.elastic.gap:GapField._near_patch",
         _sign_of_outer_series,
         "term absent",
     ),

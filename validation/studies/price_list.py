@@ -38,7 +38,14 @@ from validation.studies.stages import timed_stages
 
 Changes = dict[str, Mapping[str, Any] | None]
 
-ABSENT = ("bem.layer", "bem.adhesion", "bem.observables", "bem.spectra", "bem.pressure_distribution", "bem.shapes")
+ABSENT = (
+    "bem.elastic.layer",
+    "bem.adhesion",
+    "bem.observables",
+    "bem.spectra",
+    "bem.pressure_distribution",
+    "bem.shapes",
+)
 TARGETS = [45e-6, 35e-6]
 DEPTH = 6e-5  # penetration of the sinusoid, m
 NU, LAYER = 0.45, 0.002

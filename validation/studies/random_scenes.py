@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.console import scene_text
+from bem.elastic.layer import compliance_ratio
 from bem.geometry.profile import Profile
-from bem.layer import compliance_ratio
 
 Table = dict[str, Any]
 Numbers = NDArray[np.float64]

@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from bem.dense import dense_nodes
+from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
-from bem.layer import Layer
 from bem.result import Result, State
 from bem.scene import Scene, SceneError, parse_scene
 from bem.solver import solve

@@ -33,9 +33,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
+from bem.elastic.half_space import between_nodes
+from bem.elastic.separated_kernel import separated_kernel
 from bem.geometry.patches import TWO_PI, Patches
-from bem.half_space import between_nodes
-from bem.separated_kernel import separated_kernel
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

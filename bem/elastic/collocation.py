@@ -23,11 +23,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bem import half_space
+from bem.elastic import half_space
+from bem.elastic.hierarchical import IllConditionedSystemError, KernelCorrection, Skeleton, solve
 from bem.geometry import chebyshev
 from bem.geometry.patches import Patches, PatchPressure
 from bem.geometry.profile import Profile
-from bem.hierarchical import IllConditionedSystemError, KernelCorrection, Skeleton, solve
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -24,11 +24,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Elastic, Evaluation
+from bem.elastic.collocation import Elastic, Evaluation
+from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
-from bem.logarithmic_potential import LogarithmicPotential
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.collocation import Evaluation
+from bem.elastic.collocation import Evaluation
 
 FloatArray = NDArray[np.float64]
 
