@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from bem.control import Control
 from bem.equilibrium import Balance, System, edge_positions, energy_noise
+from bem.loading.control import Control
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

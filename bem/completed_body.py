@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.complete_contact import CompleteContact
 from bem.geometry.profile import Profile
+from bem.loading.complete_contact import CompleteContact
 
 FloatArray = NDArray[np.float64]
 

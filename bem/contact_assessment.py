@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
-from bem.control import Control
 from bem.elastic.collocation import Elastic, Evaluation, evaluate, finer
 from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
+from bem.loading.control import Control
 
 FloatArray = NDArray[np.float64]
 

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, eigh
 
-from bem.control import Control
 from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import Patches
-from bem.interface_law import InterfaceLaw
+from bem.loading.control import Control
+from bem.loading.interface_law import InterfaceLaw
 
 FloatArray = NDArray[np.float64]
 

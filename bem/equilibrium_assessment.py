@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 from bem.elastic.collocation import finer
 from bem.equilibrium import Balance, System, balance
+from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 
 
 def assess_equilibrium(system: System, here: Balance, value: float, tolerance: float) -> Assessment:

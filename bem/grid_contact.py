@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from bem.control import Control
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import TWO_PI, Patches, ordered
+from bem.loading.control import Control
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

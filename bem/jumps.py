@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.branch import misses_energy, tangent, unstable_patches
-from bem.complete_contact import CompleteContact
 from bem.departure import departure
 from bem.elastic.gap import GapMinima, gap_field
 from bem.equilibrium import Balance, System, balance
 from bem.events import Settled, interpenetration, settle
 from bem.geometry.patches import Patches
-from bem.increments import Effort, Increments
 from bem.limit_points import LimitPoint, at_rest, locate_limit_point
+from bem.loading.complete_contact import CompleteContact
+from bem.loading.increments import Effort, Increments
+from bem.loading.path_events import Exact, path_events
 from bem.opening import complete_potential
-from bem.path_events import Exact, path_events
 from bem.path_point import Point
 from bem.touch_points import locate_touch
 

@@ -26,7 +26,7 @@ from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.equilibrium import Balance, System, balance, forces
 from bem.geometry.patches import Patches
-from bem.path_events import Exact
+from bem.loading.path_events import Exact
 
 FloatArray = NDArray[np.float64]
 

@@ -20,13 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from bem.control import Control
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
+from bem.loading.control import Control
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.complete_contact import CompleteContact
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales
+from bem.loading.complete_contact import CompleteContact
 
 if TYPE_CHECKING:
     from bem.pressure_distribution import PressureDistribution

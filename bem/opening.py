@@ -31,10 +31,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.complete_contact import CompleteContact
 from bem.elastic.collocation import Evaluation, evaluate
 from bem.equilibrium import System, balance
 from bem.geometry.patches import TWO_PI, Patches, ordered
+from bem.loading.complete_contact import CompleteContact
 
 FloatArray = NDArray[np.float64]
 

@@ -17,19 +17,19 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.assessment import Assessment
 from bem.branch import strays, tangent
-from bem.complete_contact import CompleteContact, closing_place
 from bem.elastic.gap import GapMinima, gap_field
 from bem.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.equilibrium_assessment import assess_equilibrium
 from bem.events import first_contact, interpenetration, settle
 from bem.geometry.patches import Patches
-from bem.increments import Effort, Increments
 from bem.jumps import Jumps
 from bem.limit_points import before_fold
+from bem.loading.assessment import Assessment
+from bem.loading.complete_contact import CompleteContact, closing_place
+from bem.loading.increments import Effort, Increments
+from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, path_events
 from bem.opening import complete_potential, first_gap, flawed_potential, lowest_pressure, opened_gap, opening_load
-from bem.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, path_events
 from bem.path_point import Point
 
 FloatArray = NDArray[np.float64]

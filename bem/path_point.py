@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bem.elastic.collocation import Evaluation
 from bem.equilibrium import Balance
 from bem.limit_points import LimitPoint
-from bem.path_events import PathEvent, PathStatus
+from bem.loading.path_events import PathEvent, PathStatus
 
 FloatArray = NDArray[np.float64]
 

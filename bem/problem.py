@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.control import Control, DisplacementControl, LoadControl
 from bem.elastic.collocation import Elastic
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
-from bem.increments import Increments
-from bem.interface_law import InterfaceLaw
+from bem.loading.control import Control, DisplacementControl, LoadControl
+from bem.loading.increments import Increments
+from bem.loading.interface_law import InterfaceLaw
 from bem.scene import Scene
 
 FloatArray = NDArray[np.float64]

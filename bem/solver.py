@@ -25,7 +25,6 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bem.complete_contact import CompleteContact, complete_contact
 from bem.completed_body import CompletedBody
 from bem.convex_path import ContactPoint, ConvexPath
 from bem.crossing import at_load, may_meet
@@ -34,6 +33,7 @@ from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.flat import flat_states
 from bem.geometry.patches import PatchPressure, ordered
 from bem.geometry.profile import Profile
+from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.path import Path, restart
 from bem.path_point import Point
 from bem.problem import Problem, increments_of, pose

@@ -18,7 +18,7 @@ from bem.branch import tangent
 from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.equilibrium import Balance, System, correct
 from bem.geometry.patches import Patches
-from bem.path_events import Exact
+from bem.loading.path_events import Exact
 
 FloatArray = NDArray[np.float64]
 

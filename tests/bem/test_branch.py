@@ -7,12 +7,12 @@ import pytest
 
 from bem.adhesion import UniformLaw
 from bem.branch import misses_energy, strays, tangent, unstable_patches
-from bem.control import DisplacementControl
 from bem.descent import descend
 from bem.elastic.collocation import Elastic
 from bem.equilibrium import System, balance
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
+from bem.loading.control import DisplacementControl
 
 SYSTEM = System(Elastic(Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])), UniformLaw(0.1), DisplacementControl())
 WIDE_AND_TINY = Patches(np.array([0.0, 3.0]), np.array([1.0, 3.001]))

@@ -9,13 +9,13 @@ import pytest
 
 from bem import certificate, displacement
 from bem.certificate import Demands, certify
-from bem.control import LoadControl
 from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.displacement import DisplacementField, GapPoints
 from bem.elastic.collocation import evaluate
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import Patches, PatchPressure
 from bem.geometry.profile import Profile
+from bem.loading.control import LoadControl
 from bem.problem import pose
 from bem.scene import parse_scene
 

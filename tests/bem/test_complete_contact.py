@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bem.complete_contact import complete_contact
 from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
+from bem.loading.complete_contact import complete_contact
 from bem.problem import pose
 from bem.scene import parse_scene
 from bem.solver import solve

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from bem.adhesion import UniformLaw
-from bem.control import DisplacementControl, LoadControl
 from bem.elastic.collocation import Elastic, evaluate
 from bem.equilibrium import System, balance
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
+from bem.loading.control import DisplacementControl, LoadControl
 
 ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 20, 0).scaled()
 ELASTIC = Elastic(ROUGH)

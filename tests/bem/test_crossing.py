@@ -8,9 +8,9 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem import crossing, equilibrium
-from bem.complete_contact import complete_contact
 from bem.convex_path import ContactPoint
 from bem.crossing import at_load
+from bem.loading.complete_contact import complete_contact
 from bem.path_point import Point
 from bem.problem import pose
 from bem.solver import _path_for, solve

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from bem.adhesion import UniformLaw
-from bem.control import DisplacementControl
 from bem.descent import descend
 from bem.elastic.collocation import Elastic
 from bem.equilibrium import System, balance
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
+from bem.loading.control import DisplacementControl
 
 TOLERANCE, CLOSURE = 1e-8, 1e-8
 RIPPLES = {  # orders, height of the ripple, work of adhesion, penetration, half width from which the edges start

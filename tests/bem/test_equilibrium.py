@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from bem import descent
 from bem.adhesion import UniformLaw
-from bem.control import DisplacementControl, LoadControl
 from bem.descent import descend, pull_off_half_width, trust_region_step
 from bem.elastic.collocation import Elastic
 from bem.equilibrium import System, balance, correct
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
+from bem.loading.control import DisplacementControl, LoadControl
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 ALPHA = 0.3

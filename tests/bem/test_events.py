@@ -5,13 +5,13 @@ import pytest
 from rough_surfaces import rough_profile
 
 from bem.adhesion import UniformLaw
-from bem.control import DisplacementControl, LoadControl
 from bem.descent import pull_off_half_width
 from bem.elastic.collocation import Elastic
 from bem.equilibrium import System, balance, correct
 from bem.events import first_contact, interpenetration, settle
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
+from bem.loading.control import DisplacementControl, LoadControl
 
 ACCURACY = {"tolerance": 1e-8, "closure": 1e-9, "allowed": 1e-10}
 TWO_CRESTS = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])

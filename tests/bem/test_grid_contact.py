@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from bem.control import DisplacementControl, LoadControl
 from bem.elastic.collocation import Elastic
 from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from bem.grid_contact import _intervals, grid_problem
+from bem.loading.control import DisplacementControl, LoadControl
 from bem.nonadhesive import solve_contact
 
 FIXED, LOADED = DisplacementControl(), LoadControl()

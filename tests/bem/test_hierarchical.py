@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from bem.control import LoadControl
 from bem.dense import evaluate_dense
 from bem.elastic import hierarchical
 from bem.elastic.collocation import Elastic, evaluate
@@ -12,6 +11,7 @@ from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.elastic.separated_kernel import SeparatedKernel
 from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
+from bem.loading.control import LoadControl
 
 M = np.arange(60, 251)
 SHORT = Profile.from_harmonics(2 * np.pi, M, M**-1.2, np.random.default_rng(3).uniform(-np.pi, np.pi, M.size)).scaled()

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from bem import convex_path, last_gaps
-from bem.complete_contact import CompleteContact, complete_contact
 from bem.completed_body import CompletedBody
 from bem.gap_series import evaluate_gaps
 from bem.gaps import Gaps, gaps_of
 from bem.geometry.profile import Profile
 from bem.last_gaps import Condition, lone_cracks, solve_gaps
+from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.problem import pose
 from bem.scene import parse_scene
 from bem.solver import _path_for, solve

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from bem.adhesion import UniformLaw
-from bem.control import DisplacementControl, LoadControl
 from bem.departure import departure
 from bem.descent import descend
 from bem.elastic.collocation import Elastic
@@ -12,6 +11,7 @@ from bem.equilibrium import System, correct
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.limit_points import at_rest, before_fold, locate_limit_point
+from bem.loading.control import DisplacementControl, LoadControl
 
 TOLERANCES = (1e-3, 1e-5, 1e-8)
 AMPLITUDE = np.sqrt(2.0)  # of a wave of unit rms height

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import bem
-from bem.complete_contact import complete_contact
 from bem.dense import dense_nodes, evaluate_dense
 from bem.elastic.layer import Layer
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
+from bem.loading.complete_contact import complete_contact
 from bem.observables import complete_contact_fields, contact_fields
 from bem.problem import Problem, pose
 from bem.shapes import OUTSIDE, complete_contact_shape, separated_shape, shape

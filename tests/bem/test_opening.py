@@ -5,9 +5,9 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem import opening
-from bem.complete_contact import complete_contact
 from bem.equilibrium import System, balance
 from bem.geometry.patches import TWO_PI
+from bem.loading.complete_contact import complete_contact
 from bem.problem import pose
 from bem.scene import SceneError
 from bem.solver import solve

@@ -10,9 +10,9 @@ from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
 from bem.branch import tangent
-from bem.complete_contact import complete_contact
 from bem.equilibrium import System
-from bem.increments import Increments
+from bem.loading.complete_contact import complete_contact
+from bem.loading.increments import Increments
 from bem.path import Path, restart
 from bem.path_point import Point
 from bem.problem import pose

@@ -5,7 +5,6 @@ import pytest
 
 from bem import events
 from bem.adhesion import UniformLaw
-from bem.control import DisplacementControl
 from bem.descent import descend
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field
@@ -13,6 +12,7 @@ from bem.equilibrium import System, balance
 from bem.events import settle
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
+from bem.loading.control import DisplacementControl
 from bem.touching import CrestsAhead
 
 TWO_CRESTS = Profile.from_harmonics(TWO_PI, [1, 2], [0.2, 1.0])  # at 0 the higher, at pi the lower one

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from bem.path_events import Exact
+from bem.loading.path_events import Exact
 from validation.studies.fault_injection import Fault, Function, scaled
 
 
@@ -176,7 +176,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-event-error",
         "errors of events are estimated too small",
-        "bem.path_events:Exact.apart",
+        "bem.loading.path_events:Exact.apart",
         _no_error,
         "a ten-thousandth of them",
     ),
@@ -220,7 +220,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-spring-energy",
         "wrong energy of a total displacement",
-        "bem.control:DisplacementControl.potential",
+        "bem.loading.control:DisplacementControl.potential",
         _spring_without_half,
         "a hundred-thousandth of that of the spring",
     ),

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
-from bem.interface_law import InterfaceLaw
+from bem.loading.interface_law import InterfaceLaw
 
 FloatArray = NDArray[np.float64]
 ComplianceRatio = Callable[[FloatArray], FloatArray]
