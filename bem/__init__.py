@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from bem.adhesion import Adhesion as Adhesion
+    from bem.adhesive.adhesion import Adhesion as Adhesion
     from bem.contact_state import ContactState as ContactState
     from bem.elastic.layer import Layer as Layer
     from bem.geometry.profile import Profile as Profile
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bem.solver import solve as solve
 
 _HOME = {
-    "Adhesion": "bem.adhesion",
+    "Adhesion": "bem.adhesive.adhesion",
     "ContactState": "bem.contact_state",
     "Layer": "bem.elastic.layer",
     "Profile": "bem.geometry.profile",

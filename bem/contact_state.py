@@ -22,7 +22,7 @@ from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
 
 if TYPE_CHECKING:
-    from bem.adhesion import Adhesion, UniformLaw
+    from bem.adhesive.adhesion import Adhesion, UniformLaw
     from bem.elastic.layer import Layer
 
 FloatArray = NDArray[np.float64]
@@ -172,7 +172,7 @@ class ContactState:
         """The dimensionless law of adhesion, None without."""
         if self._adhesion is None:
             return None
-        from bem.adhesion import dimensionless_law
+        from bem.adhesive.adhesion import dimensionless_law
 
         return dimensionless_law(self._adhesion, self._elastic.profile, self.scales)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.equilibrium import System, balance
+from bem.adhesive.equilibrium import System, balance
 from bem.limit_points import LimitPoint, is_pushed
 
 FloatArray = NDArray[np.float64]

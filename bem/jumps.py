@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.branch import misses_energy, tangent, unstable_patches
+from bem.adhesive.branch import misses_energy, tangent, unstable_patches
+from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.events import Settled, interpenetration, settle
 from bem.departure import departure
 from bem.elastic.gap import GapMinima, gap_field
-from bem.equilibrium import Balance, System, balance
-from bem.events import Settled, interpenetration, settle
 from bem.geometry.patches import Patches
 from bem.limit_points import LimitPoint, at_rest, locate_limit_point
 from bem.loading.complete_contact import CompleteContact

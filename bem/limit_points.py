@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from bem.adhesive.equilibrium import Balance, System, balance, forces
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.equilibrium import Balance, System, balance, forces
 from bem.geometry.patches import Patches
 from bem.loading.path_events import Exact
 

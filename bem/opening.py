@@ -31,8 +31,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.adhesive.equilibrium import System, balance
 from bem.elastic.collocation import Evaluation, evaluate
-from bem.equilibrium import System, balance
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.complete_contact import CompleteContact
 

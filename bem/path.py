@@ -17,11 +17,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.branch import strays, tangent
+from bem.adhesive.branch import strays, tangent
+from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
+from bem.adhesive.equilibrium_assessment import assess_equilibrium
+from bem.adhesive.events import first_contact, interpenetration, settle
 from bem.elastic.gap import GapMinima, gap_field
-from bem.equilibrium import LARGEST_NEWTON_STEP, System, correct
-from bem.equilibrium_assessment import assess_equilibrium
-from bem.events import first_contact, interpenetration, settle
 from bem.geometry.patches import Patches
 from bem.jumps import Jumps
 from bem.limit_points import before_fold

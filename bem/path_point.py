@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.adhesive.equilibrium import Balance
 from bem.elastic.collocation import Evaluation
-from bem.equilibrium import Balance
 from bem.limit_points import LimitPoint
 from bem.loading.path_events import PathEvent, PathStatus
 

@@ -93,7 +93,7 @@ def pose(scene: Scene, surface: Profile) -> Problem:
     scales = Scales(surface.period, surface.rms_height, solid.plane_strain_modulus)
     law: InterfaceLaw | None = None
     if scene.adhesion is not None:
-        adhesion: Any = import_module("bem.adhesion")
+        adhesion: Any = import_module("bem.adhesive.adhesion")
         interface = adhesion.Adhesion(scene.adhesion.work_of_adhesion, scene.adhesion.slope_term)
         law = adhesion.dimensionless_law(interface, profile, scales)
     elastic, mean_compliance, ratio, left_out = Elastic(profile), None, None, None

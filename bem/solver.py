@@ -492,7 +492,7 @@ def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyP
     if problem.law is None:
         body = CompletedBody(complete, problem.profile.max_height, problem.compliance_ratio)
         return ConvexPath(problem.elastic, problem.control, increments, body, highest)
-    equilibrium = import_module("bem.equilibrium")
+    equilibrium = import_module("bem.adhesive.equilibrium")
     system = equilibrium.System(problem.elastic, problem.law, problem.control)
     flaw = None if scene.loading.flaw is None else scene.loading.flaw / problem.scales.length
     return Path(system, increments, highest, complete, flaw)

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.branch import tangent
+from bem.adhesive.branch import tangent
+from bem.adhesive.equilibrium import Balance, System, correct
 from bem.elastic.gap import GapMinima, gap_field, minima_near
-from bem.equilibrium import Balance, System, correct
 from bem.geometry.patches import Patches
 from bem.loading.path_events import Exact
 

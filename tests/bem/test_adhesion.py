@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import ellipeinc
 
-from bem.adhesion import Adhesion, UniformLaw, dimensionless_law, true_length
+from bem.adhesive.adhesion import Adhesion, UniformLaw, dimensionless_law, true_length
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales

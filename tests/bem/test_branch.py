@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bem.adhesion import UniformLaw
-from bem.branch import misses_energy, strays, tangent, unstable_patches
-from bem.descent import descend
+from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.branch import misses_energy, strays, tangent, unstable_patches
+from bem.adhesive.descent import descend
+from bem.adhesive.equilibrium import System, balance
 from bem.elastic.collocation import Elastic
-from bem.equilibrium import System, balance
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bem.adhesion import UniformLaw
+from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.equilibrium import System, balance
 from bem.elastic.collocation import Elastic, evaluate
-from bem.equilibrium import System, balance
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl

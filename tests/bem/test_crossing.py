@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
-from bem import crossing, equilibrium
+from bem import crossing
+from bem.adhesive import equilibrium
 from bem.convex_path import ContactPoint
 from bem.crossing import at_load
 from bem.loading.complete_contact import complete_contact

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from bem.adhesion import UniformLaw
-from bem.descent import descend
+from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.descent import descend
+from bem.adhesive.equilibrium import System, balance
 from bem.elastic.collocation import Elastic
-from bem.equilibrium import System, balance
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem import descent
-from bem.adhesion import UniformLaw
-from bem.descent import descend, pull_off_half_width, trust_region_step
+from bem.adhesive import descent
+from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.descent import descend, pull_off_half_width, trust_region_step
+from bem.adhesive.equilibrium import System, balance, correct
 from bem.elastic.collocation import Elastic
-from bem.equilibrium import System, balance, correct
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_profile
 
-from bem.adhesion import UniformLaw
-from bem.descent import pull_off_half_width
+from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.descent import pull_off_half_width
+from bem.adhesive.equilibrium import System, balance, correct
+from bem.adhesive.events import first_contact, interpenetration, settle
 from bem.elastic.collocation import Elastic
-from bem.equilibrium import System, balance, correct
-from bem.events import first_contact, interpenetration, settle
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from bem.adhesion import UniformLaw
+from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.descent import descend
+from bem.adhesive.equilibrium import System, correct
 from bem.departure import departure
-from bem.descent import descend
 from bem.elastic.collocation import Elastic
-from bem.equilibrium import System, correct
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.limit_points import at_rest, before_fold, locate_limit_point

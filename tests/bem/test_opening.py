@@ -5,7 +5,7 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem import opening
-from bem.equilibrium import System, balance
+from bem.adhesive.equilibrium import System, balance
 from bem.geometry.patches import TWO_PI
 from bem.loading.complete_contact import complete_contact
 from bem.problem import pose

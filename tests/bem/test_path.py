@@ -9,8 +9,8 @@ from rough_surfaces import rough_scene
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
-from bem.branch import tangent
-from bem.equilibrium import System
+from bem.adhesive.branch import tangent
+from bem.adhesive.equilibrium import System
 from bem.loading.complete_contact import complete_contact
 from bem.loading.increments import Increments
 from bem.path import Path, restart

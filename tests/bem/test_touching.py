@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from bem import events
-from bem.adhesion import UniformLaw
-from bem.descent import descend
+from bem.adhesive import events
+from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.descent import descend
+from bem.adhesive.equilibrium import System, balance
+from bem.adhesive.events import settle
+from bem.adhesive.touching import CrestsAhead
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field
-from bem.equilibrium import System, balance
-from bem.events import settle
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl
-from bem.touching import CrestsAhead
 
 TWO_CRESTS = Profile.from_harmonics(TWO_PI, [1, 2], [0.2, 1.0])  # at 0 the higher, at pi the lower one
 SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), DisplacementControl())

@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 import bem
+import bem.adhesive.equilibrium
 import bem.elastic.collocation
 import bem.elastic.hierarchical
-import bem.equilibrium
 from validation.studies.price_list import DIGITS, EFFECTS, Price, digits_of, rough, sentences
 from validation.studies.stages import REST, timed_stages
 
@@ -79,17 +79,17 @@ def test_stages_add_up_to_the_whole():
 
 def test_solver_is_as_before_afterwards():
     before = (
-        bem.equilibrium.evaluate,
-        bem.equilibrium.eigh,
+        bem.adhesive.equilibrium.evaluate,
+        bem.adhesive.equilibrium.eigh,
         bem.elastic.hierarchical.lapack,
         bem.elastic.collocation.evaluate,
     )
     with pytest.raises(ZeroDivisionError), timed_stages():
-        assert bem.equilibrium.evaluate is not before[0]
+        assert bem.adhesive.equilibrium.evaluate is not before[0]
         raise ZeroDivisionError
     after = (
-        bem.equilibrium.evaluate,
-        bem.equilibrium.eigh,
+        bem.adhesive.equilibrium.evaluate,
+        bem.adhesive.equilibrium.eigh,
         bem.elastic.hierarchical.lapack,
         bem.elastic.collocation.evaluate,
     )

@@ -17,10 +17,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 import bem
+from bem.adhesive.equilibrium import System, balance
+from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.contact_assessment import assess_contact
 from bem.elastic.collocation import evaluate
-from bem.equilibrium import System, balance
-from bem.equilibrium_assessment import assess_equilibrium
 from bem.geometry.patches import Patches
 from bem.problem import pose
 from bem.result import State

@@ -249,14 +249,14 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-slope-term-dropped",
         "edges see gamma, not gamma sqrt(1 + h'^2)",
-        "bem.adhesion:SlopeLaw.work_of_adhesion",
+        "bem.adhesive.adhesion:SlopeLaw.work_of_adhesion",
         _without_slope_term,
         "slope term absent",
     ),
     Fault(
         "bem-slope-energy-dropped",
         "adhesion energy on the projected length",
-        "bem.adhesion:SlopeLaw.energy",
+        "bem.adhesive.adhesion:SlopeLaw.energy",
         _without_slope_energy,
         "slope term absent",
     ),
@@ -326,7 +326,7 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-leap-unnoticed",
         "a leap of Newton to another branch is taken for the branch",
-        "bem.branch:misses_energy",
+        "bem.adhesive.branch:misses_energy",
         _unnoticed,
     ),
     Fault(

@@ -190,21 +190,21 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-no-crests-ahead",
         "crests ahead of an edge are not looked at",
-        "bem.touching:CrestsAhead.__call__",
+        "bem.adhesive.touching:CrestsAhead.__call__",
         _no_crests,
     ),
     Fault(
         "bem-edges-leap",
         "edges leap over barriers",
-        "bem.descent:_room",
-        _with_constant("bem.descent", "LARGEST_ROOM", 99.0),
+        "bem.adhesive.descent:_room",
+        _with_constant("bem.adhesive.descent", "LARGEST_ROOM", 99.0),
         "by a hundred times what they may",
     ),
     Fault(
         "bem-patches-vanish",
         "patches vanish that could still stand",
-        "bem.descent:_vanishing",
-        _with_constant("bem.descent", "VANISHED_WIDTH", 49.0),
+        "bem.adhesive.descent:_vanishing",
+        _with_constant("bem.adhesive.descent", "VANISHED_WIDTH", 49.0),
         "at the width of a lone contact at pull-off",
     ),
     Fault(
@@ -228,7 +228,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-stable-inverted",
         "stable at fixed load where it is not",
-        "bem.equilibrium:Balance.stable_at_fixed_load",
+        "bem.adhesive.equilibrium:Balance.stable_at_fixed_load",
         _inverted,
     ),
     Fault(
@@ -240,7 +240,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-work-gradient-dropped",
         "the work of adhesion does not grow along a slope as an edge moves",
-        "bem.adhesion:SlopeLaw.work_gradient",
+        "bem.adhesive.adhesion:SlopeLaw.work_gradient",
         scaled(-1.0),
         "gradient absent",
     ),

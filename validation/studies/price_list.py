@@ -40,7 +40,7 @@ Changes = dict[str, Mapping[str, Any] | None]
 
 ABSENT = (
     "bem.elastic.layer",
-    "bem.adhesion",
+    "bem.adhesive.adhesion",
     "bem.observables",
     "bem.spectra",
     "bem.pressure_distribution",

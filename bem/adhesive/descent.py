@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
+from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
+from bem.adhesive.touching import CrestsAhead
 from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.equilibrium import Balance, System, balance, energy_noise
 from bem.geometry.patches import Patches
-from bem.touching import CrestsAhead
 
 FloatArray = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from bem.equilibrium import Balance, System, edge_positions, energy_noise
+from bem.adhesive.equilibrium import Balance, System, edge_positions, energy_noise
 from bem.loading.control import Control
 
 FloatArray = NDArray[np.float64]

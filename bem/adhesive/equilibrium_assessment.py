@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from bem.adhesive.equilibrium import Balance, System, balance
 from bem.elastic.collocation import finer
-from bem.equilibrium import Balance, System, balance
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.adhesive.equilibrium import Balance, System
 from bem.elastic.gap import GapMinima, gap_field
-from bem.equilibrium import Balance, System
 from bem.geometry.patches import TWO_PI, Patches
 
 FloatArray = NDArray[np.float64]

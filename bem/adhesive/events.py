@@ -15,14 +15,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.descent import descend, pull_off_half_width
+from bem.adhesive.descent import descend, pull_off_half_width
+from bem.adhesive.equilibrium import Balance, System
+from bem.adhesive.touching import CrestsAhead
 from bem.elastic.collocation import Evaluation, Resolution, resolve
 from bem.elastic.gap import GapMinima, gap_field, low_minima
 from bem.elastic.logarithmic_potential import LogarithmicPotential
-from bem.equilibrium import Balance, System
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import DisplacementControl
-from bem.touching import CrestsAhead
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
