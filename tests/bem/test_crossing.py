@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
-from bem import crossing
 from bem.adhesive import equilibrium
+from bem.continuation import crossing
+from bem.continuation.crossing import at_load
+from bem.continuation.path_point import Point
 from bem.convex_path import ContactPoint
-from bem.crossing import at_load
 from bem.loading.complete_contact import complete_contact
-from bem.path_point import Point
 from bem.problem import pose
 from bem.solver import _path_for, solve
 

@@ -6,11 +6,11 @@ import pytest
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.descent import descend
 from bem.adhesive.equilibrium import System, correct
-from bem.departure import departure
+from bem.continuation.departure import departure
+from bem.continuation.limit_points import at_rest, before_fold, locate_limit_point
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
-from bem.limit_points import at_rest, before_fold, locate_limit_point
 from bem.loading.control import DisplacementControl, LoadControl
 
 TOLERANCES = (1e-3, 1e-5, 1e-8)

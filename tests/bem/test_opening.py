@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
-from bem import opening
 from bem.adhesive.equilibrium import System, balance
+from bem.continuation import opening
 from bem.geometry.patches import TWO_PI
 from bem.loading.complete_contact import complete_contact
 from bem.problem import pose

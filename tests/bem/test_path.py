@@ -11,10 +11,10 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System
+from bem.continuation.path import Path, restart
+from bem.continuation.path_point import Point
 from bem.loading.complete_contact import complete_contact
 from bem.loading.increments import Increments
-from bem.path import Path, restart
-from bem.path_point import Point
 from bem.problem import pose
 from bem.scene import parse_scene
 from bem.solver import solve

@@ -8,8 +8,8 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem import solver
-from bem.path import Path
-from bem.path_point import Point
+from bem.continuation.path import Path
+from bem.continuation.path_point import Point
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]

@@ -155,22 +155,27 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-fold-late",
         "folds and bifurcations are located late",
-        "bem.limit_points:locate_limit_point",
+        "bem.continuation.limit_points:locate_limit_point",
         _located_late,
         "a ten-thousandth of the rms height or the pressure unit",
     ),
     Fault(
         "bem-touch-late",
         "touches are located late",
-        "bem.touch_points:locate_touch",
+        "bem.continuation.touch_points:locate_touch",
         _located_late,
         "a ten-thousandth of the rms height or the pressure unit",
     ),
-    Fault("bem-departs-backwards", "contact leaves a limit point backwards", "bem.departure:departure", _wrong_way),
+    Fault(
+        "bem-departs-backwards",
+        "contact leaves a limit point backwards",
+        "bem.continuation.departure:departure",
+        _wrong_way,
+    ),
     Fault(
         "bem-released-coarse",
         "the energy behind a jump is not that of its equilibrium",
-        "bem.limit_points:at_rest",
+        "bem.continuation.limit_points:at_rest",
         _coarse_behind,
     ),
     Fault(
@@ -208,7 +213,10 @@ PATH_FAULTS: tuple[Fault, ...] = (
         "at the width of a lone contact at pull-off",
     ),
     Fault(
-        "bem-last-crossing", "of several states at one load the last is taken", "bem.crossing:_first", _last_crossing
+        "bem-last-crossing",
+        "of several states at one load the last is taken",
+        "bem.continuation.crossing:_first",
+        _last_crossing,
     ),
     Fault(
         "bem-tension-left",
@@ -234,7 +242,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-not-afresh",
         "a stored state does not hold all that its path depends on",
-        "bem.path:Path.afresh",
+        "bem.continuation.path:Path.afresh",
         _not_afresh,
     ),
     Fault(

@@ -15,8 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from bem.path import Path
-from bem.path_point import Point
+from bem.continuation.path import Path
+from bem.continuation.path_point import Point
 
 SECANT_STEPS = 30
 NEWTON_STEPS = 6

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import System, balance
-from bem.limit_points import LimitPoint, is_pushed
+from bem.continuation.limit_points import LimitPoint, is_pushed
 
 FloatArray = NDArray[np.float64]
 

@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 from bem.adhesive.branch import misses_energy, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.events import Settled, interpenetration, settle
-from bem.departure import departure
+from bem.continuation.departure import departure
+from bem.continuation.limit_points import LimitPoint, at_rest, locate_limit_point
+from bem.continuation.opening import complete_potential
+from bem.continuation.path_point import Point
+from bem.continuation.touch_points import locate_touch
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.patches import Patches
-from bem.limit_points import LimitPoint, at_rest, locate_limit_point
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import Exact, path_events
-from bem.opening import complete_potential
-from bem.path_point import Point
-from bem.touch_points import locate_touch
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

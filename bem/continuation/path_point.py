@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance
+from bem.continuation.limit_points import LimitPoint
 from bem.elastic.collocation import Evaluation
-from bem.limit_points import LimitPoint
 from bem.loading.path_events import PathEvent, PathStatus
 
 FloatArray = NDArray[np.float64]

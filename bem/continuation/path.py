@@ -21,16 +21,23 @@ from bem.adhesive.branch import strays, tangent
 from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.events import first_contact, interpenetration, settle
+from bem.continuation.jumps import Jumps
+from bem.continuation.limit_points import before_fold
+from bem.continuation.opening import (
+    complete_potential,
+    first_gap,
+    flawed_potential,
+    lowest_pressure,
+    opened_gap,
+    opening_load,
+)
+from bem.continuation.path_point import Point
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.patches import Patches
-from bem.jumps import Jumps
-from bem.limit_points import before_fold
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact, closing_place
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, path_events
-from bem.opening import complete_potential, first_gap, flawed_potential, lowest_pressure, opened_gap, opening_load
-from bem.path_point import Point
 
 FloatArray = NDArray[np.float64]
 
