@@ -25,17 +25,17 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bem.completed_body import CompletedBody
 from bem.continuation.crossing import at_load, may_meet
 from bem.continuation.path import Path, restart
 from bem.continuation.path_point import Point
-from bem.convex_path import ContactPoint, ConvexPath
 from bem.effects import effects_of
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.flat import flat_states
 from bem.geometry.patches import PatchPressure, ordered
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact, complete_contact
+from bem.nonadhesive.completed_body import CompletedBody
+from bem.nonadhesive.convex_path import ContactPoint, ConvexPath
 from bem.problem import Problem, increments_of, pose
 from bem.result import Event, NotFiniteError, Progress, Result, State, provenance
 from bem.scene import Scene

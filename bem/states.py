@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from bem import certificate, gap_certificate
 from bem.elastic.collocation import Evaluation
 from bem.flat import FlatState
-from bem.gap_series import GapEvaluation
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.path_events import PathEvent
+from bem.nonadhesive.gap_series import GapEvaluation
 from bem.problem import Problem
 from bem.result import Certificate, ErrorEstimate, Event, EventError, State
 

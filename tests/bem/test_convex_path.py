@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
-from bem.convex_path import ContactPoint, ConvexPath
 from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl, LoadControl
+from bem.nonadhesive.convex_path import ContactPoint, ConvexPath
 from bem.problem import pose
 from bem.solver import _path_for, solve
 

@@ -11,8 +11,8 @@ from bem.adhesive import equilibrium
 from bem.continuation import crossing
 from bem.continuation.crossing import at_load
 from bem.continuation.path_point import Point
-from bem.convex_path import ContactPoint
 from bem.loading.complete_contact import complete_contact
+from bem.nonadhesive.convex_path import ContactPoint
 from bem.problem import pose
 from bem.solver import _path_for, solve
 

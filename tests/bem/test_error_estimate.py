@@ -6,13 +6,13 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from bem.contact_assessment import assess_contact
 from bem.elastic.collocation import Elastic, evaluate
 from bem.geometry.profile import Profile
-from bem.grid_contact import grid_problem
 from bem.loading.assessment import quantities_of
 from bem.loading.control import DisplacementControl, LoadControl
-from bem.nonadhesive import solve_contact
+from bem.nonadhesive.contact_assessment import assess_contact
+from bem.nonadhesive.grid_contact import grid_problem
+from bem.nonadhesive.nonadhesive import solve_contact
 from bem.result import ErrorEstimate
 from bem.solver import solve
 from validation.cases.error_estimate import ORDERS, distance, numbers, scenes

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from bem import gap_certificate
-from bem.completed_body import CompletedBody
 from bem.elastic.layer import layer_kernel
 from bem.gap_certificate import OpenGaps, certify_gaps
-from bem.gap_series import evaluate_gaps
 from bem.geometry.profile import Profile
-from bem.last_gaps import Condition, lone_cracks, solve_gaps
 from bem.loading.complete_contact import CompleteContact
+from bem.nonadhesive.completed_body import CompletedBody
+from bem.nonadhesive.gap_series import evaluate_gaps
+from bem.nonadhesive.last_gaps import Condition, lone_cracks, solve_gaps
 
 DEFICITS = pytest.mark.parametrize("deficit", [0.1, 1e-4, 1e-9], ids=str)
 

@@ -7,9 +7,9 @@ from bem.elastic.collocation import Elastic
 from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
-from bem.grid_contact import _intervals, grid_problem
 from bem.loading.control import DisplacementControl, LoadControl
-from bem.nonadhesive import solve_contact
+from bem.nonadhesive.grid_contact import _intervals, grid_problem
+from bem.nonadhesive.nonadhesive import solve_contact
 
 FIXED, LOADED = DisplacementControl(), LoadControl()
 BOTH = pytest.mark.parametrize("control", [FIXED, LOADED], ids=["penetration", "load"])

@@ -7,13 +7,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from bem import convex_path, last_gaps
-from bem.completed_body import CompletedBody
-from bem.gap_series import evaluate_gaps
-from bem.gaps import Gaps, gaps_of
 from bem.geometry.profile import Profile
-from bem.last_gaps import Condition, lone_cracks, solve_gaps
 from bem.loading.complete_contact import CompleteContact, complete_contact
+from bem.nonadhesive import convex_path, last_gaps
+from bem.nonadhesive.completed_body import CompletedBody
+from bem.nonadhesive.gap_series import evaluate_gaps
+from bem.nonadhesive.gaps import Gaps, gaps_of
+from bem.nonadhesive.last_gaps import Condition, lone_cracks, solve_gaps
 from bem.problem import pose
 from bem.scene import parse_scene
 from bem.solver import _path_for, solve
@@ -225,7 +225,7 @@ def test_half_the_tolerance_of_nodes_changes_nothing():
 
 
 def test_gaps_too_many_to_resolve_are_named(monkeypatch):
-    monkeypatch.setattr("bem.gap_series.MOST_UNKNOWNS", 10)
+    monkeypatch.setattr("bem.nonadhesive.gap_series.MOST_UNKNOWNS", 10)
     monkeypatch.setattr(convex_path, "NARROW", 1.0)
     scene = scene_of(ONE)
     problem, body = body_of(scene)

@@ -11,9 +11,9 @@ from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.patches import TWO_PI, PatchPressure
 from bem.geometry.profile import Profile
-from bem.grid_contact import grid_problem
 from bem.loading.control import DisplacementControl, LoadControl
-from bem.nonadhesive import _with_opened_gaps, edge_closure, solve_contact
+from bem.nonadhesive.grid_contact import grid_problem
+from bem.nonadhesive.nonadhesive import _with_opened_gaps, edge_closure, solve_contact
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 FIXED, LOADED = DisplacementControl(), LoadControl()

@@ -19,9 +19,9 @@ from scipy.optimize import brentq
 import bem
 from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
-from bem.contact_assessment import assess_contact
 from bem.elastic.collocation import evaluate
 from bem.geometry.patches import Patches
+from bem.nonadhesive.contact_assessment import assess_contact
 from bem.problem import pose
 from bem.result import State
 from bem.states import Cost, equilibrium_state

@@ -221,7 +221,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-tension-left",
         "tension without adhesion is left in contact",
-        "bem.nonadhesive:_minimum",
+        "bem.nonadhesive.nonadhesive:_minimum",
         _tension_left,
         "a percent of the pressure",
     ),

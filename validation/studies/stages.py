@@ -34,10 +34,10 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.adhesive.branch", "eigh", "eigenvalues"),
     ("bem.continuation.limit_points", "eigh", "eigenvalues"),
     ("bem.adhesive.events", "interpenetration", "gap search"),
-    ("bem.nonadhesive", "low_minima", "gap search"),
+    ("bem.nonadhesive.nonadhesive", "low_minima", "gap search"),
     ("bem.adhesive.equilibrium", "correct", "Newton, rest"),
-    ("bem.nonadhesive", "solve_contact", "Newton, rest"),
-    ("bem.grid_contact", "GridProblem.patches", "start on a grid"),
+    ("bem.nonadhesive.nonadhesive", "solve_contact", "Newton, rest"),
+    ("bem.nonadhesive.grid_contact", "GridProblem.patches", "start on a grid"),
     ("bem.adhesive.events", "settle", "events, rest"),
     ("bem.continuation.limit_points", "locate_limit_point", "events, rest"),
     ("bem.continuation.departure", "departure", "events, rest"),
@@ -46,7 +46,7 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.states", "equilibrium_state", "states kept, rest"),
     ("bem.certificate", "certify", "certificate"),
     ("bem.continuation.path", "Path.assess", "error estimate"),
-    ("bem.convex_path", "ConvexPath.assess", "error estimate"),
+    ("bem.nonadhesive.convex_path", "ConvexPath.assess", "error estimate"),
     ("bem.observables", "contact_fields", "outputs"),
 )
 REST = "path, rest"

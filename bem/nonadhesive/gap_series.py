@@ -31,11 +31,11 @@ from scipy import fft
 from scipy.linalg import lapack
 from scipy.special import zeta
 
-from bem.completed_body import CompletedBody
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.gaps import Gaps
 from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure
+from bem.nonadhesive.completed_body import CompletedBody
+from bem.nonadhesive.gaps import Gaps
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -15,18 +15,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.completed_body import CompletedBody
-from bem.contact_assessment import assess_contact
 from bem.elastic.collocation import Elastic, Evaluation
-from bem.gap_series import GapEvaluation
-from bem.gaps import Gaps, gaps_of
-from bem.grid_contact import GridProblem, grid_problem
-from bem.last_gaps import Condition, assess_gaps, condition_of, lone_cracks, solve_gaps
 from bem.loading.assessment import Assessment
 from bem.loading.control import Control, LoadControl
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, PathStatus, path_events
-from bem.nonadhesive import solve_contact
+from bem.nonadhesive.completed_body import CompletedBody
+from bem.nonadhesive.contact_assessment import assess_contact
+from bem.nonadhesive.gap_series import GapEvaluation
+from bem.nonadhesive.gaps import Gaps, gaps_of
+from bem.nonadhesive.grid_contact import GridProblem, grid_problem
+from bem.nonadhesive.last_gaps import Condition, assess_gaps, condition_of, lone_cracks, solve_gaps
+from bem.nonadhesive.nonadhesive import solve_contact
 
 FloatArray = NDArray[np.float64]
 

@@ -22,13 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from bem.completed_body import CompletedBody
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.gap_series import GapEvaluation, end_values, evaluate_gaps
-from bem.gaps import Gaps
 from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.control import Control
+from bem.nonadhesive.completed_body import CompletedBody
+from bem.nonadhesive.gap_series import GapEvaluation, end_values, evaluate_gaps
+from bem.nonadhesive.gaps import Gaps
 
 FloatArray = NDArray[np.float64]
 

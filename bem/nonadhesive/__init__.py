@@ -1,0 +1,1 @@
+"""Contact without adhesion: Newton on K = 0, the start on a grid, the path, and the last gaps before closure."""
