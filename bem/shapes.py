@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dct
 
-from bem.displacement import ComplianceRatio, DisplacementField, GapPoints
+from bem.audit.displacement import ComplianceRatio, DisplacementField, GapPoints
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem import certificate, gap_certificate
+from bem.audit import certificate, gap_certificate
 from bem.elastic.collocation import Evaluation
 from bem.flat import FlatState
 from bem.loading.assessment import Assessment, Quantities

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem.dense import SmoothKernel, evaluate_dense
+from bem.audit.dense import SmoothKernel, evaluate_dense
 from bem.elastic import hierarchical
 from bem.elastic.collocation import Elastic, Resolution, evaluate, finer, resolve
 from bem.elastic.hierarchical import IllConditionedSystemError

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import bem.__main__ as command_line
-from bem import certificate
+from bem.audit import certificate
 from bem.checkpoint import Checkpoint
 from bem.console import LineReporter, reporter, summary, summary_line
 from bem.effects import effects_of

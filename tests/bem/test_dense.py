@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
+from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.geometry.profile import Profile
 
 AMPLITUDE = 1.3

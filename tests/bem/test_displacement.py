@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from bem import displacement
-from bem.displacement import DisplacementField, GapPoints, regular_part
+from bem.audit import displacement
+from bem.audit.displacement import DisplacementField, GapPoints, regular_part
 from bem.geometry.patches import PatchPressure
 
 WIDE = PatchPressure(np.array([0.4]), np.array([6.1]), (np.array([1.0, 0.3, -0.4, 0.2, 0.05]),))

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bem import gap_certificate
+from bem.audit import gap_certificate
+from bem.audit.gap_certificate import OpenGaps, certify_gaps
 from bem.elastic.layer import layer_kernel
-from bem.gap_certificate import OpenGaps, certify_gaps
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact
 from bem.nonadhesive.completed_body import CompletedBody
@@ -159,5 +159,5 @@ def test_gaps_that_are_none_are_refused(half_width):
 def test_the_certificate_shares_no_code_with_the_solver():
     tree = ast.parse(Path(gap_certificate.__file__).read_text())
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    allowed = {"bem.certificate", "bem.displacement", "bem.geometry.profile"}
+    allowed = {"bem.audit.certificate", "bem.audit.displacement", "bem.geometry.profile"}
     assert {name for name in imported if name.startswith("bem")} <= allowed

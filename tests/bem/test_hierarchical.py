@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bem.dense import evaluate_dense
+from bem.audit.dense import evaluate_dense
 from bem.elastic import hierarchical
 from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.hierarchical import IllConditionedSystemError

@@ -5,7 +5,7 @@ from decimal import Decimal, localcontext
 import numpy as np
 import pytest
 
-from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
+from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.layer import Layer, compliance_deficit, compliance_ratio, layer_kernel
 from bem.geometry.patches import Patches

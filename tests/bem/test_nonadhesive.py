@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from bem.dense import evaluate_dense
+from bem.audit.dense import evaluate_dense
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.patches import TWO_PI, PatchPressure

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import bem
-from bem.dense import dense_nodes, evaluate_dense
+from bem.audit.dense import dense_nodes, evaluate_dense
 from bem.elastic.layer import Layer
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bem.dense import dense_nodes, evaluate_dense
+from bem.audit.dense import dense_nodes, evaluate_dense
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.pressure_distribution import (

@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import jv
 
-from bem.dense import SmoothKernel, dense_nodes, evaluate_dense
-from bem.displacement import DisplacementField, GapPoints
+from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
+from bem.audit.displacement import DisplacementField, GapPoints
 from bem.elastic.layer import layer_kernel
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bem.dense import evaluate_dense
+from bem.audit.dense import evaluate_dense
 from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import Patches

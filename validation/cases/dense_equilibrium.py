@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
+from bem.audit.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
 from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid

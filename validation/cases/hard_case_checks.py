@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.audit.dense import evaluate_dense
 from bem.contact_state import ContactState
-from bem.dense import evaluate_dense
 from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import bem
-from bem.certificate import certify
+from bem.audit.certificate import certify
 from bem.contact_state import ContactState
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.dense import evaluate_dense
+from bem.audit.dense import evaluate_dense
 from bem.geometry.scaling import Scales
 from bem.result import Result
 from validation import adapters

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.special import erf
 
 import bem
-from bem.dense import evaluate_dense
+from bem.audit.dense import evaluate_dense
 from bem.geometry.scaling import Scales
 from fem_reference.closure import Evaluation, evaluate
 from fem_reference.mesh import LayerMesh, Resolution, crisscross

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import bem
-from bem.dense import DenseState, SmoothKernel, evaluate_dense
+from bem.audit.dense import DenseState, SmoothKernel, evaluate_dense
 from bem.geometry.patches import Patches
 from bem.geometry.scaling import Scales
 from validation.studies.work_precision_scenes import Found, MethodError, Posed, overlap

@@ -232,7 +232,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
         _spring_without_half,
         "a hundred-thousandth of that of the spring",
     ),
-    Fault("bem-certificate-accepts", "every certificate is ok", "bem.certificate:certify", _accepts),
+    Fault("bem-certificate-accepts", "every certificate is ok", "bem.audit.certificate:certify", _accepts),
     Fault(
         "bem-stable-inverted",
         "stable at fixed load where it is not",

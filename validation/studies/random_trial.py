@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bem.dense import dense_nodes
+from bem.audit.dense import dense_nodes
 from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
 from bem.result import Result, State

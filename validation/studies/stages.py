@@ -44,7 +44,7 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.continuation.limit_points", "at_rest", "events, rest"),
     ("bem.continuation.touch_points", "locate_touch", "events, rest"),
     ("bem.states", "equilibrium_state", "states kept, rest"),
-    ("bem.certificate", "certify", "certificate"),
+    ("bem.audit.certificate", "certify", "certificate"),
     ("bem.continuation.path", "Path.assess", "error estimate"),
     ("bem.nonadhesive.convex_path", "ConvexPath.assess", "error estimate"),
     ("bem.observables", "contact_fields", "outputs"),

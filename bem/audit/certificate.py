@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dct, idct
 
-from bem.displacement import ComplianceRatio, DisplacementField, GapPoints, regular_part
+from bem.audit.displacement import ComplianceRatio, DisplacementField, GapPoints, regular_part
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 

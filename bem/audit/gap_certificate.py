@@ -28,8 +28,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.certificate import Certificate, Demands
-from bem.displacement import ComplianceRatio
+from bem.audit.certificate import Certificate, Demands
+from bem.audit.displacement import ComplianceRatio
 from bem.geometry.profile import Profile
 
 FloatArray = NDArray[np.float64]
