@@ -408,7 +408,7 @@ class _Run:
         wanted = self._outputs_at(self._target_of(point))
         if not wanted:
             return
-        observables = import_module("bem.observables")
+        observables = import_module("bem.observables.observables")
         record, state = self.record, point.state
         if point.status == "complete_contact":
             load = point.value if self.scene.loading.control == "mean_pressure" else self.complete.least_load

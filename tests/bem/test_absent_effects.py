@@ -53,7 +53,13 @@ def test_absent_effects_are_not_imported_and_not_run(extra, absent):
 
 def test_outputs_not_asked_for_are_not_imported():
     modules, _ = modules_and_files(ADHESION)
-    outputs = {"bem.observables", "bem.shapes", "bem.spectra", "bem.pressure_distribution", "bem.width_distributions"}
+    outputs = {
+        "bem.observables.observables",
+        "bem.observables.shapes",
+        "bem.observables.spectra",
+        "bem.observables.pressure_distribution",
+        "bem.observables.width_distributions",
+    }
     assert not outputs & modules
 
 

@@ -6,7 +6,7 @@ import pytest
 from bem.audit.dense import dense_nodes, evaluate_dense
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
-from bem.pressure_distribution import (
+from bem.observables.pressure_distribution import (
     complete_contact_distribution,
     patch_branches,
     pressure_distribution,

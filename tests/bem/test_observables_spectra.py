@@ -10,7 +10,7 @@ from bem.audit.displacement import DisplacementField, GapPoints
 from bem.elastic.layer import layer_kernel
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
-from bem.spectra import complete_contact_spectra, pressure_modes, spectra, spectral_orders
+from bem.observables.spectra import complete_contact_spectra, pressure_modes, spectra, spectral_orders
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 

@@ -376,7 +376,7 @@ BEM_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-spectrum-one-sided",
         "pressure modes of a spectrum counted on one side",
-        "bem.spectra:pressure_modes",
+        "bem.observables.spectra:pressure_modes",
         _one_sided,
         "power doubled",
     ),

@@ -41,10 +41,10 @@ Changes = dict[str, Mapping[str, Any] | None]
 ABSENT = (
     "bem.elastic.layer",
     "bem.adhesive.adhesion",
-    "bem.observables",
-    "bem.spectra",
-    "bem.pressure_distribution",
-    "bem.shapes",
+    "bem.observables.observables",
+    "bem.observables.spectra",
+    "bem.observables.pressure_distribution",
+    "bem.observables.shapes",
 )
 TARGETS = [45e-6, 35e-6]
 DEPTH = 6e-5  # penetration of the sinusoid, m

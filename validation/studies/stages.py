@@ -47,7 +47,7 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.audit.certificate", "certify", "certificate"),
     ("bem.continuation.path", "Path.assess", "error estimate"),
     ("bem.nonadhesive.convex_path", "ConvexPath.assess", "error estimate"),
-    ("bem.observables", "contact_fields", "outputs"),
+    ("bem.observables.observables", "contact_fields", "outputs"),
 )
 REST = "path, rest"
 

@@ -23,9 +23,9 @@ from bem.geometry.scaling import Scales
 from bem.loading.complete_contact import CompleteContact
 
 if TYPE_CHECKING:
-    from bem.pressure_distribution import PressureDistribution
-    from bem.shapes import Shape
-    from bem.spectra import Spectra
+    from bem.observables.pressure_distribution import PressureDistribution
+    from bem.observables.shapes import Shape
+    from bem.observables.spectra import Spectra
 
 Fields = dict[str, NDArray[Any]]
 FloatArray = NDArray[np.float64]
@@ -70,11 +70,11 @@ def contact_fields(
     if "shapes" in wanted:
         fields |= _contact_shape(problem, pressure, penetration, index)
     if "spectra" in wanted:
-        from bem.spectra import spectra
+        from bem.observables.spectra import spectra
 
         fields |= _spectra(problem, spectra(problem.profile, pressure, None, problem.compliance_ratio), index)
     if "pressure_distribution" in wanted:
-        from bem.pressure_distribution import pressure_distribution
+        from bem.observables.pressure_distribution import pressure_distribution
 
         fields |= _distribution(problem, pressure_distribution(pressure), index)
     if "width_distributions" in wanted:
@@ -101,15 +101,15 @@ def complete_contact_fields(
     fields: Fields = {}
     mean = load / (2 * np.pi)
     if "shapes" in wanted:
-        from bem.shapes import complete_contact_shape
+        from bem.observables.shapes import complete_contact_shape
 
         fields |= _shape(problem, complete_contact_shape(problem.profile, complete.pressure, mean), index)
     if "spectra" in wanted:
-        from bem.spectra import complete_contact_spectra
+        from bem.observables.spectra import complete_contact_spectra
 
         fields |= _spectra(problem, complete_contact_spectra(problem.profile, None, problem.compliance_ratio), index)
     if "pressure_distribution" in wanted:
-        from bem.pressure_distribution import complete_contact_distribution
+        from bem.observables.pressure_distribution import complete_contact_distribution
 
         fields |= _distribution(problem, complete_contact_distribution(complete.pressure, mean), index)
     if "width_distributions" in wanted:
@@ -118,7 +118,7 @@ def complete_contact_fields(
 
 
 def _contact_shape(problem: Posed, pressure: PatchPressure, penetration: float, index: int) -> Fields:
-    from bem.shapes import separated_shape, shape
+    from bem.observables.shapes import separated_shape, shape
 
     if pressure.left.size == 0:
         return _shape(problem, separated_shape(problem.profile, penetration), index)
@@ -158,7 +158,7 @@ def _distribution(problem: Posed, found: PressureDistribution, index: int) -> Fi
 
 
 def _widths(problem: Posed, patches: FloatArray, gaps: FloatArray, index: int) -> Fields:
-    from bem.width_distributions import width_distribution
+    from bem.observables.width_distributions import width_distribution
 
     fields: Fields = {}
     for name, widths in (("patch", patches), ("gap", gaps)):
