@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bem.elastic.layer import Layer as Layer
     from bem.geometry.profile import Profile as Profile
     from bem.geometry.scaling import Solid as Solid
-    from bem.scene import load_scene as load_scene
+    from bem.scene.scene import load_scene as load_scene
     from bem.solver import solve as solve
 
 _HOME = {
@@ -24,7 +24,7 @@ _HOME = {
     "Layer": "bem.elastic.layer",
     "Profile": "bem.geometry.profile",
     "Solid": "bem.geometry.scaling",
-    "load_scene": "bem.scene",
+    "load_scene": "bem.scene.scene",
     "solve": "bem.solver",
 }
 

@@ -16,11 +16,11 @@ from typing import Any
 
 from bem.checkpoint import Checkpoint, OutputFolderError, interruptible, stored_result, uninterrupted, usable
 from bem.console import effects_text, reporter, scene_text, summary, summary_line
-from bem.effects import effects_of, predicted_seconds
 from bem.folder_lock import FolderInUseError, locked
-from bem.result import FINAL_STATUSES, Progress, Result, write_result
-from bem.scene import Scene, SceneError, StoredStart, load_scene
-from bem.scene_rules import Mistake
+from bem.scene.effects import effects_of, predicted_seconds
+from bem.scene.result import FINAL_STATUSES, Progress, Result, write_result
+from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
+from bem.scene.scene_rules import Mistake
 from bem.solver import solve
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130

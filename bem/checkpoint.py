@@ -15,9 +15,9 @@ from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 
-from bem.effects import effects_of
-from bem.result import FINAL_STATUSES, CorruptResultError, Result, digest, provenance, read_result, write_result
-from bem.scene import Scene
+from bem.scene.effects import effects_of
+from bem.scene.result import FINAL_STATUSES, CorruptResultError, Result, digest, provenance, read_result, write_result
+from bem.scene.scene import Scene
 
 PAUSE = 10.0
 SECONDS_BETWEEN_INCREMENTS = 2.0  # between writes of states that are no targets

@@ -14,7 +14,7 @@ from typing import Any, Protocol, TextIO
 
 from tqdm import tqdm
 
-from bem.result import Effect, Progress, Result
+from bem.scene.result import Effect, Progress, Result
 
 LINE_SECONDS = 5.0
 TARGET_SECONDS = 0.5

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bem.geometry.scaling import Solid
-from bem.scene import Scene
+from bem.scene.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from bem.geometry.scaling import Scales, Solid
 from bem.loading.control import Control, DisplacementControl, LoadControl
 from bem.loading.increments import Increments
 from bem.loading.interface_law import InterfaceLaw
-from bem.scene import Scene
+from bem.scene.scene import Scene
 
 FloatArray = NDArray[np.float64]
 

@@ -28,7 +28,6 @@ from threadpoolctl import threadpool_limits
 from bem.continuation.crossing import at_load, may_meet
 from bem.continuation.path import Path, restart
 from bem.continuation.path_point import Point
-from bem.effects import effects_of
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.flat import flat_states
 from bem.geometry.patches import PatchPressure, ordered
@@ -37,8 +36,9 @@ from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.convex_path import ContactPoint, ConvexPath
 from bem.problem import Problem, increments_of, pose
-from bem.result import Event, NotFiniteError, Progress, Result, State, provenance
-from bem.scene import Scene
+from bem.scene.effects import effects_of
+from bem.scene.result import Event, NotFiniteError, Progress, Result, State, provenance
+from bem.scene.scene import Scene
 from bem.states import Cost, complete_state, equilibrium_state, event_of, flat_state, separated_state
 
 AnyPoint = Point | ContactPoint

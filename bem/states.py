@@ -16,7 +16,7 @@ from bem.loading.complete_contact import CompleteContact
 from bem.loading.path_events import PathEvent
 from bem.nonadhesive.gap_series import GapEvaluation
 from bem.problem import Problem
-from bem.result import Certificate, ErrorEstimate, Event, EventError, State
+from bem.scene.result import Certificate, ErrorEstimate, Event, EventError, State
 
 FloatArray = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from bem.scene import Scene, parse_scene
+from bem.scene.scene import Scene, parse_scene
 from persson import DiscreteSpectrum
 
 

@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.result import CorruptResultError, Result, digest, read_result, write_result
-from bem.scene import parse_scene
+from bem.scene.result import CorruptResultError, Result, digest, read_result, write_result
+from bem.scene.scene import parse_scene
 from validation.execution import PULSE, Ended, Running, run_in_processes
 from validation.executors import Opener, local_processes
 from validation.provenance import provenance

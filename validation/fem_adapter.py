@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import bem
 import fem_reference
-from bem.scene import Scene
+from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
 
 FloatArray = NDArray[np.float64]

@@ -12,7 +12,7 @@ seen = set()
 def note(frame, event, argument):
     if event == "call":
         seen.add(Path(frame.f_code.co_filename).name)
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 data = {{
     "solid": {{"youngs_modulus": 1e6, "poisson_ratio": 0.5}},
     "profile": {{"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 10, "seed": 1}},

@@ -17,7 +17,7 @@ from bem.geometry.patches import Patches, PatchPressure
 from bem.geometry.profile import Profile
 from bem.loading.control import LoadControl
 from bem.problem import pose
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 
 
 @dataclass(frozen=True)

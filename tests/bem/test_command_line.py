@@ -16,9 +16,9 @@ import bem.__main__ as command_line
 from bem.audit import certificate
 from bem.checkpoint import Checkpoint
 from bem.console import LineReporter, reporter, summary, summary_line
-from bem.effects import effects_of
-from bem.result import Certificate, ErrorEstimate, Progress, Result, State, provenance, read_result, write_result
-from bem.scene import load_scene
+from bem.scene.effects import effects_of
+from bem.scene.result import Certificate, ErrorEstimate, Progress, Result, State, provenance, read_result, write_result
+from bem.scene.scene import load_scene
 
 SCENE = """
 title = "wave"
@@ -305,7 +305,7 @@ def test_full_disk_is_an_error_and_not_a_traceback(scene, tmp_path, solver, monk
     def full_disk(_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("bem.result.os.fsync", full_disk)
+    monkeypatch.setattr("bem.scene.result.os.fsync", full_disk)
     assert run(scene, tmp_path / "out") == 1
     assert "No space left on device" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

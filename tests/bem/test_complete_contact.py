@@ -7,7 +7,7 @@ from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
 from bem.loading.complete_contact import complete_contact
 from bem.problem import pose
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 
 PERIOD, SOLID = 0.01, Solid(1e6, 0.3)

@@ -5,8 +5,8 @@ import copy
 import numpy as np
 import pytest
 
-from bem.effects import EFFECTS, effects_of, predicted_seconds
-from bem.scene import parse_scene
+from bem.scene.effects import EFFECTS, effects_of, predicted_seconds
+from bem.scene.scene import parse_scene
 
 BASE = {
     "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},

@@ -13,7 +13,7 @@ from bem.loading.control import DisplacementControl, LoadControl
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.nonadhesive.grid_contact import grid_problem
 from bem.nonadhesive.nonadhesive import solve_contact
-from bem.result import ErrorEstimate
+from bem.scene.result import ErrorEstimate
 from bem.solver import solve
 from validation.cases.error_estimate import ORDERS, distance, numbers, scenes
 

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 
 AMPLITUDE, PERIOD, MODULUS = 1e-4, 0.01, 4e6 / 3

@@ -5,7 +5,7 @@ import pytest
 
 from bem.geometry.profile import Profile
 from bem.problem import increments_of, pose
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 
 RMS = 2e-3

@@ -6,7 +6,7 @@ import pytest
 
 from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 
 THICKNESS, SOLID = 0.001, Solid(1e6, 0.3)

@@ -5,8 +5,8 @@ from functools import cache
 
 import pytest
 
-from bem.result import Event, EventError
-from bem.scene import parse_scene
+from bem.scene.result import Event, EventError
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 from validation.cases import hard_case_checks as checks
 from validation.cases.hard_case_run import judged, missed, run_case

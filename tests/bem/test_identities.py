@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
 
 import bem
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 
 PERIOD, HEIGHT, SOLID = 0.01, 50e-6, bem.Solid(1e6, 0.5)
 NODE, WEIGHT = np.polynomial.legendre.leggauss(400)
@@ -124,7 +124,7 @@ class Touching:
     """A converged state with edges, and the same state evaluated on its own from edges and penetration."""
 
     surface: Surface
-    state: bem.result.State
+    state: bem.scene.result.State
 
     @property
     def alone(self):

@@ -15,7 +15,7 @@ from bem.nonadhesive.gap_series import evaluate_gaps
 from bem.nonadhesive.gaps import Gaps, gaps_of
 from bem.nonadhesive.last_gaps import Condition, lone_cracks, solve_gaps
 from bem.problem import pose
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from bem.solver import _path_for, solve
 
 PERIOD, AMPLITUDE, MODULUS = 0.01, 1e-4, 1e6 / 0.75

@@ -8,7 +8,7 @@ from rough_surfaces import rough_scene
 
 from bem.elastic.layer import Layer, compliance_ratio
 from bem.geometry.scaling import Solid
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 from validation.cases.dense_equilibrium import reference
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
-from bem.result import write_result
-from bem.scene import parse_scene
+from bem.scene.result import write_result
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 from validation.cases.closed_forms import Sinusoid
 from validation.cases.energy_balance import accounts, closed, legs

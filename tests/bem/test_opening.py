@@ -9,7 +9,7 @@ from bem.continuation import opening
 from bem.geometry.patches import TWO_PI
 from bem.loading.complete_contact import complete_contact
 from bem.problem import pose
-from bem.scene import SceneError
+from bem.scene.scene import SceneError
 from bem.solver import solve
 
 LAYERS = {"half-space": {}, "layer": {"layer": {"thickness": 0.003}}, "thin layer": {"layer": {"thickness": 0.0005}}}

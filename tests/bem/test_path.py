@@ -16,7 +16,7 @@ from bem.continuation.path_point import Point
 from bem.loading.complete_contact import complete_contact
 from bem.loading.increments import Increments
 from bem.problem import pose
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 
 PERIOD, AMPLITUDE, MODULUS = 0.01, 1e-4, 4e6 / 3

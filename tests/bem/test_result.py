@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bem import result as result_module
-from bem.result import (
+from bem.scene import result as result_module
+from bem.scene.result import (
     Certificate,
     CorruptResultError,
     Effect,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bem.scan_file import ScanFileError, read_scan
+from bem.scene.scan_file import ScanFileError, read_scan
 
 GOOD = "0 1\n1 2\n2 3\n3 2\n"
 

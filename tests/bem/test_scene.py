@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bem.result import Certificate, ErrorEstimate, Result, State, write_result
-from bem.scene import SceneError, load_scene, parse_scene
+from bem.scene.result import Certificate, ErrorEstimate, Result, State, write_result
+from bem.scene.scene import SceneError, load_scene, parse_scene
 
 BASE = {
     "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},

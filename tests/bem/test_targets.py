@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bem.targets import expanded, found, merged, origin, unloads
+from bem.scene.targets import expanded, found, merged, origin, unloads
 
 VALUES = st.integers(min_value=0, max_value=20).map(float)
 

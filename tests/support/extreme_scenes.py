@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bem.scene import SceneError, parse_scene
+from bem.scene.scene import SceneError, parse_scene
 
 MAGNITUDES = [1e-300, 1e-61, 1e-60, 1e-20, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e13, 1e60, 1e61, 1e300]
 USUAL = {"youngs_modulus": 1e6, "period": 0.01, "height": 1e-4, "work": 0.03, "thickness": 0.002}

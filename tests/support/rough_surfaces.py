@@ -4,7 +4,7 @@ import numpy as np
 
 from bem.geometry.patches import ordered
 from bem.geometry.profile import Profile
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 
 
 def bearing_cut(profile, share):

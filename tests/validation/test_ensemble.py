@@ -17,8 +17,8 @@ import pytest
 from example_members import here, members
 
 import bem
-from bem.result import FIELDS_FILE, RESULT_FILE, CorruptResultError
-from bem.scene import SceneError
+from bem.scene.result import FIELDS_FILE, RESULT_FILE, CorruptResultError
+from bem.scene.scene import SceneError
 from validation.ensemble import Member, member_seed, read_member, run_ensemble
 from validation.executors import local_processes
 

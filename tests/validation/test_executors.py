@@ -14,7 +14,7 @@ import pytest
 from example_members import here, members
 from threadpoolctl import threadpool_info
 
-from bem.result import RESULT_FILE
+from bem.scene.result import RESULT_FILE
 from validation import __main__ as command_line
 from validation import executors
 from validation.ensemble import read_member, run_ensemble

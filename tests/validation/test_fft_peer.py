@@ -5,7 +5,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from validation.cases import fft_solver, peers
 from validation.cases.fft_solver import GridContact, extrapolated, grid_contact
 

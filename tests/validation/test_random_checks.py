@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bem.scene import SceneError, parse_scene
+from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
 from validation.cases.hard_case_scenes import rough, scene, waves
 from validation.studies import random_copies as copies

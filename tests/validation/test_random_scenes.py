@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bem.scene import SceneError, load_scene, parse_scene
+from bem.scene.scene import SceneError, load_scene, parse_scene
 from validation.studies.random_scenes import EXTREMES, MISTAKES, draw
 from validation.studies.random_trial import RandomCase, case_of, run_case
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from validation.studies.theory_correction_members import MODULUS, RMS_SLOPE, Group, groups
 
 

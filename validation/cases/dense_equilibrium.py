@@ -17,8 +17,8 @@ from bem.audit.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dens
 from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
-from bem.result import State
-from bem.scene import Scene
+from bem.scene.result import State
+from bem.scene.scene import Scene
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

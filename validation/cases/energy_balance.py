@@ -21,8 +21,8 @@ from itertools import pairwise
 import numpy as np
 
 import bem
-from bem.result import Event, Result, State
-from bem.scene import Scene
+from bem.scene.result import Event, Result, State
+from bem.scene.scene import Scene
 
 NODES, PANELS = 12, 4  # of Gauss's rule on a panel; panels of the way between two targets
 SHORTEST = 1e-12  # of the way between two targets: a branch

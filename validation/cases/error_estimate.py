@@ -17,8 +17,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 import bem
-from bem.result import State
-from bem.scene import Scene
+from bem.scene.result import State
+from bem.scene.scene import Scene
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import bem
-from bem.scene import Scene
+from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
 from validation import fem_adapter
 from validation.schema import Reference, Row, Tolerance

@@ -17,7 +17,7 @@ from importlib.util import find_spec
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.scene import Scene
+from bem.scene.scene import Scene
 
 FloatArray = NDArray[np.float64]
 

@@ -21,8 +21,8 @@ from bem.contact_state import ContactState
 from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
-from bem.result import Result, State, write_result
-from bem.scene import Scene, parse_scene
+from bem.scene.result import Result, State, write_result
+from bem.scene.scene import Scene, parse_scene
 from bem.solver import solve
 from validation.cases.hard_case_crack import closing, crack, valleys
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
-from bem.result import Result
-from bem.scene import SceneError, parse_scene
+from bem.scene.result import Result
+from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
 from validation.cases.hard_case_checks import CHECKS
 from validation.cases.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples

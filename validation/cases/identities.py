@@ -107,7 +107,7 @@ def _energy_release() -> Outcome:
     return Outcome(rows=rows, figures=(figure,), counts={"unknowns": here.evaluation.unknowns})
 
 
-def _mean_gap(state: bem.result.State, profile: bem.Profile) -> float:
+def _mean_gap(state: bem.scene.result.State, profile: bem.Profile) -> float:
     """Mean gap over a period, by Gauss-Legendre in the angle that clusters points at the edges."""
     edges = np.array(state.edges)
     solved = bem.ContactState(profile, bem.Solid(1e6, 0.5), edges, state.penetration)

@@ -19,8 +19,8 @@ from bem.audit.certificate import certify
 from bem.contact_state import ContactState
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
-from bem.result import State
-from bem.scene import parse_scene
+from bem.scene.result import State
+from bem.scene.scene import parse_scene
 from validation.case import Case, Outcome
 from validation.cases.hard_case_crack import closing, valleys
 from validation.cases.hard_case_scenes import MODULUS, PERIOD, rough, scene, waves

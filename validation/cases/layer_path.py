@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.result import Result, State
-from bem.scene import Scene
+from bem.scene.result import Result, State
+from bem.scene.scene import Scene
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.dense_equilibrium import reference

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.result import Result
+from bem.scene.result import Result
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import bem
-from bem.result import Result
+from bem.scene.result import Result
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.fault_gaps import compared

@@ -17,7 +17,7 @@ import numpy as np
 import bem
 import fem_reference
 import persson
-from bem.result import State
+from bem.scene.result import State
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid

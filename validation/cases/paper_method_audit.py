@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import bem
-from bem.result import State
-from bem.scene import Scene, parse_scene
+from bem.scene.result import State
+from bem.scene.scene import Scene, parse_scene
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.paper_method import PaperState, Surface, follow, solve

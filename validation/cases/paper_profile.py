@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 import bem
-from bem.result import State
+from bem.scene.result import State
 from persson import DiscreteSpectrum, solve_nonadhesive
 from validation import adapters
 from validation.case import Case, Outcome

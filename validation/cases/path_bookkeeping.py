@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.result import Event, Result, State, write_result
-from bem.scene import parse_scene
+from bem.scene.result import Event, Result, State, write_result
+from bem.scene.scene import parse_scene
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.fault_gaps import compared

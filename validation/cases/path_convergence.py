@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import bem
-from bem.result import Result
+from bem.scene.result import Result
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
@@ -18,7 +18,7 @@ def _solved(increment: float) -> tuple[Result, tuple[int, int]]:
     """The scene at one largest increment, and the increments accepted and rejected."""
     counts = (0, 0)
 
-    def note(progress: bem.result.Progress) -> None:
+    def note(progress: bem.scene.result.Progress) -> None:
         nonlocal counts
         counts = (progress.increments_accepted, progress.increments_rejected)
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.result import State
-from bem.scene import Scene
+from bem.scene.result import State
+from bem.scene.scene import Scene
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.fft_solver import Extrapolated, GridContact, extrapolated, grid_contact, missing

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import bem
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from validation.case import Case, Outcome
 from validation.cases.fault_gaps import compared
 from validation.schema import Reference

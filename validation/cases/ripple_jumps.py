@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 import bem
-from bem.result import Event, Result
+from bem.scene.result import Event, Result
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.fault_gaps import compared

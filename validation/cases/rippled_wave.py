@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 import bem
-from bem.result import Result, State
+from bem.scene.result import Result, State
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.fault_gaps import compared

@@ -10,7 +10,7 @@ import numpy as np
 import bem
 from bem.audit.dense import evaluate_dense
 from bem.geometry.scaling import Scales
-from bem.result import Result
+from bem.scene.result import Result
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid

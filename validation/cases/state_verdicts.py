@@ -23,7 +23,7 @@ from bem.elastic.collocation import evaluate
 from bem.geometry.patches import Patches
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.problem import pose
-from bem.result import State
+from bem.scene.result import State
 from bem.states import Cost, equilibrium_state
 from validation import adapters
 from validation.case import Case, Outcome

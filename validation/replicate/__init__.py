@@ -18,7 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bem.result import CorruptResultError
+from bem.scene.result import CorruptResultError
 from validation.case import Case, Outcome
 from validation.ensemble import Member, OtherSceneError, read_member, run_ensemble
 from validation.executors import Opener

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bem.geometry.profile import Profile
-from bem.result import Result, State
+from bem.scene.result import Result, State
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
 from validation.replicate.members import LOADS, MODULUS, PAPER, Size
 

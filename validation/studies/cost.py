@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.result import FINAL_STATUSES, Progress, State
+from bem.scene.result import FINAL_STATUSES, Progress, State
 from validation import adapters
 from validation.compare import fitted_order
 from validation.execution import Ended, Running, run_alone

@@ -20,8 +20,8 @@ from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import ordered
 from bem.geometry.scaling import Scales
-from bem.result import State
-from bem.scene import Scene
+from bem.scene.result import State
+from bem.scene.scene import Scene
 from validation import adapters
 from validation.compare import fitted_order
 from validation.studies.plots import Line, Plot

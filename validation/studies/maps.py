@@ -37,7 +37,7 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.profile import Profile
-from bem.result import FINAL_STATUSES, Result, State
+from bem.scene.result import FINAL_STATUSES, Result, State
 from validation.ensemble import Member, Outcome, member_seed, read_member, run_ensemble
 from validation.executors import Opener, local_processes
 from validation.runner import Note

@@ -30,7 +30,7 @@ from scipy.optimize import brentq
 
 import bem
 import fem_reference
-from bem.result import Result
+from bem.scene.result import Result
 from fem_reference import Resolution
 from validation import adapters
 from validation.cases.closed_forms import Sinusoid

@@ -26,8 +26,8 @@ from typing import Literal, get_args
 import numpy as np
 
 from bem.geometry.scaling import Scales, Solid
-from bem.result import FINAL_STATUSES, STATUSES, Event, Result, State
-from bem.scene import Scene
+from bem.scene.result import FINAL_STATUSES, STATUSES, Event, Result, State
+from bem.scene.scene import Scene
 from validation.studies.random_scenes import mean_compliance
 
 Kind = Literal[

@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
-from bem.result import FINAL_STATUSES, Event, Result, State, write_result
-from bem.scene import LoadingTable, Scene, parse_scene
+from bem.scene.result import FINAL_STATUSES, Event, Result, State, write_result
+from bem.scene.scene import LoadingTable, Scene, parse_scene
 from bem.solver import solve
 from validation.studies.random_checks import EPS, Finding, Kind, Units
 from validation.studies.random_scenes import SCAN, Table

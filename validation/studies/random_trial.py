@@ -22,8 +22,8 @@ import numpy as np
 from bem.audit.dense import dense_nodes
 from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
-from bem.result import Result, State
-from bem.scene import Scene, SceneError, parse_scene
+from bem.scene.result import Result, State
+from bem.scene.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
 from validation.cases.dense_equilibrium import NoReferenceError, reference
 from validation.cases.hard_case_run import Outcome

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.result import Result
+from bem.scene.result import Result
 from validation.ensemble import read_member
 from validation.studies.theory_correction_members import MODULUS, Group
 

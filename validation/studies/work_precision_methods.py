@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.scene import parse_scene
+from bem.scene.scene import parse_scene
 from fem_reference.closure import Evaluation
 from fem_reference.face import face_nodes, interpolate
 from fem_reference.mesh import Resolution

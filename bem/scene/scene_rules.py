@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.profile import Profile
-from bem.scan_file import Scan
+from bem.scene.scan_file import Scan
 
 SAMPLED_HARMONICS = 1000  # default cut of a scan
 REQUIRED = {

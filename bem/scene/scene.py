@@ -22,9 +22,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from bem.geometry.profile import Profile
-from bem.result import State
-from bem.scan_file import Scan, ScanFileError, read_scan
-from bem.scene_rules import (
+from bem.scene.result import State
+from bem.scene.scan_file import Scan, ScanFileError, read_scan
+from bem.scene.scene_rules import (
     RANGE,
     SAMPLED_HARMONICS,
     Mistake,
@@ -37,8 +37,8 @@ from bem.scene_rules import (
     surface_of,
     unknown_key,
 )
-from bem.stored_start import StoredState, other_problem, stored_start
-from bem.targets import expanded, found, merged, origin
+from bem.scene.stored_start import StoredState, other_problem, stored_start
+from bem.scene.targets import expanded, found, merged, origin
 
 __all__ = ["Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 

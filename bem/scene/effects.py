@@ -16,9 +16,9 @@ from collections.abc import Iterator
 from importlib import import_module
 
 from bem.geometry.scaling import Solid
-from bem.result import Effect
-from bem.scene import Scene
-from bem.targets import unloads
+from bem.scene.result import Effect
+from bem.scene.scene import Scene
+from bem.scene.targets import unloads
 
 EFFECTS = (
     *("half_space", "layer", "adhesion", "slope_term", "unloading", "load_control"),

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bem.result import FINAL_STATUSES, CorruptResultError, State, read_result
-from bem.scene_rules import Mistake, shown
+from bem.scene.result import FINAL_STATUSES, CorruptResultError, State, read_result
+from bem.scene.scene_rules import Mistake, shown
 
 
 @dataclass(frozen=True)
