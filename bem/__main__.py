@@ -14,9 +14,16 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from bem.checkpoint import Checkpoint, OutputFolderError, interruptible, stored_result, uninterrupted, usable
-from bem.console import effects_text, reporter, scene_text, summary, summary_line
-from bem.folder_lock import FolderInUseError, locked
+from bem.command_line.checkpoint import (
+    Checkpoint,
+    OutputFolderError,
+    interruptible,
+    stored_result,
+    uninterrupted,
+    usable,
+)
+from bem.command_line.console import effects_text, reporter, scene_text, summary, summary_line
+from bem.command_line.folder_lock import FolderInUseError, locked
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.result import FINAL_STATUSES, Progress, Result, write_result
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from bem.folder_lock import FolderInUseError, locked
+from bem.command_line.folder_lock import FolderInUseError, locked
 from validation import baseline
 from validation.executors import ExecutorError, opener_of
 from validation.provenance import provenance

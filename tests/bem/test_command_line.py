@@ -14,8 +14,8 @@ import pytest
 
 import bem.__main__ as command_line
 from bem.audit import certificate
-from bem.checkpoint import Checkpoint
-from bem.console import LineReporter, reporter, summary, summary_line
+from bem.command_line.checkpoint import Checkpoint
+from bem.command_line.console import LineReporter, reporter, summary, summary_line
 from bem.scene.effects import effects_of
 from bem.scene.result import Certificate, ErrorEstimate, Progress, Result, State, provenance, read_result, write_result
 from bem.scene.scene import load_scene

@@ -8,12 +8,12 @@ import sys
 
 import pytest
 
-from bem.folder_lock import LOCK_FILE, FolderInUseError, locked
+from bem.command_line.folder_lock import LOCK_FILE, FolderInUseError, locked
 
 HOLD = """
 import sys, time
 from pathlib import Path
-from bem.folder_lock import locked
+from bem.command_line.folder_lock import locked
 with locked(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(60)
@@ -66,7 +66,7 @@ def test_many_that_come_and_go_are_never_inside_together(tmp_path):
     code = (
         "import sys\n"
         "from pathlib import Path\n"
-        "from bem.folder_lock import FolderInUseError, locked\n"
+        "from bem.command_line.folder_lock import FolderInUseError, locked\n"
         "folder, entered = Path(sys.argv[1]), 0\n"
         "while entered < 30:\n"
         "    try:\n"

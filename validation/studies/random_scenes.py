@@ -21,7 +21,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.console import scene_text
+from bem.command_line.console import scene_text
 from bem.elastic.layer import compliance_ratio
 from bem.geometry.profile import Profile
 
