@@ -300,7 +300,7 @@ def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
     for k, (before, after, events) in enumerate(zip([apart, *marks], marks, groups, strict=False)):
         flawed = scene.loading.flaw is not None and any(event.kind == "opening" for event in events)
         if before is None or flawed or any(event.energy_released is None for event in events):
-            continue  # energies of complete contact know nothing of a flaw (bem/opening.py)
+            continue  # energies of complete contact know nothing of a flaw (bem/continuation/opening.py)
         freed = math.fsum(float(event.energy_released or 0.0) for event in events)
         work, error = _work(scene, units, before, after, events)
         change = after.potential - before.potential
