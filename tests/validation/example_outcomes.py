@@ -4,7 +4,7 @@ import os
 import time
 
 from validation.cases.hard_case_run import Outcome
-from validation.studies.stability import Task
+from validation.studies.hard_case_rows import Task
 
 EXPECTED = ("converged", "converged")
 

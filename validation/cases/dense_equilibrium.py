@@ -1,9 +1,9 @@
 """The equilibrium next to a state of the solver, by dense algebra alone: what its error estimates are measured against.
 
 Edges and penetration of the state are taken as a start only.  Newton on K_e = 2 sqrt(w_e) (K_e = 0 without adhesion)
-and on the condition of the control, with the plain dense evaluation (bem/audit/dense.py: own nodes, moments, kernels and
-derivatives), goes on until its steps are rounding.  Work and energy of adhesion, stiffness and conversions are this
-file's own.  Dimensionless inside: lengths period / 2 pi, heights the rms height a, stresses E* q0 a / 2.
+and on the condition of the control, with the plain dense evaluation (bem/audit/dense.py: own nodes, moments, kernels
+and derivatives), goes on until its steps are rounding.  Work and energy of adhesion, stiffness and conversions are
+this file's own.  Dimensionless inside: lengths period / 2 pi, heights the rms height a, stresses E* q0 a / 2.
 """
 
 from __future__ import annotations

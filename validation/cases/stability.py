@@ -11,8 +11,8 @@ from functools import partial
 
 from validation.case import Case, Outcome
 from validation.schema import Reference, Row, Tolerance
-from validation.studies import stability
-from validation.studies.stability import Code, Task, counts, row_of, table_of, tasks_of
+from validation.studies.hard_case_rows import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
+from validation.studies.hard_case_rows import Row as HardRow
 
 REFERENCE = Reference(kind="self", source="the expectation stated beforehand, and the checks that each case names")
 EITHER = Tolerance(value=0.5, measured=0.0, basis="required")  # of a yes or no, and of counts
@@ -40,7 +40,7 @@ def _hard_cases(code: Code) -> Outcome:
             reference=REFERENCE,
             norm="absolute",
             expected=[1.0, 1.0],
-            computed=[float(row.ending in stability.GOOD), float(row.correct)],
+            computed=[float(row.ending in GOOD), float(row.correct)],
             tolerance=EITHER,
             pinned="exact",
             message=row.message,
@@ -50,10 +50,10 @@ def _hard_cases(code: Code) -> Outcome:
     return Outcome(rows=(total, *rows), tables=(table_of(ended),))
 
 
-def _ended(task: Task) -> stability.Row:
+def _ended(task: Task) -> HardRow:
     """The row of a case, also when it crashes."""
     try:
-        return row_of(task, stability.measured(task))
+        return row_of(task, measured(task))
     except Exception as error:
         return row_of(task, error)
 

@@ -1,6 +1,6 @@
 """Spectra of displacement and pressure at 0.005 and 0.02 E*: exponents, full contact at short waves and at high load.
 
-C_u and C_sigma are two-sided per line (bem/observables/spectra.py); every line of one realisation scatters like a periodogram, so
+C_u and C_sigma are two-sided per line; every line of one realisation scatters like a periodogram, so
 the exponents are those of the mean over the realisations, by least squares of ln C against ln q over the orders of a
 window, every line with the same weight.  The windows were fixed beforehand: orders 10 to 100 for the middle, 250 to
 1000 for the high end.  The error is the jackknife's; the sensitivity is the largest change when either end, or both,

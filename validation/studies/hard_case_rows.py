@@ -1,0 +1,177 @@
+"""What became of a case of the corpus: a row that holds how it ended and, apart from that, whether it is correct.
+
+The corpora of the boundary elements (hard_cases.py), of the finite element reference (hard_fem_cases.py) and of
+Persson's theory (hard_persson_cases.py) state what they expect before anything runs; scenes drawn at random are judged
+by random_trial.py.  Each case ends in one of
+
+    converged             every status is the one expected
+    refused as expected   with the reason, which names the argument
+    refused               unexpectedly, with the reason: a failure
+    not converged         some status is not the one expected
+    crashed               any other exception, or the process died
+    timed out             the limit was reached
+
+Apart from that it is correct or not: certificates, events, closed forms, second routes found nothing against it.  A
+case that converged and is not correct is the worst kind, and counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, get_args
+
+from validation.cases import hard_case_run, hard_fem_cases, hard_persson_cases
+from validation.cases.hard_case_run import Outcome
+from validation.cases.hard_cases import HARD_CASES
+from validation.schema import Table
+from validation.studies import random_trial
+
+LIMITS = {"reduced": 120.0, "full": 1800.0}  # s of the clock
+
+Code = Literal["bem", "fem", "persson", "random"]
+Form = Literal["reduced", "full"]
+Ending = Literal["converged", "refused as expected", "refused", "not converged", "crashed", "timed out"]
+ENDINGS: tuple[Ending, ...] = get_args(Ending)
+GOOD: tuple[Ending, ...] = ("converged", "refused as expected")
+
+
+@dataclass(frozen=True)
+class Task:
+    """A case of a code, in one of its forms, with the seconds it may take."""
+
+    code: Code
+    id: str
+    form: Form
+    limit: float
+
+
+@dataclass(frozen=True)
+class Row:
+    """What became of a case; `correct` is False where there is no result to judge; `kinds` are those of findings."""
+
+    code: Code
+    id: str
+    form: Form
+    reason: str
+    expected: tuple[str, ...]
+    observed: tuple[str, ...]
+    ending: Ending
+    correct: bool
+    message: str
+    seconds: float | None
+    kinds: tuple[str, ...] = ()
+
+    @property
+    def stands(self) -> bool:
+        """Whether it ended as expected and is correct."""
+        return self.ending in GOOD and self.correct
+
+
+def tasks_of(quick: bool) -> list[Task]:
+    """All cases of the three corpora, in order."""
+    form: Form = "reduced" if quick else "full"
+    return [Task(code, name, form, LIMITS[form]) for code, corpus in _corpora().items() for name in corpus]
+
+
+def measured(task: Task) -> Outcome:
+    """One case, in a process of its own."""
+    return RUNNERS[task.code](_case(task), task.form == "full")
+
+
+def row_of(task: Task, answer: Outcome | Exception | None, seconds: float | None = None) -> Row:
+    """The row of a case from its outcome, from the exception in its place, or from neither: then the time was up."""
+    case = _case(task)
+    name: tuple[Code, str, Form, str] = (task.code, task.id, task.form, case.reason)
+    if isinstance(answer, Outcome):
+        message = "; ".join(filter(None, [answer.refused_reason, *answer.findings]))
+        judged = (_ending(answer), answer.correct, message, answer.seconds)
+        return Row(*name, answer.expected, answer.observed, *judged, answer.kinds)
+    expected = case.expectation(task.form == "full")
+    if answer is None:
+        return Row(*name, expected, (), "timed out", False, f"no answer in {task.limit:g} s", seconds)
+    return Row(*name, expected, (), "crashed", False, f"{type(answer).__name__}: {answer}", seconds)
+
+
+def _ending(outcome: Outcome) -> Ending:
+    if outcome.refused_reason is not None:
+        return "refused as expected" if outcome.observed == outcome.expected else "refused"
+    return "converged" if outcome.converged else "not converged"
+
+
+def counts(rows: Iterable[Row]) -> dict[str, int]:
+    """How many cases ended how, and how many are correct; the endings sum up to the rows."""
+    known = list(rows)
+    found: dict[str, int] = {ending: sum(row.ending == ending for row in known) for ending in ENDINGS}
+    found["correct"] = sum(row.correct for row in known)
+    found["converged, not correct"] = sum(row.ending == "converged" and not row.correct for row in known)
+    return found
+
+
+COLUMNS = ["code", "case", "expected", "observed", "ending", "correct", "CPU s"]
+
+
+def table_of(rows: Sequence[Row]) -> Table:
+    """The rows as a table of a report."""
+    form = rows[0].form if rows else "reduced"
+    return Table(
+        caption=f"Hard cases, {form} forms: what was expected beforehand, what came out, and whether it is correct.",
+        columns=COLUMNS,
+        rows=[cells(row) for row in rows],
+    )
+
+
+class _Hard(Protocol):
+    """A case whatever its code."""
+
+    @property
+    def id(self) -> str: ...
+
+    @property
+    def reason(self) -> str: ...
+
+    def expectation(self, full: bool) -> tuple[str, ...]: ...
+
+
+def _corpora() -> dict[Code, dict[str, _Hard]]:
+    """The cases of every code by their names."""
+    corpora: dict[Code, Sequence[_Hard]] = {
+        "bem": HARD_CASES,
+        "fem": hard_fem_cases.FEM_CASES,
+        "persson": hard_persson_cases.PERSSON_CASES,
+    }
+    return {code: {case.id: case for case in cases} for code, cases in corpora.items()}
+
+
+def _case(task: Task) -> _Hard:
+    """The case of a task."""
+    return random_trial.case_of(task.id) if task.code == "random" else _corpora()[task.code][task.id]
+
+
+RUNNERS: dict[Code, Callable[[Any, bool], Outcome]] = {
+    "bem": hard_case_run.run_case,
+    "fem": hard_fem_cases.run_case,
+    "persson": hard_persson_cases.run_case,
+    "random": random_trial.run_case,
+}
+
+
+def cells(row: Row) -> list[str | float | int | None]:
+    """A row as cells of the columns `COLUMNS`."""
+    correct = "yes" if row.correct else "NO"
+    seconds = None if row.seconds is None else round(row.seconds, 2)
+    return [row.code, row.id, _short(row.expected), _short(row.observed), row.ending, correct, seconds]
+
+
+def _short(statuses: Sequence[str]) -> str:
+    """Statuses of the targets, runs of the same counted; the status of the result first where it is another."""
+    shown = list(statuses)
+    if len(shown) > 1 and shown[0] == "converged":
+        shown = shown[1:]
+    runs: list[list[Any]] = []
+    for status in shown:
+        if runs and runs[-1][0] == status:
+            runs[-1][1] += 1
+        else:
+            runs.append([status, 1])
+    return ", ".join(status if count == 1 else f"{count} {status}" for status, count in runs)
