@@ -7,7 +7,6 @@ equations, with none of the codes compared.  SI units.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import combinations
 from typing import Any
 
@@ -19,42 +18,11 @@ import fem_reference
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid
-from validation.schema import Norm, Reference, Row, Tolerance
+from validation.rows import compared
+from validation.schema import Reference
 
 FloatArray = NDArray[np.float64]
 PERIOD, YOUNGS_MODULUS = 0.01, 1e6
-
-
-def compared(
-    quantity: str,
-    unit: str,
-    reference: Reference,
-    expected: Sequence[float],
-    computed: Sequence[float],
-    tolerance: float,
-    measured: float,
-    norm: Norm = "relative",
-) -> Row:
-    """A comparison scaled by the largest value expected, or not at all where the norm is absolute.
-
-    Parameters
-    ----------
-    quantity, unit, reference, norm
-        As of `Row`.
-    expected, computed : sequences of n floats
-    tolerance, measured : float
-        Of the scaled error, and the error measured.
-    """
-    return Row(
-        quantity=quantity,
-        unit=unit,
-        reference=reference,
-        norm=norm,
-        expected=[float(value) for value in expected],
-        computed=[float(value) for value in computed],
-        scale=1.0 if norm == "absolute" else float(np.max(np.abs(expected))),
-        tolerance=Tolerance(value=tolerance, measured=measured),
-    )
 
 
 def _layer_compliance(q: FloatArray, thickness: float, nu: float) -> FloatArray:

@@ -11,7 +11,7 @@ from typing import Any
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.energy_balance import accounts, closed
-from validation.cases.fault_gaps import compared
+from validation.rows import compared
 from validation.schema import Reference, Table
 
 SEPARATIONS = (40e-6, 62.5e-6, 65e-6, 70e-6, 40e-6)  # m; patches nearly detach at 63.7 um

@@ -15,8 +15,8 @@ import bem
 from bem.scene.result import Result
 from validation import adapters
 from validation.case import Case, Outcome
-from validation.cases.fault_gaps import compared
 from validation.cases.one_patch import OnePatch
+from validation.rows import compared
 from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
 
 # of the scene merged_crests; SI units

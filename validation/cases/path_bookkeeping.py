@@ -21,7 +21,7 @@ from bem.scene.result import Event, Result, State, write_result
 from bem.scene.scene import parse_scene
 from validation import adapters
 from validation.case import Case, Outcome
-from validation.cases.fault_gaps import compared
+from validation.rows import compared
 from validation.schema import Reference, Row
 
 STOPS = (70e-6, 56e-6, 42e-6)  # separations in m, there and back

@@ -14,7 +14,7 @@ import numpy as np
 import bem
 from bem.scene.scene import parse_scene
 from validation.case import Case, Outcome
-from validation.cases.fault_gaps import compared
+from validation.rows import compared
 from validation.schema import Reference
 
 SAMPLES, SPACING = 41, 0.25e-3  # an odd number carries 20 harmonics without loss

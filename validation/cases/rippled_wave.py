@@ -20,8 +20,8 @@ import bem
 from bem.scene.result import Result, State
 from validation import adapters
 from validation.case import Case, Outcome
-from validation.cases.fault_gaps import compared
 from validation.cases.merged_crests import one_patch_mean_pressure
+from validation.rows import compared
 from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
 
 FloatArray = NDArray[np.float64]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 import bem
 from validation import adapters
 from validation.case import Case, Outcome
-from validation.cases.fault_gaps import compared
+from validation.rows import compared
 from validation.schema import Reference
 
 FloatArray = NDArray[np.float64]

@@ -28,8 +28,8 @@ from bem.states import Cost, equilibrium_state
 from validation import adapters
 from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid
-from validation.cases.fault_gaps import compared
 from validation.cases.one_patch import OnePatch
+from validation.rows import compared
 from validation.schema import Reference, Row
 
 WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)

@@ -15,7 +15,7 @@ from scipy.special import erf, exp1
 import persson
 from validation import adapters
 from validation.case import Case, Outcome
-from validation.cases.fault_gaps import compared
+from validation.rows import compared
 from validation.schema import Reference
 
 PERIOD, YOUNGS_MODULUS = 0.01, 1e6
