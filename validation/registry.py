@@ -13,26 +13,27 @@ from re import fullmatch
 from typing import get_args
 
 from validation.case import Case
-from validation.cases import MODULES
 from validation.schema import Level
 
 ID = r"[A-Za-z0-9][A-Za-z0-9._-]*"
 LEVELS: tuple[Level, ...] = get_args(Level)
+CASES = "validation.cases"  # loaded by its name, with its list MODULES: cases import what runs them
 
 
 class CaseError(ValueError):
     """A registry that cannot be used, or a case that is not in it."""
 
 
-def registry(modules: Iterable[str] = MODULES) -> tuple[Case, ...]:
-    """All cases, in the order of the report.
+def registry(modules: Iterable[str] | None = None) -> tuple[Case, ...]:
+    """The cases of these modules, all by default, in the order of the report.
 
     Raises
     ------
     CaseError
         An incomplete case, or two of one name.
     """
-    cases = tuple(case for name in modules for case in import_module(name).CASES)
+    names = import_module(CASES).MODULES if modules is None else modules
+    cases = tuple(case for name in names for case in import_module(name).CASES)
     for case in cases:
         _check(case)
     ids = [case.id for case in cases]

@@ -9,7 +9,7 @@ from validation.runner import failed_record
 from validation.studies.answers import Answers
 from validation.studies.cost import Run
 from validation.studies.fault_injection import Examined
-from validation.studies.work_precision import Timed
+from validation.studies.work_precision_points import Timed
 from validation.studies.work_precision_scenes import Found
 
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from validation.studies import fft_methods, work_precision
-from validation.studies.fft_methods import FFT_METHODS, cohesive_range, missing, peer_sentences, peer_table, solve_fft
-from validation.studies.work_precision import Point, Timed
+from validation.studies.fft_methods import cohesive_range, missing, solve_fft
+from validation.studies.work_precision_peers import FFT_METHODS, peer_sentences, peer_table
+from validation.studies.work_precision_points import Point, Timed
 from validation.studies.work_precision_references import source_for
 from validation.studies.work_precision_scenes import Found, exact_sinusoid, scenes
 

@@ -12,8 +12,9 @@ from validation.cases.closed_forms import Sinusoid
 from validation.execution import Ended
 from validation.studies import work_precision
 from validation.studies.dense_newton import solve_dense
-from validation.studies.work_precision import Point, Task, Timed, measured, point_of
+from validation.studies.work_precision import Task, measured, point_of
 from validation.studies.work_precision_methods import METHODS, solve_bem, solve_fem, solve_paper
+from validation.studies.work_precision_points import Point, Timed
 from validation.studies.work_precision_references import SOURCES, source_for
 from validation.studies.work_precision_scenes import QUANTITIES, exact_sinusoid, scenes
 

@@ -21,8 +21,7 @@ from validation import adapters
 from validation.case import Case, Outcome
 from validation.paper_method import PaperState, Surface, follow, solve
 from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
-from validation.studies.work_precision_methods import scene_tables
-from validation.studies.work_precision_scenes import Posed, scenes
+from validation.studies.work_precision_scenes import Posed, scene_tables, scenes
 
 FloatArray = NDArray[np.float64]
 

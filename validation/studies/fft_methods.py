@@ -16,34 +16,22 @@ from __future__ import annotations
 
 import io
 import time
-from collections.abc import Iterator, Sequence
 from contextlib import redirect_stdout
-from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.registry import CaseError
-from validation.studies.work_precision_methods import Method
 from validation.studies.work_precision_scenes import Found, MethodError, Posed
-
-if TYPE_CHECKING:
-    from validation.studies.work_precision import Point
 
 FloatArray = NDArray[np.float64]
 
 PACKAGES = ("Adhesion", "ContactMechanics", "NuMPI", "SurfaceTopography")
-POINTS = tuple(2**k for k in range(10, 17))
 TOLERANCE = 1e-4  # of the gradient, in the largest cohesive force on a point; 1e-6 changes no error on the sinusoid
 ITERATIONS = 30_000
 STEPS = 20  # of the path from first touch
-
-
-class PeersError(CaseError):
-    """The peers are asked for and not installed."""
 
 
 def missing() -> str:
@@ -118,98 +106,3 @@ def _profile(posed: Posed, x: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
         height += amplitude * np.cos(q * x + phase)
         slope -= q * amplitude * np.sin(q * x + phase)
     return height, slope
-
-
-def _method(spacings: int, finest: int, finest_rough: int) -> Method:
-    """With this many spacings along which cohesion acts, up to a finest grid on the sinusoid and on the rough profile.
-
-    At c = 8 the lattice holds edges so much that a grid of 2^14 takes three times the iterations of c = 16; on the
-    rough profile the wider range costs more.
-    """
-    return Method(
-        name=f"fft, c = {spacings}",
-        code="fft",
-        knob="points of the grid",
-        fixed=f"cohesion along {spacings} spacings; rough: path of {STEPS} steps from first touch",
-        settings=tuple(points for points in POINTS if points <= finest),
-        scenes=("sinusoid", "rough"),
-        solve=partial(solve_fft, spacings=spacings),
-        cannot={"layer": "the package knows layers under areas, not under lines"},
-        slow=2,
-        other_settings={"rough": tuple(points for points in POINTS if points <= finest_rough)},
-    )
-
-
-FFT_METHODS: tuple[Method, ...] = (_method(8, 2**15, 2**16), _method(16, 2**16, 2**13))
-
-
-def peer_table(points: Sequence[Point]) -> list[list[Any]]:
-    """Rows of scene, method, points, cohesive range, errors of area and mean pressure, seconds."""
-    return [
-        [
-            point.scene,
-            point.method,
-            point.timed.found.unknowns,
-            1e6 * point.timed.found.details["cohesive range / m"],
-            point.errors["contact_fraction"],
-            point.errors["mean_pressure"],
-            point.timed.cpu_seconds,
-        ]
-        for point in points
-        if point.timed.found is not None and point.errors and point.timed.found.details
-    ]
-
-
-PEER_COLUMNS = ("scene", "peer", "points", "rho/um", "error of area", "of mean pressure", "cpu/s")
-
-
-def peer_sentences(points: Sequence[Point]) -> Iterator[str]:
-    """Who needs what time for which error, and how much the area still depends on the cohesive range."""
-    known = [point for point in points if point.timed.found is not None and point.errors]
-    peers = {method.name for method in FFT_METHODS}
-    for scene in dict.fromkeys(point.scene for point in known):
-        for name in (method.name for method in FFT_METHODS):
-            tried = [point for point in known if (point.scene, point.method) == (scene, name)]
-            if tried:
-                best = min(tried, key=lambda point: point.error)
-                yield _beside(best, [p for p in known if p.scene == scene and p.method not in peers])
-        yield from _dependence([point for point in known if point.scene == scene and point.method in peers])
-
-
-def _beside(best: Point, others: Sequence[Point]) -> str:
-    """The best of a peer, and what the other methods take for as small an error."""
-    found = best.timed.found
-    rho = found.details["cohesive range / m"] if found is not None else float("nan")
-    told = []
-    for name in dict.fromkeys(point.method for point in others):
-        good = [point for point in others if point.method == name and max(point.error, point.floor) <= best.error]
-        if good:
-            quick = min(good, key=lambda point: point.timed.cpu_seconds)
-            error = max(quick.error, quick.floor)
-            told.append(f"{name} {quick.timed.cpu_seconds:.2g} s (error {error:.1e} at {quick.timed.setting})")
-        else:
-            told.append(f"{name} never")
-    return (
-        f"{best.scene}: the best of {best.method} is an error of {best.error:.1e} at {best.timed.setting} points, "
-        f"rho = {1e6 * rho:.2g} um, in {best.timed.cpu_seconds:.2g} s; as small an error takes {', '.join(told)}."
-    )
-
-
-def _dependence(peers: Sequence[Point]) -> Iterator[str]:
-    """How much the area changes with the cohesive range on the finest grid that two ranges share, and in all."""
-    areas: dict[int, dict[str, float]] = {}
-    for point in peers:
-        if point.timed.found is not None:
-            areas.setdefault(point.timed.found.unknowns, {})[point.method] = point.timed.found.answer[
-                "contact_fraction"
-            ]
-    shared = [count for count, by_method in areas.items() if len(by_method) == len(FFT_METHODS)]
-    if not shared:
-        return
-    at = areas[max(shared)]
-    every = [area for by_method in areas.values() for area in by_method.values()]
-    grown, whole = (100 * (max(known) / min(known) - 1) for known in (list(at.values()), every))
-    yield (
-        f"{peers[0].scene}: on {max(shared)} points the area changes by {grown:.2g} % when rho grows by sqrt 2, "
-        f"over all grids and ranges by {whole:.2g} %."
-    )

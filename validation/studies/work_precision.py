@@ -15,7 +15,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -30,12 +30,13 @@ from validation.studies.price_list import Price, digits_of, loaded_for_nothing, 
 from validation.studies.price_list import sentences as price_sentences
 from validation.studies.store import peak_megabytes, text_table, write_json
 from validation.studies.work_precision_methods import METHODS, Method
+from validation.studies.work_precision_peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
+from validation.studies.work_precision_points import SHOWN, Point, Timed
 from validation.studies.work_precision_references import SOURCES, Reference, Source, source_for
-from validation.studies.work_precision_scenes import Found, Posed, scenes
+from validation.studies.work_precision_scenes import Posed, scenes
 
 SCHEMA = "linecontact-work-precision/1"
 FILE = "work-precision.json"
-SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
 QUICK_SCENES = ("sinusoid", "theory")
 QUICK_PRICES, PRICES = (60, 1), (250, 2)  # harmonics of the rough scene, runs of each effect
 PRICE_COLUMNS = ("effect", "on top of", "cpu/s", "extra/s", "ratio", "evaluations", "digits", "reference")
@@ -55,42 +56,6 @@ class Task:
     settings: tuple[Any, ...]
     repeats: int
     seconds: float
-
-
-@dataclass(frozen=True)
-class Timed:
-    """A setting, measured; `status` is a message where it failed."""
-
-    setting: str
-    status: str = "done"
-    found: Found | None = None
-    wall_seconds: float = math.nan
-    spread: float = math.nan
-    cpu_seconds: float = math.nan
-    repeats: int = 0
-    peak_megabytes: float = math.nan
-
-
-@dataclass(frozen=True)
-class Point:
-    """A setting of a method on a scene, with its errors."""
-
-    scene: str
-    method: str
-    timed: Timed
-    errors: dict[str, float] = field(default_factory=dict)
-    floor: float = math.nan
-    reference: str = ""
-
-    @property
-    def error(self) -> float:
-        """The larger of the errors of SHOWN; nan where the setting failed."""
-        return max((self.errors[name] for name in SHOWN if name in self.errors), default=math.nan)
-
-    @property
-    def grey(self) -> bool:
-        """Below what the reference can tell."""
-        return self.error < self.floor
 
 
 def measured(task: Task) -> list[Timed]:
@@ -154,14 +119,14 @@ def run(
     """
     absent = fft_methods.missing()
     if peers and absent:
-        raise fft_methods.PeersError(f"--peers: {absent}")
+        raise PeersError(f"--peers: {absent}")
     if methods is METHODS and not absent:
-        methods = (*METHODS, *fft_methods.FFT_METHODS)
+        methods = (*METHODS, *FFT_METHODS)
     folder.mkdir(parents=True, exist_ok=True)
     known = SOURCES if sources is None else sources
     chosen = {name: posed for name, posed in scenes().items() if not quick or name in QUICK_SCENES}
     if peers:
-        chosen = {name: posed for name, posed in chosen.items() if name in fft_methods.FFT_METHODS[0].scenes}
+        chosen = {name: posed for name, posed in chosen.items() if name in FFT_METHODS[0].scenes}
     repeats, seconds = SECONDS if quick else REPEATS
     facts, points, failures = provenance(), list[Point](), list[str]()
     answers = answers_in(folder, report)
@@ -191,11 +156,11 @@ def run(
                 print(f"  not run on {scene}: {reason}")
     if absent:
         print(f"fft: not run: {absent}")
-    elif compared := fft_methods.peer_table(points):
-        print(text_table(fft_methods.PEER_COLUMNS, compared))
+    elif compared := peer_table(points):
+        print(text_table(PEER_COLUMNS, compared))
     if prices:
         print(text_table(PRICE_COLUMNS, [_price_row(price) for price in prices]))
-    for line in [*conclusion(points, tuple(chosen)), *fft_methods.peer_sentences(points), *told]:
+    for line in [*conclusion(points, tuple(chosen)), *peer_sentences(points), *told]:
         print(line)
     for message in failures:
         print(f"FAILED: {message}")
@@ -384,7 +349,7 @@ def _write(
         ],
         "points": told,
         "peers": fft_methods.missing() or "installed",
-        "conclusion": [*conclusion(points, tuple(chosen)), *fft_methods.peer_sentences(points)],
+        "conclusion": [*conclusion(points, tuple(chosen)), *peer_sentences(points)],
         "prices": [asdict(price) | {"digits": price.digits} for price in prices],
         "failures": list(failures),
     }  # fmt: skip

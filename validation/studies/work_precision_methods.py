@@ -26,7 +26,7 @@ from persson import solve as persson_solve
 from validation.paper_method import PaperState, follow
 from validation.paper_method import solve as paper_solve
 from validation.studies.dense_newton import solve_dense
-from validation.studies.work_precision_scenes import Answer, Found, MethodError, Posed, overlap
+from validation.studies.work_precision_scenes import Answer, Found, MethodError, Posed, overlap, scene_tables
 
 HALF_SPACE_DEPTH = 3.0  # periods: a layer so thick is the half-space within 1e-12
 PERSSON_LOAD = 1.0e4  # Pa
@@ -260,23 +260,6 @@ def _answer(contact_fraction: float, mean_pressure: float, elastic_energy: float
         "elastic_energy": elastic_energy,
         "gap": gap,
     }
-
-
-def scene_tables(posed: Posed) -> dict[str, Any]:
-    """Tables of the scene file."""
-    tables: dict[str, Any] = {
-        "solid": {"youngs_modulus": posed.youngs_modulus, "poisson_ratio": posed.poisson_ratio},
-        "profile": {
-            "kind": "harmonics",
-            "period": posed.period,
-            "orders": list(posed.orders),
-            "amplitudes": list(posed.amplitudes),
-            "phases": list(posed.phases),
-        },
-        "adhesion": {"work_of_adhesion": posed.work_of_adhesion, "slope_term": posed.slope_term},
-        "loading": {"control": "penetration", "targets": [posed.penetration]},
-    }
-    return tables if posed.thickness is None else tables | {"layer": {"thickness": posed.thickness}}
 
 
 def _fem_gap(posed: Posed, evaluation: Evaluation) -> float:

@@ -23,6 +23,7 @@ from the closed pressures 2 p* cos v sqrt(S - sin^2 v) and sigma_1 cos v / sqrt(
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -139,6 +140,23 @@ def scenes() -> dict[str, Posed]:
               5.8e-5, 0, 0.0),
     )  # fmt: skip
     return {scene.id: scene for scene in posed}
+
+
+def scene_tables(posed: Posed) -> dict[str, Any]:
+    """Tables of the scene file of the solver."""
+    tables: dict[str, Any] = {
+        "solid": {"youngs_modulus": posed.youngs_modulus, "poisson_ratio": posed.poisson_ratio},
+        "profile": {
+            "kind": "harmonics",
+            "period": posed.period,
+            "orders": list(posed.orders),
+            "amplitudes": list(posed.amplitudes),
+            "phases": list(posed.phases),
+        },
+        "adhesion": {"work_of_adhesion": posed.work_of_adhesion, "slope_term": posed.slope_term},
+        "loading": {"control": "penetration", "targets": [posed.penetration]},
+    }
+    return tables if posed.thickness is None else tables | {"layer": {"thickness": posed.thickness}}
 
 
 def exact_sinusoid(posed: Posed) -> Answer:

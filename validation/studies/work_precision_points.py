@@ -1,0 +1,46 @@
+"""Points of a work-precision curve: a setting of a method, what it cost, and its errors against a reference."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from validation.studies.work_precision_scenes import Found
+
+SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A setting, measured; `status` is a message where it failed."""
+
+    setting: str
+    status: str = "done"
+    found: Found | None = None
+    wall_seconds: float = math.nan
+    spread: float = math.nan
+    cpu_seconds: float = math.nan
+    repeats: int = 0
+    peak_megabytes: float = math.nan
+
+
+@dataclass(frozen=True)
+class Point:
+    """A setting of a method on a scene, with its errors."""
+
+    scene: str
+    method: str
+    timed: Timed
+    errors: dict[str, float] = field(default_factory=dict)
+    floor: float = math.nan
+    reference: str = ""
+
+    @property
+    def error(self) -> float:
+        """The larger of the errors of SHOWN; nan where the setting failed."""
+        return max((self.errors[name] for name in SHOWN if name in self.errors), default=math.nan)
+
+    @property
+    def grey(self) -> bool:
+        """Below what the reference can tell."""
+        return self.error < self.floor
