@@ -18,15 +18,15 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from bem.command_line.folder_lock import FolderInUseError, locked
-from validation import baseline
-from validation.executors import ExecutorError, opener_of
-from validation.provenance import provenance
-from validation.registry import CaseError, registry, select
+from validation.harness import baseline
+from validation.harness.executors import ExecutorError, opener_of
+from validation.harness.provenance import provenance
+from validation.harness.registry import CaseError, registry, select
+from validation.harness.runner import Note, run_cases, write_atomically
+from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
+from validation.harness.verdict import counts, fails
 from validation.report.render import PAGE, ReportError, failures, write_html
-from validation.runner import Note, run_cases, write_atomically
-from validation.schema import SCHEMA, Report, is_intact, with_checksum
 from validation.studies import IN_PROCESSES, ON_EXECUTORS, STUDIES
-from validation.verdict import counts, fails
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REPORT_FILE = "report.json"

@@ -5,8 +5,8 @@ from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from pathlib import Path
 
-from validation.ensemble import Member, run_ensemble
-from validation.executors import Workers
+from validation.harness.ensemble import Member, run_ensemble
+from validation.harness.executors import Workers
 
 
 class Here(Executor):

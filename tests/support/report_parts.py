@@ -1,6 +1,6 @@
 """A row and a figure of a report, for the tests of the page."""
 
-from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
 
 
 def row(computed=1.01, **changes):

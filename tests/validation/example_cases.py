@@ -7,8 +7,8 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from validation.case import Case, Outcome
-from validation.schema import Reference, Row, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Reference, Row, Tolerance
 
 
 def _row(computed: float) -> Row:

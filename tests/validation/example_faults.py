@@ -6,8 +6,8 @@ from functools import partial as bound
 
 import example_cases
 
-from validation.case import Outcome
-from validation.schema import Reference, Row, Tolerance
+from validation.harness.case import Outcome
+from validation.harness.schema import Reference, Row, Tolerance
 from validation.studies.fault_injection import Fault
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from validation.runner import failed_record
+from validation.harness.runner import failed_record
 from validation.studies.answers import Answers
 from validation.studies.cost import Run
 from validation.studies.fault_injection import Examined

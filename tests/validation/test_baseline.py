@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from validation import baseline
-from validation.baseline import BaselineError, differences, expected_seconds, orphans, read_baseline, update
-from validation.schema import Band, CaseRecord, Reference, Row, Tolerance
+from validation.harness import baseline
+from validation.harness.baseline import BaselineError, differences, expected_seconds, orphans, read_baseline, update
+from validation.harness.schema import Band, CaseRecord, Reference, Row, Tolerance
 
 TOLERANCE = Tolerance(value=1e-3, measured=4e-4)
 BAND = Band(low=1.5, high=3.0, cause="mean-field theory", source="the paper", review="2027-11-21")

@@ -14,14 +14,14 @@ from html import unescape
 import pytest
 from report_parts import figure, row
 
-from validation.report.render import render
-from validation.schema import (
+from validation.harness.schema import (
     Band,
     CaseRecord,
     Report,
     Table,
     with_checksum,
 )
+from validation.report.render import render
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")

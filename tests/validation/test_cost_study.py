@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from validation.execution import Ended
+from validation.harness.execution import Ended
 from validation.studies import cost, cost_breakdown
 from validation.studies.cost import Drift, Task, drifts_of, exponents_of, judged, measured, tasks_of
 from validation.studies.cost_breakdown import dissected

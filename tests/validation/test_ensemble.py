@@ -19,8 +19,8 @@ from example_members import here, members
 import bem
 from bem.scene.result import FIELDS_FILE, RESULT_FILE, CorruptResultError
 from bem.scene.scene import SceneError
-from validation.ensemble import Member, member_seed, read_member, run_ensemble
-from validation.executors import local_processes
+from validation.harness.ensemble import Member, member_seed, read_member, run_ensemble
+from validation.harness.executors import local_processes
 
 SCRIPT = Path(example_members.__file__)
 
@@ -224,7 +224,7 @@ DYING = """
 import os, signal, sys
 from pathlib import Path
 from example_members import here, members
-from validation.ensemble import run_ensemble
+from validation.harness.ensemble import run_ensemble
 
 name, count = sys.argv[2], int(sys.argv[3])
 done = getattr(os, name)

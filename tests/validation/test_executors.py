@@ -16,10 +16,10 @@ from threadpoolctl import threadpool_info
 
 from bem.scene.result import RESULT_FILE
 from validation import __main__ as command_line
-from validation import executors
-from validation.ensemble import read_member, run_ensemble
-from validation.execution import Ended, run_in_processes
-from validation.executors import ExecutorError, opener_of
+from validation.harness import executors
+from validation.harness.ensemble import read_member, run_ensemble
+from validation.harness.execution import Ended, run_in_processes
+from validation.harness.executors import ExecutorError, opener_of
 
 needs_dask = pytest.mark.skipif(find_spec("distributed") is None, reason="the extra 'cluster' is not installed")
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from validation.execution import run_each_alone
-from validation.schema import Band
+from validation.harness.execution import run_each_alone
+from validation.harness.schema import Band
 from validation.studies import faults
 from validation.studies.answers import Answers
 from validation.studies.fault_catalogue import CATALOGUE, QUICK
@@ -102,7 +102,7 @@ def test_red_base_proves_nothing(example, tmp_path, monkeypatch, capsys):
 
 
 def faults_record(example, compute):
-    from validation.runner import record_of
+    from validation.harness.runner import record_of
 
     return record_of(example.case(compute.__name__, compute), compute(), 0.1)
 

@@ -7,7 +7,7 @@ from validation import adapters, fem_adapter
 from validation.cases import fem_comparison
 from validation.cases.fem_closed_forms import layer_compliance
 from validation.cases.fem_equilibria import EDGES, PENETRATION, SCENES
-from validation.verdict import verdict_of
+from validation.harness.verdict import verdict_of
 
 WAVE = {"adhesion": None, "loading": {"targets": [20e-6]}}
 

@@ -11,7 +11,7 @@ from example_members import here
 from matplotlib.colors import LogNorm, Normalize
 
 from validation import __main__ as command_line
-from validation.ensemble import Outcome
+from validation.harness.ensemble import Outcome
 from validation.studies import maps, maps_coarse
 from validation.studies.map_figures import Map, draw, table_of, write_map
 

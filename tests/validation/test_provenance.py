@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from validation import provenance as module
-from validation.provenance import provenance, sources_digest, versions, working_tree
+from validation.harness import provenance as module
+from validation.harness.provenance import provenance, sources_digest, versions, working_tree
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 
@@ -23,10 +23,10 @@ def git(root, *words):
 @pytest.fixture
 def tree(tmp_path, monkeypatch):
     """A project tree of two files, of which the module believes to be part."""
-    for name in ("bem/solver.py", "validation/provenance.py", "validation/baselines/a.json"):
+    for name in ("bem/solver.py", "validation/harness/provenance.py", "validation/baselines/a.json"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("one")
-    monkeypatch.setattr(module, "__file__", str(tmp_path / "validation" / "provenance.py"))
+    monkeypatch.setattr(module, "__file__", str(tmp_path / "validation" / "harness" / "provenance.py"))
     return tmp_path
 
 

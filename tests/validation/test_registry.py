@@ -5,8 +5,8 @@ import types
 
 import pytest
 
-from validation.case import Case, Outcome
-from validation.registry import LEVELS, CaseError, registry, select
+from validation.harness.case import Case, Outcome
+from validation.harness.registry import LEVELS, CaseError, registry, select
 
 PLAIN = {
     "id": "a",

@@ -13,7 +13,9 @@ import pytest
 from example_members import here
 
 from validation import __main__ as command_line
-from validation.ensemble import Outcome
+from validation.harness.ensemble import Outcome
+from validation.harness.schema import CaseRecord, Figure, Panel, Report, Series
+from validation.harness.verdict import verdict_of
 from validation.replicate import gather, members, realisations, scene_text
 from validation.replicate.area import line_through
 from validation.replicate.double_gaussian_fit import Fit, Sample, window_figure, window_table
@@ -24,8 +26,6 @@ from validation.replicate.pressure import decay_power, density
 from validation.replicate.spectra import THIN, _power_law, _thin_once, banded, exponent, sensitivity
 from validation.replicate.statements import disagreement, statement
 from validation.report.render import render
-from validation.schema import CaseRecord, Figure, Panel, Report, Series
-from validation.verdict import verdict_of
 
 TINY = Size(seeds=2, harmonics=16, fewer_harmonics=12, hurst_seeds=2)
 

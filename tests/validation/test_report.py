@@ -8,10 +8,8 @@ import pytest
 from report_parts import figure, row
 
 from validation.__main__ import main, read_report
-from validation.report.figures import svg_of
-from validation.report.render import ReportError, number, render
-from validation.runner import write_atomically
-from validation.schema import (
+from validation.harness.runner import write_atomically
+from validation.harness.schema import (
     Band,
     CaseRecord,
     Figure,
@@ -20,6 +18,8 @@ from validation.schema import (
     Table,
     with_checksum,
 )
+from validation.report.figures import svg_of
+from validation.report.render import ReportError, number, render
 
 BAND = Band(low=1.5, high=3.0, cause="mean-field theory", source="the paper", review="2027-11-21")
 

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from validation import runner
-from validation.execution import Running, Started, run_in_processes
-from validation.executors import Workers
-from validation.runner import run_cases, write_atomically
-from validation.verdict import case_verdicts
+from validation.harness import runner
+from validation.harness.execution import Running, Started, run_in_processes
+from validation.harness.executors import Workers
+from validation.harness.runner import run_cases, write_atomically
+from validation.harness.verdict import case_verdicts
 
 
 @pytest.fixture

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from validation import __main__ as command_line
-from validation import execution
 from validation.cases import stability as registered
-from validation.execution import Ended, Running
+from validation.harness import execution
+from validation.harness.execution import Ended, Running
+from validation.harness.verdict import verdict_of
 from validation.studies import stability
 from validation.studies.hard_case_rows import ENDINGS, Task, counts, row_of, tasks_of
 from validation.studies.stability import summary
-from validation.verdict import verdict_of
 
 FLAT = Task("bem", "flat", "reduced", 120.0)
 TASKS = (FLAT, Task("fem", "apart", "reduced", 120.0), Task("persson", "one_line", "reduced", 120.0))

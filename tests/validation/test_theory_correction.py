@@ -9,7 +9,7 @@ from example_members import here
 
 import persson
 from persson.corrected_variance import LITERATURE
-from validation.provenance import provenance
+from validation.harness.provenance import provenance
 from validation.report.render import render
 from validation.studies import theory_correction
 from validation.studies.theory_correction_data import STRESSES, Observed, mean_of, relative_errors

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from validation import __main__ as command_line
-from validation import baseline
 from validation.__main__ import main
+from validation.harness import baseline
 from validation.studies import cost
 
 HERE = Path(__file__).parent

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from validation.compare import combined_tolerance, error_of, error_over_tolerance, fitted_order, pairwise_orders
-from validation.schema import Band, CaseRecord, Reference, Report, Row, Tolerance
-from validation.verdict import VERDICTS, case_verdicts, counts, fails, verdict_of
+from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance, fitted_order, pairwise_orders
+from validation.harness.schema import Band, CaseRecord, Reference, Report, Row, Tolerance
+from validation.harness.verdict import VERDICTS, case_verdicts, counts, fails, verdict_of
 
 EXACT = Reference(kind="exact", source="closed form")
 BAND = Band(low=1.5, high=3.0, cause="mean-field theory", source="the paper", review="2027-11-21")

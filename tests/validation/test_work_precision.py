@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from validation.cases.closed_forms import Sinusoid
-from validation.execution import Ended
+from validation.harness.execution import Ended
 from validation.studies import work_precision
 from validation.studies.dense_newton import solve_dense
 from validation.studies.work_precision import Task, measured, point_of

@@ -8,9 +8,9 @@ import numpy as np
 
 import bem
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.closed_forms import full_contact_amplitudes
-from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
 
 
 def _complete() -> Outcome:

@@ -7,8 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from validation.case import Case, Outcome
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 from validation.studies.convergence_curves import (
     Curve,
     bem_curves,

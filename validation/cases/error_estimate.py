@@ -20,10 +20,10 @@ import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid
 from validation.cases.dense_equilibrium import reference
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 TOLERANCES = (1e-3, 1e-6, 1e-8, 1e-10)
 TIGHT = 1e-12

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 import bem
 import fem_reference
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid
-from validation.rows import compared
-from validation.schema import Reference
+from validation.harness.case import Case, Outcome
+from validation.harness.rows import compared
+from validation.harness.schema import Reference
 
 FloatArray = NDArray[np.float64]
 PERIOD, YOUNGS_MODULUS = 0.01, 1e6

@@ -21,10 +21,10 @@ import bem
 import fem_reference
 from fem_reference import Resolution, Result
 from validation import adapters, fem_adapter
-from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid
-from validation.compare import pairwise_orders
-from validation.schema import Figure, Level, Panel, Reference, Row, Series, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.compare import pairwise_orders
+from validation.harness.schema import Figure, Level, Panel, Reference, Row, Series, Tolerance
 
 PERIOD, AMPLITUDE, YOUNGS_MODULUS = 0.01, 50e-6, 1e6
 GROUP = "finite elements against closed forms"

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.fem_comparison import (
     Comparison,
     Difference,
@@ -22,7 +21,8 @@ from validation.cases.fem_comparison import (
     rows,
 )
 from validation.cases.fem_figures import figure
-from validation.schema import Figure, Panel, Series, Table
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Series, Table
 
 PERIOD = 0.01
 THICKNESSES = (0.05, 0.1, 0.5, 2.0)  # in periods

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fem_reference import Result
 from validation.cases.fem_comparison import Comparison, away_from_edges, flat
-from validation.schema import Figure, Panel, Series
+from validation.harness.schema import Figure, Panel, Series
 
 FloatArray = NDArray[np.float64]
 SHOWN = 1.5  # times the scale: the exact pressure is infinite at the edges

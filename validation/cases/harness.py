@@ -11,11 +11,11 @@ import math
 import tempfile
 from pathlib import Path
 
-from validation.baseline import Baseline, differences, quantities_of
-from validation.case import Case, Outcome
-from validation.compare import combined_tolerance, error_of, fitted_order, pairwise_orders
-from validation.schema import Band, CaseRecord, Reference, Row, Tolerance
-from validation.verdict import Verdict, verdict_of
+from validation.harness.baseline import Baseline, differences, quantities_of
+from validation.harness.case import Case, Outcome
+from validation.harness.compare import combined_tolerance, error_of, fitted_order, pairwise_orders
+from validation.harness.schema import Band, CaseRecord, Reference, Row, Tolerance
+from validation.harness.verdict import Verdict, verdict_of
 
 KNOWN = Reference(kind="exact", source="rows made for the purpose")
 

@@ -8,8 +8,8 @@ import numpy as np
 
 import bem
 from validation import adapters
-from validation.case import Case, Outcome
-from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
 
 STEP = 2e-4  # of the width of the narrowest patch, in differences of fourth order
 

@@ -14,9 +14,9 @@ import bem
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.dense_equilibrium import reference
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 QUANTITIES = {
     "mean_pressure": "mean pressure",

@@ -16,10 +16,10 @@ import numpy as np
 import bem
 from bem.scene.result import Result
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.closed_forms import Sinusoid
 from validation.cases.energy_balance import Account, accounts, closed, legs
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 
 def _history() -> Outcome:

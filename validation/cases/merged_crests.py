@@ -14,10 +14,10 @@ from scipy.optimize import brentq
 import bem
 from bem.scene.result import Result
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.one_patch import OnePatch
-from validation.rows import compared
-from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.rows import compared
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
 
 # of the scene merged_crests; SI units
 PERIOD, YOUNGS_MODULUS, POISSON_RATIO = 0.01, 1e6, 0.5

@@ -18,9 +18,9 @@ import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene, parse_scene
 from validation import adapters
-from validation.case import Case, Outcome
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 from validation.paper_method import PaperState, Surface, follow, solve
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 from validation.studies.work_precision_scenes import Posed, scene_tables, scenes
 
 FloatArray = NDArray[np.float64]

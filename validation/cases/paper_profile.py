@@ -11,8 +11,8 @@ import bem
 from bem.scene.result import State
 from persson import DiscreteSpectrum, solve_nonadhesive
 from validation import adapters
-from validation.case import Case, Outcome
-from validation.schema import Band, Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 COMPARED_FROM = 0.005  # of E*
 CAUSE = (

@@ -15,9 +15,9 @@ import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.fft_solver import Extrapolated, GridContact, extrapolated, grid_contact, missing
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 SEED = 2009
 SHARES = (0.005, 0.01, 0.02)  # of E*

@@ -13,9 +13,9 @@ import numpy as np
 
 import bem
 from bem.scene.scene import parse_scene
-from validation.case import Case, Outcome
-from validation.rows import compared
-from validation.schema import Reference
+from validation.harness.case import Case, Outcome
+from validation.harness.rows import compared
+from validation.harness.schema import Reference
 
 SAMPLES, SPACING = 41, 0.25e-3  # an odd number carries 20 harmonics without loss
 STARTS = (0.0, 1.7e-3, -31e-3)  # of the scan, m; the last three periods before zero

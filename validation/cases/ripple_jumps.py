@@ -25,10 +25,10 @@ from scipy.optimize import brentq, minimize_scalar
 import bem
 from bem.scene.result import Event, Result
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.one_patch import OnePatch
-from validation.rows import compared
-from validation.schema import Figure, Panel, Reference, Row, Series
+from validation.harness.case import Case, Outcome
+from validation.harness.rows import compared
+from validation.harness.schema import Figure, Panel, Reference, Row, Series
 
 FloatArray = NDArray[np.float64]
 

@@ -19,10 +19,10 @@ from scipy.optimize import brentq, minimize_scalar
 import bem
 from bem.scene.result import Result, State
 from validation import adapters
-from validation.case import Case, Outcome
 from validation.cases.merged_crests import one_patch_mean_pressure
-from validation.rows import compared
-from validation.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.rows import compared
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
 
 FloatArray = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from validation.case import Case, Outcome
-from validation.schema import Reference, Row, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Reference, Row, Tolerance
 from validation.studies.hard_case_rows import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
 from validation.studies.hard_case_rows import Row as HardRow
 

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 import bem
 from validation import adapters
-from validation.case import Case, Outcome
-from validation.rows import compared
-from validation.schema import Reference
+from validation.harness.case import Case, Outcome
+from validation.harness.rows import compared
+from validation.harness.schema import Reference
 
 FloatArray = NDArray[np.float64]
 

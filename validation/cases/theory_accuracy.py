@@ -13,8 +13,8 @@ from scipy.interpolate import PchipInterpolator
 import persson
 from persson.adhesive import ROUTES, Route
 from persson.spectrum import Spectrum
-from validation.case import Case, Outcome
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03
 MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)

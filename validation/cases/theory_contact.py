@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 import persson
-from validation.case import Case, Outcome
 from validation.cases.theory_accuracy import EQUATIONS, MODULUS, Q0, SCENE, adhesive, dry, spectra
-from validation.schema import Band, Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 MAGNIFICATIONS = np.unique(np.round(np.geomspace(1.0, 1000.0, 61)))  # those at which a line is added
 AREA_LOADS = (0.005, 0.02, 0.1)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import persson
-from validation.case import Case, Outcome
 from validation.cases.theory_accuracy import MODULUS, Q0, adhesive, dry
-from validation.schema import Band, Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Tolerance
 
 HURSTS = (0.3, 0.4, 0.6, 0.7)
 SPECTRUM_LOAD = 0.005  # of E*

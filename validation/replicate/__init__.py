@@ -19,18 +19,18 @@ from pathlib import Path
 from typing import Any
 
 from bem.scene.result import CorruptResultError
-from validation.case import Case, Outcome
-from validation.ensemble import Member, OtherSceneError, read_member, run_ensemble
-from validation.executors import Opener
-from validation.provenance import provenance
+from validation.harness.case import Case, Outcome
+from validation.harness.ensemble import Member, OtherSceneError, read_member, run_ensemble
+from validation.harness.executors import Opener
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note, failed_record, record_of
+from validation.harness.schema import SCHEMA, CaseRecord, Report
 from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.files import linked, write_figure
 from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
 from validation.replicate.members import hurst as hurst_members
 from validation.replicate.members import shapes as shapes_member
-from validation.runner import Note, failed_record, record_of
-from validation.schema import SCHEMA, CaseRecord, Report
 
 GROUP = "the paper replicated"
 FIGURES = "figures"  # folder of their files, beside the report

@@ -13,11 +13,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from validation.case import Outcome
+from validation.harness.case import Outcome
+from validation.harness.schema import Figure, Panel, Series, Table
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS
 from validation.replicate.statements import disagreement, statement
-from validation.schema import Figure, Panel, Series, Table
 
 FloatArray = NDArray[np.float64]
 

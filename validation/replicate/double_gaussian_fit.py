@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from persson import double_gaussian, fit_double_gaussian
+from validation.harness.schema import Figure, Panel, Row, Series, Table
 from validation.replicate.evidence import jackknife
 from validation.replicate.members import SPECTRA_AT
 from validation.replicate.statements import disagreement, statement
-from validation.schema import Figure, Panel, Row, Series, Table
 
 FloatArray = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import matplotlib as mpl
 
+from validation.harness.schema import Figure
 from validation.report.figures import SETTINGS, canvas_of
-from validation.schema import Figure
 
 WITHOUT_DATE = {
     "svg": {"Date": None, "Creator": None},
@@ -30,7 +30,7 @@ def linked(figure: Figure, folder: str) -> Figure:
 
     Examples
     --------
-    >>> from validation.schema import Panel, Series
+    >>> from validation.harness.schema import Panel, Series
     >>> panel = Panel(xlabel="x", ylabel="y", series=[Series(label="one", x=[0.0], y=[1.0])])
     >>> linked(Figure(id="area", caption="One point.", solution=panel), "figures").files
     ['figures/area.svg', 'figures/area.pdf', 'figures/area.csv']

@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
-from validation.case import Outcome
+from validation.harness.case import Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import RMS_HEIGHT
 from validation.replicate.statements import disagreement, statement
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 BOUNDS = np.linspace(-3.5, 3.5, 36)  # of h_rms
 FIRST_KEPT = (1, 2, 4, 8, 16, 32)  # longest waves of the profiles whose fourth moment is shown

@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from validation.case import Outcome
+from validation.harness.case import Outcome
+from validation.harness.schema import Figure, Panel, Row, Series, Table
 from validation.replicate.evidence import (
     Evidence,
     Realisation,
@@ -24,7 +25,6 @@ from validation.replicate.evidence import (
 )
 from validation.replicate.spectra import banded, exponent, sensitivity
 from validation.replicate.statements import statement
-from validation.schema import Figure, Panel, Row, Series, Table
 
 MEASURED = {0.8: 0.15, 0.3: 0.12}
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bem.geometry.profile import Profile
-from validation.ensemble import Member
+from validation.harness.ensemble import Member
 
 PERIOD, RMS_HEIGHT, HURST = 0.01, 50e-6, 0.7
 YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from validation.case import Outcome
+from validation.harness.case import Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 from validation.replicate.double_gaussian_fit import FACTOR, Sample, window_figure, window_table
 from validation.replicate.evidence import (
     Evidence,
@@ -30,7 +31,6 @@ from validation.replicate.evidence import (
 )
 from validation.replicate.members import MODULUS, SPECTRA_AT
 from validation.replicate.statements import statement
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 FloatArray = NDArray[np.float64]
 

@@ -6,10 +6,10 @@ and so are the statements that rest on it.
 
 from __future__ import annotations
 
-from validation.case import Outcome
+from validation.harness.case import Outcome
+from validation.harness.schema import Reference, Row, Table, Tolerance
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import LOADS, PAPER
-from validation.schema import Reference, Row, Table, Tolerance
 
 
 def compute(evidence: Evidence) -> Outcome:

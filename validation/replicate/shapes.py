@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from validation.case import Outcome
+from validation.harness.case import Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import MODULUS, RMS_HEIGHT, SHAPES_AT
-from validation.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 MOST_POINTS = 2400  # of a curve in a figure
 NEAR = 0.06  # of the period: half the width of the enlarged part, about the highest crest

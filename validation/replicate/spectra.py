@@ -18,11 +18,11 @@ from itertools import pairwise, product
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.case import Outcome
+from validation.harness.case import Outcome
+from validation.harness.schema import Figure, Panel, Row, Series, Table
 from validation.replicate.evidence import Evidence, Realisation, jackknife, joined, mean_and_error
 from validation.replicate.members import HURST, LOADS, MODULUS, SPECTRA_AT
 from validation.replicate.statements import statement
-from validation.schema import Figure, Panel, Row, Series, Table
 
 FloatArray = NDArray[np.float64]
 

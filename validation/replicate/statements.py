@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from validation.schema import Band, Reference, Row, Tolerance
+from validation.harness.schema import Band, Reference, Row, Tolerance
 
 PAPER = "Carbone, Scaraggi, Tartaglino 2009"
 REVIEW = "2027-11-21"

@@ -14,7 +14,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
-from validation.schema import Figure, Panel, Series
+from validation.harness.schema import Figure, Panel, Series
 
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # told apart by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")

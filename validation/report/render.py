@@ -16,11 +16,11 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from validation.compare import combined_tolerance, error_of, error_over_tolerance
+from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance
+from validation.harness.runner import write_atomically
+from validation.harness.schema import CaseRecord, Report, Row, is_intact
+from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counts, verdict_of
 from validation.report.figures import svg_of
-from validation.runner import write_atomically
-from validation.schema import CaseRecord, Report, Row, is_intact
-from validation.verdict import GATING, VERDICTS, case_verdicts, counts, verdict_of
 
 PAGE = "report.html"
 LANDING = "landing-"  # prefix of the ids of figures that open the page

@@ -19,8 +19,8 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from validation.provenance import sources_digest, versions
-from validation.runner import Note, write_atomically
+from validation.harness.provenance import sources_digest, versions
+from validation.harness.runner import Note, write_atomically
 
 FOLDER = "answers"
 NAME_LENGTH = 60  # characters of a file name before its digest

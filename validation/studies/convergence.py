@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from validation.provenance import provenance
-from validation.runner import Note
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note
 from validation.studies.answers import Answers, answers_in
 from validation.studies.convergence_curves import (
     Curve,

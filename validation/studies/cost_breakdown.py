@@ -23,7 +23,7 @@ from bem.geometry.scaling import Scales
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation import adapters
-from validation.compare import fitted_order
+from validation.harness.compare import fitted_order
 from validation.studies.plots import Line, Plot
 from validation.studies.stages import timed_stages
 

@@ -94,36 +94,45 @@ def _count_band_wider(original: Function, size: float) -> Function:
 
 HARNESS_FAULTS: tuple[Fault, ...] = (
     Fault(
-        "harness-mean-norm", "mean for maximum in the norm", "validation.compare:error_of", _mean_norm, "mean instead"
+        "harness-mean-norm",
+        "mean for maximum in the norm",
+        "validation.harness.compare:error_of",
+        _mean_norm,
+        "mean instead",
     ),
-    Fault("harness-signed-norm", "errors without modulus", "validation.compare:error_of", _signed_norm),
-    Fault("harness-nan-dropped", "missing values left out of the norm", "validation.compare:error_of", _nan_dropped),
+    Fault("harness-signed-norm", "errors without modulus", "validation.harness.compare:error_of", _signed_norm),
+    Fault(
+        "harness-nan-dropped",
+        "missing values left out of the norm",
+        "validation.harness.compare:error_of",
+        _nan_dropped,
+    ),
     Fault(
         "harness-generous-tolerance",
         "uncertainties counted ten times, on top of the tolerance",
-        "validation.compare:combined_tolerance",
+        "validation.harness.compare:combined_tolerance",
         _generous_tolerance,
         "ten times",
     ),
     Fault(
         "harness-rate-fit",
         "fitted orders too small by a quarter",
-        "validation.compare:fitted_order",
+        "validation.harness.compare:fitted_order",
         _lower_order,
         "a quarter",
     ),
     Fault(
         "harness-late-steps",
         "errors set against sizes one refinement late",
-        "validation.compare:pairwise_orders",
+        "validation.harness.compare:pairwise_orders",
         _late_sizes,
     ),
-    Fault("harness-verdict-accepts", "everything that ran agrees", "validation.verdict:verdict_of", _accepts),
-    Fault("harness-too-good-passes", "a band with one side", "validation.verdict:verdict_of", _too_good_passes),
+    Fault("harness-verdict-accepts", "everything that ran agrees", "validation.harness.verdict:verdict_of", _accepts),
+    Fault("harness-too-good-passes", "a band with one side", "validation.harness.verdict:verdict_of", _too_good_passes),
     Fault(
         "harness-counts-not-told",
         "baselines pass over counts of evaluations",
-        "validation.baseline:differences",
+        "validation.harness.baseline:differences",
         _count_band_wider,
     ),
 )

@@ -23,10 +23,10 @@ from importlib import import_module
 from types import FrameType
 from typing import Any
 
-from validation.case import Case
-from validation.registry import registry
-from validation.runner import failed_record, record_of
-from validation.schema import CaseRecord
+from validation.harness.case import Case
+from validation.harness.registry import registry
+from validation.harness.runner import failed_record, record_of
+from validation.harness.schema import CaseRecord
 
 WAITS = 10.0  # times the limit: the time by the clock after which a case is cut off, too
 PACKAGES = ("bem", "fem_reference", "persson", "validation")

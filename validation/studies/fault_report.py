@@ -11,11 +11,11 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure as Canvas
 
+from validation.harness.runner import write_atomically
+from validation.harness.verdict import case_verdicts
 from validation.report.figures import SETTINGS
-from validation.runner import write_atomically
 from validation.studies.fault_findings import Finding
 from validation.studies.fault_injection import Examined
-from validation.verdict import case_verdicts
 
 SCHEMA = "linecontact-faults/1"
 DECADES = 12.0  # beyond which the colour no longer deepens

@@ -23,17 +23,17 @@ from contextlib import closing
 from importlib import import_module
 from pathlib import Path
 
-from validation import baseline
-from validation.execution import Ended, run_each_alone
-from validation.provenance import provenance
-from validation.registry import registry
-from validation.runner import Note
+from validation.harness import baseline
+from validation.harness.execution import Ended, run_each_alone
+from validation.harness.provenance import provenance
+from validation.harness.registry import registry
+from validation.harness.runner import Note
+from validation.harness.verdict import case_verdicts
 from validation.studies.answers import Answers, answers_in
 from validation.studies.fault_findings import LAST_DECADE, Finding, Search, bad, compared
 from validation.studies.fault_injection import Examined, Fault, FaultError, Task, examine
 from validation.studies.fault_report import content_of, failures_of, table_of, write_matrix
 from validation.studies.store import write_json
-from validation.verdict import case_verdicts
 
 FILE, FIGURE = "faults.json", "faults.svg"
 CATALOGUE = "validation.studies.fault_catalogue"

@@ -24,7 +24,7 @@ from typing import Any, Literal, Protocol, get_args
 from validation.cases import hard_case_run, hard_fem_cases, hard_persson_cases
 from validation.cases.hard_case_run import Outcome
 from validation.cases.hard_cases import HARD_CASES
-from validation.schema import Table
+from validation.harness.schema import Table
 from validation.studies import random_trial
 
 LIMITS = {"reduced": 120.0, "full": 1800.0}  # s of the clock

@@ -38,9 +38,9 @@ import numpy as np
 
 from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Result, State
-from validation.ensemble import Member, Outcome, member_seed, read_member, run_ensemble
-from validation.executors import Opener, local_processes
-from validation.runner import Note
+from validation.harness.ensemble import Member, Outcome, member_seed, read_member, run_ensemble
+from validation.harness.executors import Opener, local_processes
+from validation.harness.runner import Note
 from validation.studies.map_figures import Map, write_map
 from validation.studies.store import text_table, write_json
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from validation.executors import Opener, local_processes
-from validation.runner import Note
+from validation.harness.executors import Opener, local_processes
+from validation.harness.runner import Note
 from validation.studies.maps import COARSE_AXES, TINY_AXES, run_over
 
 

@@ -16,8 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator
 
+from validation.harness.runner import write_atomically
 from validation.report.figures import COLOURS, MARKERS, SETTINGS
-from validation.runner import write_atomically
 
 WIDE = 64  # characters of a label with which two columns do not fit
 LABELLED = 2.5  # decades of an axis up to which twice and five times a power of ten have labels as well

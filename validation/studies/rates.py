@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.compare import fitted_order, pairwise_orders
+from validation.harness.compare import fitted_order, pairwise_orders
 
 Law = Literal["algebraic", "geometric"]
 

@@ -25,9 +25,9 @@ from pathlib import Path
 from typing import Any, get_args
 
 from validation.cases.hard_case_run import Outcome
-from validation.execution import Ended, Running, run_in_processes, run_in_turn
-from validation.provenance import provenance, sources_digest, versions
-from validation.runner import Note
+from validation.harness.execution import Ended, Running, run_in_processes, run_in_turn
+from validation.harness.provenance import provenance, sources_digest, versions
+from validation.harness.runner import Note
 from validation.studies import random_trial
 from validation.studies.hard_case_rows import (
     COLUMNS,

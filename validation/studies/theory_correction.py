@@ -21,13 +21,13 @@ from typing import Any
 from persson.corrected_data import SCHEMA as CALIBRATION_SCHEMA
 from persson.corrected_data import calibration
 from persson.corrected_variance import Correction
-from validation.ensemble import run_ensemble
-from validation.executors import Opener, local_processes
-from validation.provenance import provenance
+from validation.harness.ensemble import run_ensemble
+from validation.harness.executors import Opener, local_processes
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note, record_of, write_atomically
+from validation.harness.schema import SCHEMA as REPORT_SCHEMA
+from validation.harness.schema import Report, with_checksum
 from validation.report.render import failures, write_html
-from validation.runner import Note, record_of, write_atomically
-from validation.schema import SCHEMA as REPORT_SCHEMA
-from validation.schema import Report, with_checksum
 from validation.studies.store import text_table, write_json
 from validation.studies.theory_correction_data import Observed, observed, relative_errors
 from validation.studies.theory_correction_figures import chosen

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.scene.result import Result
-from validation.ensemble import read_member
+from validation.harness.ensemble import read_member
 from validation.studies.theory_correction_members import MODULUS, Group
 
 FloatArray = NDArray[np.float64]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from validation.schema import Figure, Panel, Series
+from validation.harness.schema import Figure, Panel, Series
 from validation.studies.theory_correction_judge import CALIBRATED, PLAIN, Judged
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 import persson
 from persson.corrected_variance import LITERATURE, Correction
 from persson.spectrum import DiscreteSpectrum
-from validation.runner import Note
+from validation.harness.runner import Note
 from validation.studies.theory_correction_data import STRESSES, Observed
 from validation.studies.theory_correction_members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
 

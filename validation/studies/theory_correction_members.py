@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.ensemble import Member, member_seed
+from validation.harness.ensemble import Member, member_seed
 
 FloatArray = NDArray[np.float64]
 

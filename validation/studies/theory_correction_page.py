@@ -15,8 +15,8 @@ import numpy as np
 
 from persson.corrected import spread_of
 from persson.corrected_variance import Correction, area_at, detachment_stress, fringed
-from validation.case import Case, Outcome
-from validation.schema import Reference, Row, Table, Tolerance
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Reference, Row, Table, Tolerance
 from validation.studies.theory_correction_figures import chosen, figures_of, known
 from validation.studies.theory_correction_fit import lines_of
 from validation.studies.theory_correction_judge import CALIBRATED, PLAIN, Judged, rms

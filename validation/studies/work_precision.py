@@ -19,9 +19,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from validation.execution import Ended, Running, run_alone
-from validation.provenance import provenance
-from validation.runner import Note
+from validation.harness.execution import Ended, Running, run_alone
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note
 from validation.studies import fft_methods
 from validation.studies.answers import Answers, answers_in
 from validation.studies.conclusion import Mark, MethodCurve, sentences

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
-from validation.registry import CaseError
+from validation.harness.registry import CaseError
 from validation.studies.fft_methods import STEPS, solve_fft
 from validation.studies.work_precision_methods import Method
 from validation.studies.work_precision_points import Point

@@ -14,9 +14,9 @@ import numpy as np
 
 import fem_reference
 from fem_reference import Resolution
+from validation.harness.schema import ReferenceKind
 from validation.paper_method import follow
 from validation.paper_method import solve as paper_solve
-from validation.schema import ReferenceKind
 from validation.studies.work_precision_methods import (
     PAPER_CLOSURE,
     PAPER_GAP,

@@ -62,7 +62,7 @@ def opener_of(spec: str) -> Opener:
     >>> opener_of("slurm")
     Traceback (most recent call last):
     ...
-    validation.executors.ExecutorError: --executor 'slurm': neither 'local' nor 'dask://host:port'
+    validation.harness.executors.ExecutorError: --executor 'slurm': neither 'local' nor 'dask://host:port'
     """
     if spec == LOCAL:
         return local_processes

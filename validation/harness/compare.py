@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from validation.schema import Row
+from validation.harness.schema import Row
 
 
 def error_of(row: Row) -> float:
@@ -28,7 +28,7 @@ def error_of(row: Row) -> float:
 
     Examples
     --------
-    >>> from validation.schema import Reference, Row, Tolerance
+    >>> from validation.harness.schema import Reference, Row, Tolerance
     >>> row = Row(quantity="load", unit="N/m", reference=Reference(kind="exact", source="Johnson 1995"),
     ...           norm="absolute", expected=[1.0], computed=[1.5], tolerance=Tolerance(value=1.0, measured=0.5))
     >>> error_of(row)

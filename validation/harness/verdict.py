@@ -11,8 +11,8 @@ import math
 from collections.abc import Iterable
 from typing import Literal, get_args
 
-from validation.compare import combined_tolerance, error_of
-from validation.schema import CaseRecord, Report, Row
+from validation.harness.compare import combined_tolerance, error_of
+from validation.harness.schema import CaseRecord, Report, Row
 
 Verdict = Literal["agrees", "expected deviation", "changed", "deviates", "not converged", "error", "not run"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)

@@ -21,13 +21,13 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from validation.compare import combined_tolerance
-from validation.provenance import provenance, sources_digest, versions, working_tree
-from validation.runner import write_atomically
-from validation.schema import CaseRecord, Row
-from validation.verdict import case_verdicts
+from validation.harness.compare import combined_tolerance
+from validation.harness.provenance import provenance, sources_digest, versions, working_tree
+from validation.harness.runner import write_atomically
+from validation.harness.schema import CaseRecord, Row
+from validation.harness.verdict import case_verdicts
 
-FOLDER = Path(__file__).parent / "baselines"
+FOLDER = Path(__file__).parents[1] / "baselines"
 COUNT_BAND = 0.2
 LONG_ROW = 16  # values; rows with more hold all states of a path, and how many these are may change
 TIGHT, BANDED = 1e-10, 0.02

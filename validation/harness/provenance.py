@@ -51,7 +51,7 @@ def versions() -> dict[str, str]:
 
 def sources_digest() -> str:
     """SHA-256 of the source files of the four packages, names and contents."""
-    root = Path(__file__).parents[1]
+    root = Path(__file__).parents[2]
     digest = hashlib.sha256()
     for package in SOURCES:
         for path in sorted((root / package).rglob("*")):
@@ -63,7 +63,7 @@ def sources_digest() -> str:
 
 def working_tree() -> tuple[str, bool] | None:
     """Commit and whether sources, baselines apart, have changes; None outside a checkout of this project."""
-    root = Path(__file__).parents[1]
+    root = Path(__file__).parents[2]
     if not (root / ".git").exists():
         return None
     changed = ("status", "--porcelain", "--", *SOURCES, ":!validation/baselines")

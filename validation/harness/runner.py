@@ -22,11 +22,11 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from validation.case import Case, Outcome
-from validation.execution import Ended, Running, Started, run_in_processes
-from validation.executors import Opener, local_processes
-from validation.provenance import sources_digest, versions
-from validation.schema import CaseRecord
+from validation.harness.case import Case, Outcome
+from validation.harness.execution import Ended, Running, Started, run_in_processes
+from validation.harness.executors import Opener, local_processes
+from validation.harness.provenance import sources_digest, versions
+from validation.harness.schema import CaseRecord
 
 GUESSED_SECONDS = {"quick": 15.0, "standard": 60.0, "full": 300.0}  # of a case that never ran, by level
 

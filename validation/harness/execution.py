@@ -17,7 +17,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from validation.executors import Opener, local_processes, on_one_thread
+from validation.harness.executors import Opener, local_processes, on_one_thread
 
 PULSE = 5.0  # s between signs of life
 TURN = 0.2  # s for which each of several processes is listened to in turn

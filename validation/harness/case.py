@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from validation.schema import Figure, Level, Row, Table
+from validation.harness.schema import Figure, Level, Row, Table
 
 
 @dataclass(frozen=True)

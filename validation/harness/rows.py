@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from validation.schema import Norm, Reference, Row, Tolerance
+from validation.harness.schema import Norm, Reference, Row, Tolerance
 
 
 def compared(

@@ -25,10 +25,10 @@ import numpy as np
 import bem
 from bem.scene.result import CorruptResultError, Result, digest, read_result, write_result
 from bem.scene.scene import parse_scene
-from validation.execution import PULSE, Ended, Running, run_in_processes
-from validation.executors import Opener, local_processes
-from validation.provenance import provenance
-from validation.runner import Note
+from validation.harness.execution import PULSE, Ended, Running, run_in_processes
+from validation.harness.executors import Opener, local_processes
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note
 
 Report = Callable[[Note], None]
 

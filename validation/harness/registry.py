@@ -12,8 +12,8 @@ from importlib import import_module
 from re import fullmatch
 from typing import get_args
 
-from validation.case import Case
-from validation.schema import Level
+from validation.harness.case import Case
+from validation.harness.schema import Level
 
 ID = r"[A-Za-z0-9][A-Za-z0-9._-]*"
 LEVELS: tuple[Level, ...] = get_args(Level)

@@ -1,0 +1,1 @@
+"""What runs cases and judges them: rows and their schema, comparison, verdicts, baselines, processes, provenance."""
