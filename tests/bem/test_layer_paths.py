@@ -10,7 +10,7 @@ from bem.elastic.layer import Layer, compliance_ratio
 from bem.geometry.scaling import Solid
 from bem.scene.scene import parse_scene
 from bem.solver import solve
-from validation.cases.dense_equilibrium import reference
+from validation.references.dense_equilibrium import reference
 
 PERIOD, AMPLITUDE, MODULUS = 0.01, 1e-4, 1e6
 THIN = 0.02 * PERIOD

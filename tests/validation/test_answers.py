@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import pytest
 
 from validation.harness.runner import failed_record
+from validation.references.posed_contacts import Found
 from validation.studies.answers import Answers
 from validation.studies.cost import Run
 from validation.studies.fault_injection import Examined
 from validation.studies.work_precision_points import Timed
-from validation.studies.work_precision_scenes import Found
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from validation import adapters, fem_adapter
 from validation.cases import fem_comparison
 from validation.cases.fem_closed_forms import layer_compliance
 from validation.cases.fem_equilibria import EDGES, PENETRATION, SCENES
 from validation.harness.verdict import verdict_of
+from validation.references import adapters, fem_adapter
 
 WAVE = {"adhesion": None, "loading": {"targets": [20e-6]}}
 

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from validation.studies import fft_methods, work_precision
-from validation.studies.fft_methods import cohesive_range, missing, solve_fft
+from validation.references import fft_adhesion as fft_methods
+from validation.references.fft_adhesion import cohesive_range, missing, solve_fft
+from validation.references.posed_contacts import Found, exact_sinusoid, scenes
+from validation.studies import work_precision
 from validation.studies.work_precision_peers import FFT_METHODS, peer_sentences, peer_table
 from validation.studies.work_precision_points import Point, Timed
 from validation.studies.work_precision_references import source_for
-from validation.studies.work_precision_scenes import Found, exact_sinusoid, scenes
 
 SINUSOID = scenes()["sinusoid"]
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from bem.scene.scene import parse_scene
-from validation.cases import fft_solver, peers
-from validation.cases.fft_solver import GridContact, extrapolated, grid_contact
+from validation.cases import peers
+from validation.references import fft_solver
+from validation.references.fft_solver import GridContact, extrapolated, grid_contact
 
 AMPLITUDE, WAVELENGTH, MODULUS = 1e-4, 0.01, 4e6 / 3
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from validation.cases.closed_forms import Sinusoid
 from validation.cases.merged_crests import AMPLITUDE, PERIOD, POISSON_RATIO, YOUNGS_MODULUS, one_patch_mean_pressure
+from validation.references.closed_forms import Sinusoid
 
 
 @pytest.mark.parametrize("alpha", [0.0, 0.1, 0.5])

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-import validation.paper_method
-from validation.cases.closed_forms import Sinusoid
-from validation.paper_method import Surface, follow, solve
-from validation.paper_method.cells import _mean_logarithm, compliance, graded
-from validation.paper_method.energy import SweepsError, energy, gauss_seidel
+import validation.references.paper_method
+from validation.references.closed_forms import Sinusoid
+from validation.references.paper_method import Surface, follow, solve
+from validation.references.paper_method.cells import _mean_logarithm, compliance, graded
+from validation.references.paper_method.energy import SweepsError, energy, gauss_seidel
 
 WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
 FRACTION = 0.6
@@ -36,7 +36,7 @@ def order(sizes, errors):
 
 
 def test_nothing_of_the_solver_is_imported():
-    sources = Path(validation.paper_method.__file__).parent.glob("*.py")
+    sources = Path(validation.references.paper_method.__file__).parent.glob("*.py")
     imported = {
         name
         for source in sources

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import bem
-from validation import adapters
 from validation.cases.rippled_wave import (
     LOADING,
     MOST,
@@ -15,6 +14,7 @@ from validation.cases.rippled_wave import (
     spreading,
     turning_points,
 )
+from validation.references import adapters
 
 
 @pytest.fixture(scope="module")

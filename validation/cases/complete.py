@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 import bem
-from validation import adapters
-from validation.cases.closed_forms import full_contact_amplitudes
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.references import adapters
+from validation.references.closed_forms import full_contact_amplitudes
 
 
 def _complete() -> Outcome:

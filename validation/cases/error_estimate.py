@@ -19,11 +19,11 @@ from scipy.optimize import brentq
 import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
-from validation import adapters
-from validation.cases.closed_forms import Sinusoid
-from validation.cases.dense_equilibrium import reference
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.references import adapters
+from validation.references.closed_forms import Sinusoid
+from validation.references.dense_equilibrium import reference
 
 TOLERANCES = (1e-3, 1e-6, 1e-8, 1e-10)
 TIGHT = 1e-12

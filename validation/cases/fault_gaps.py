@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 import bem
 import fem_reference
-from validation import adapters
-from validation.cases.closed_forms import Sinusoid
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference
+from validation.references import adapters
+from validation.references.closed_forms import Sinusoid
 
 FloatArray = NDArray[np.float64]
 PERIOD, YOUNGS_MODULUS = 0.01, 1e6

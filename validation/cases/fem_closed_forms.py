@@ -20,11 +20,11 @@ import numpy as np
 import bem
 import fem_reference
 from fem_reference import Resolution, Result
-from validation import adapters, fem_adapter
-from validation.cases.closed_forms import Sinusoid
 from validation.harness.case import Case, Outcome
 from validation.harness.compare import pairwise_orders
 from validation.harness.schema import Figure, Level, Panel, Reference, Row, Series, Tolerance
+from validation.references import adapters, fem_adapter
+from validation.references.closed_forms import Sinusoid
 
 PERIOD, AMPLITUDE, YOUNGS_MODULUS = 0.01, 50e-6, 1e6
 GROUP = "finite elements against closed forms"

@@ -20,9 +20,9 @@ import numpy as np
 
 import fem_reference
 from fem_reference import Resolution
-from validation.cases.closed_forms import Sinusoid
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Tolerance
+from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
 FRACTIONS = (0.3, 0.5, 0.7)

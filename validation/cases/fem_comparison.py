@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 import bem
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
-from validation import fem_adapter
 from validation.harness.schema import Reference, Row, Tolerance
+from validation.references import fem_adapter
 
 FloatArray = NDArray[np.float64]
 RESOLUTIONS = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 8, 18)}

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from validation import adapters
 from validation.cases.fem_comparison import (
     Comparison,
     Difference,
@@ -23,6 +22,7 @@ from validation.cases.fem_comparison import (
 from validation.cases.fem_figures import figure
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Series, Table
+from validation.references import adapters
 
 PERIOD = 0.01
 THICKNESSES = (0.05, 0.1, 0.5, 2.0)  # in periods

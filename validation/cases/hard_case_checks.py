@@ -24,7 +24,7 @@ from bem.geometry.scaling import Scales, Solid
 from bem.scene.result import Result, State, write_result
 from bem.scene.scene import Scene, parse_scene
 from bem.solver import solve
-from validation.cases.hard_case_crack import closing, crack, valleys
+from validation.references.lone_crack import closing, crack, valleys
 
 Table = dict[str, Any]
 Check = Callable[[Table, Scene, Result], list[str]]

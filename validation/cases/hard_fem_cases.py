@@ -21,7 +21,6 @@ from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from fem_reference import Resolution
-from validation.cases.closed_forms import Sinusoid
 from validation.cases.hard_case_run import Outcome
 from validation.cases.hard_case_scenes import (
     JOHNSON,
@@ -33,6 +32,7 @@ from validation.cases.hard_case_scenes import (
     johnson_penetration,
     westergaard_pressure,
 )
+from validation.references.closed_forms import Sinusoid
 
 COARSE = Resolution(2, 8, 8)
 HALF_SPACE = 1e-10  # relative, by which a layer of two periods differs from it

@@ -14,9 +14,9 @@ import numpy as np
 
 import bem
 import persson
-from validation import adapters
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Table
+from validation.references import adapters
 
 HURST = (0.3, 0.5, 0.7, 0.9)
 LOADS = (0.02, 0.05, 0.1, 0.2)  # of E* h'_rms

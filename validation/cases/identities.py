@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 import bem
-from validation import adapters
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.references import adapters
 
 STEP = 2e-4  # of the width of the narrowest patch, in differences of fourth order
 

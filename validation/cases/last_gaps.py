@@ -21,10 +21,10 @@ from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from bem.scene.result import State
 from bem.scene.scene import parse_scene
-from validation.cases.hard_case_crack import closing, valleys
 from validation.cases.hard_case_scenes import MODULUS, PERIOD, rough, scene, waves
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Tolerance
+from validation.references.lone_crack import closing, valleys
 
 FloatArray = NDArray[np.float64]
 

@@ -13,10 +13,10 @@ import numpy as np
 import bem
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene
-from validation import adapters
-from validation.cases.dense_equilibrium import reference
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.references import adapters
+from validation.references.dense_equilibrium import reference
 
 QUANTITIES = {
     "mean_pressure": "mean pressure",

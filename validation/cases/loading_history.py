@@ -15,11 +15,11 @@ import numpy as np
 
 import bem
 from bem.scene.result import Result
-from validation import adapters
-from validation.cases.closed_forms import Sinusoid
 from validation.cases.energy_balance import Account, accounts, closed, legs
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.references import adapters
+from validation.references.closed_forms import Sinusoid
 
 
 def _history() -> Outcome:

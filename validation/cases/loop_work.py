@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from validation import adapters
 from validation.cases.energy_balance import accounts, closed
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Table
+from validation.references import adapters
 
 SEPARATIONS = (40e-6, 62.5e-6, 65e-6, 70e-6, 40e-6)  # m; patches nearly detach at 63.7 um
 PLATE = (40e-6, 62.5e-6, 65.5e-6, 70e-6, 40e-6)  # m, by which the plate is above first touch of the highest crest

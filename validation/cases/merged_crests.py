@@ -13,11 +13,11 @@ from scipy.optimize import brentq
 
 import bem
 from bem.scene.result import Result
-from validation import adapters
-from validation.cases.one_patch import OnePatch
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.references import adapters
+from validation.references.one_patch import OnePatch
 
 # of the scene merged_crests; SI units
 PERIOD, YOUNGS_MODULUS, POISSON_RATIO = 0.01, 1e6, 0.5

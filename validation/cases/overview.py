@@ -18,10 +18,10 @@ import bem
 import fem_reference
 import persson
 from bem.scene.result import State
-from validation import adapters
-from validation.cases.closed_forms import Sinusoid
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Tolerance
+from validation.references import adapters
+from validation.references.closed_forms import Sinusoid
 
 PERIOD, YOUNGS_MODULUS, POISSON_RATIO, WORK = 0.01, 1e6, 0.5, 0.03
 MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene, parse_scene
-from validation import adapters
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
-from validation.paper_method import PaperState, Surface, follow, solve
-from validation.studies.work_precision_scenes import Posed, scene_tables, scenes
+from validation.references import adapters
+from validation.references.paper_method import PaperState, Surface, follow, solve
+from validation.references.posed_contacts import Posed, scene_tables, scenes
 
 FloatArray = NDArray[np.float64]
 

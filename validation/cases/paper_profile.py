@@ -10,9 +10,9 @@ import numpy as np
 import bem
 from bem.scene.result import State
 from persson import DiscreteSpectrum, solve_nonadhesive
-from validation import adapters
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.references import adapters
 
 COMPARED_FROM = 0.005  # of E*
 CAUSE = (

@@ -19,10 +19,10 @@ import numpy as np
 import bem
 from bem.scene.result import Event, Result, State, write_result
 from bem.scene.scene import parse_scene
-from validation import adapters
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Row
+from validation.references import adapters
 
 STOPS = (70e-6, 56e-6, 42e-6)  # separations in m, there and back
 MET_TWICE = {1381.208: 61.8e-6, 3558.97: 48.3e-6}  # mean pressures in Pa, and separations in m between their two states

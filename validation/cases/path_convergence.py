@@ -6,9 +6,9 @@ import numpy as np
 
 import bem
 from bem.scene.result import Result
-from validation import adapters
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.references import adapters
 
 INCREMENTS = (0.05, 0.0125)
 SCENE_TOLERANCE = 1e-6

@@ -14,10 +14,10 @@ import numpy as np
 import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
-from validation import adapters
-from validation.cases.fft_solver import Extrapolated, GridContact, extrapolated, grid_contact, missing
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.references import adapters
+from validation.references.fft_solver import Extrapolated, GridContact, extrapolated, grid_contact, missing
 
 SEED = 2009
 SHARES = (0.005, 0.01, 0.02)  # of E*

@@ -24,11 +24,11 @@ from scipy.optimize import brentq, minimize_scalar
 
 import bem
 from bem.scene.result import Event, Result
-from validation import adapters
-from validation.cases.one_patch import OnePatch
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Panel, Reference, Row, Series
+from validation.references import adapters
+from validation.references.one_patch import OnePatch
 
 FloatArray = NDArray[np.float64]
 

@@ -18,11 +18,11 @@ from scipy.optimize import brentq, minimize_scalar
 
 import bem
 from bem.scene.result import Result, State
-from validation import adapters
 from validation.cases.merged_crests import one_patch_mean_pressure
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.references import adapters
 
 FloatArray = NDArray[np.float64]
 

@@ -11,10 +11,10 @@ import bem
 from bem.audit.dense import evaluate_dense
 from bem.geometry.scaling import Scales
 from bem.scene.result import Result
-from validation import adapters
-from validation.cases.closed_forms import Sinusoid
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.references import adapters
+from validation.references.closed_forms import Sinusoid
 
 AMPLITUDE, WAVELENGTH, YOUNGS_MODULUS, POISSON_RATIO = 1e-4, 0.01, 1e6, 0.5
 EQUATIONS = (

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import bem
-from validation import adapters
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference
+from validation.references import adapters
 
 FloatArray = NDArray[np.float64]
 

@@ -25,12 +25,12 @@ from bem.nonadhesive.contact_assessment import assess_contact
 from bem.problem import pose
 from bem.scene.result import State
 from bem.states import Cost, equilibrium_state
-from validation import adapters
-from validation.cases.closed_forms import Sinusoid
-from validation.cases.one_patch import OnePatch
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Row
+from validation.references import adapters
+from validation.references.closed_forms import Sinusoid
+from validation.references.one_patch import OnePatch
 
 WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
 BESIDE = (1.3, 1.1, 1.02, 0.98, 0.9)  # psi over that of the largest tension; pull-off lies at 0.80

@@ -13,10 +13,10 @@ import numpy as np
 from scipy.special import erf, exp1
 
 import persson
-from validation import adapters
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference
+from validation.references import adapters
 
 PERIOD, YOUNGS_MODULUS = 0.01, 1e6
 MODULUS = YOUNGS_MODULUS / (1 - 0.3**2)

@@ -23,12 +23,12 @@ import numpy as np
 
 import bem
 from bem.scene.result import FINAL_STATUSES, Progress, State
-from validation import adapters
 from validation.harness.compare import fitted_order
 from validation.harness.execution import Ended, Running, run_alone
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
 from validation.harness.schema import Table
+from validation.references import adapters
 from validation.studies.answers import Answers, answers_in
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences

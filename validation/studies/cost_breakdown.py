@@ -22,8 +22,8 @@ from bem.geometry.patches import ordered
 from bem.geometry.scaling import Scales
 from bem.scene.result import State
 from bem.scene.scene import Scene
-from validation import adapters
 from validation.harness.compare import fitted_order
+from validation.references import adapters
 from validation.studies.plots import Line, Plot
 from validation.studies.stages import timed_stages
 

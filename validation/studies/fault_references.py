@@ -203,7 +203,7 @@ REFERENCE_FAULTS: tuple[Fault, ...] = (
     Fault(
         "adapter-rms-for-amplitude",
         "the theory is handed rms values for amplitudes",
-        "validation.adapters:persson_spectrum",
+        "validation.references.adapters:persson_spectrum",
         _amplitudes_as_rms,
         "amplitudes by 1 / sqrt 2",
     ),

@@ -32,8 +32,8 @@ import bem
 import fem_reference
 from bem.scene.result import Result
 from fem_reference import Resolution
-from validation import adapters
-from validation.cases.closed_forms import Sinusoid
+from validation.references import adapters
+from validation.references.closed_forms import Sinusoid
 from validation.studies.stages import timed_stages
 
 Changes = dict[str, Mapping[str, Any] | None]

@@ -25,8 +25,8 @@ from bem.geometry.scaling import Solid
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
-from validation.cases.dense_equilibrium import NoReferenceError, reference
 from validation.cases.hard_case_run import Outcome
+from validation.references.dense_equilibrium import NoReferenceError, reference
 from validation.studies.random_checks import EPS, Finding, Units, findings_of
 from validation.studies.random_copies import COPIES, ROUNDINGS, STATE, run_copy, smaller_increment
 from validation.studies.random_scenes import Drawn, draw

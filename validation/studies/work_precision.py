@@ -22,7 +22,8 @@ from typing import Any, TypeVar
 from validation.harness.execution import Ended, Running, run_alone
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
-from validation.studies import fft_methods
+from validation.references import fft_adhesion as fft_methods
+from validation.references.posed_contacts import Posed, scenes
 from validation.studies.answers import Answers, answers_in
 from validation.studies.conclusion import Mark, MethodCurve, sentences
 from validation.studies.plots import Line, Plot, write_svg
@@ -33,7 +34,6 @@ from validation.studies.work_precision_methods import METHODS, Method
 from validation.studies.work_precision_peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
 from validation.studies.work_precision_points import SHOWN, Point, Timed
 from validation.studies.work_precision_references import SOURCES, Reference, Source, source_for
-from validation.studies.work_precision_scenes import Posed, scenes
 
 SCHEMA = "linecontact-work-precision/1"
 FILE = "work-precision.json"

@@ -23,10 +23,10 @@ from fem_reference.result import quantities
 from fem_reference.solve import closed, control_of, problem_of
 from persson import AdhesiveContact, DiscreteSpectrum
 from persson import solve as persson_solve
-from validation.paper_method import PaperState, follow
-from validation.paper_method import solve as paper_solve
-from validation.studies.dense_newton import solve_dense
-from validation.studies.work_precision_scenes import Answer, Found, MethodError, Posed, overlap, scene_tables
+from validation.references.dense_newton import solve_dense
+from validation.references.paper_method import PaperState, follow
+from validation.references.paper_method import solve as paper_solve
+from validation.references.posed_contacts import Answer, Found, MethodError, Posed, overlap, scene_tables
 
 HALF_SPACE_DEPTH = 3.0  # periods: a layer so thick is the half-space within 1e-12
 PERSSON_LOAD = 1.0e4  # Pa

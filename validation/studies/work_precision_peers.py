@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from validation.harness.registry import CaseError
-from validation.studies.fft_methods import STEPS, solve_fft
+from validation.references.fft_adhesion import STEPS, solve_fft
 from validation.studies.work_precision_methods import Method
 from validation.studies.work_precision_points import Point
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from validation.studies.work_precision_scenes import Found
+from validation.references.posed_contacts import Found
 
 SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
 

@@ -15,8 +15,9 @@ import numpy as np
 import fem_reference
 from fem_reference import Resolution
 from validation.harness.schema import ReferenceKind
-from validation.paper_method import follow
-from validation.paper_method import solve as paper_solve
+from validation.references.paper_method import follow
+from validation.references.paper_method import solve as paper_solve
+from validation.references.posed_contacts import QUANTITIES, Answer, MethodError, Posed, exact_sinusoid
 from validation.studies.work_precision_methods import (
     PAPER_CLOSURE,
     PAPER_GAP,
@@ -27,7 +28,6 @@ from validation.studies.work_precision_methods import (
     persson_volterra,
     solve_bem,
 )
-from validation.studies.work_precision_scenes import QUANTITIES, Answer, MethodError, Posed, exact_sinusoid
 
 ROUNDING = 2e-15  # of the scale of a quantity
 

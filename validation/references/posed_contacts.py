@@ -28,8 +28,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from validation.cases.closed_forms import Sinusoid
-from validation.paper_method import Surface
+from validation.references.closed_forms import Sinusoid
+from validation.references.paper_method import Surface
 
 QUANTITIES = ("contact_fraction", "mean_pressure", "elastic_energy", "gap")
 Answer = dict[str, float]

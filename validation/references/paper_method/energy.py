@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.blas import dsymv, dtrsv
 
-from validation.paper_method.cells import Cells, attraction, compliance
-from validation.paper_method.surface import Surface
+from validation.references.paper_method.cells import Cells, attraction, compliance
+from validation.references.paper_method.surface import Surface
 
 FloatArray = NDArray[np.float64]
 

@@ -24,9 +24,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.paper_method.cells import graded
-from validation.paper_method.energy import Energy, energy
-from validation.paper_method.surface import Surface
+from validation.references.paper_method.cells import graded
+from validation.references.paper_method.energy import Energy, energy
+from validation.references.paper_method.surface import Surface
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.studies.work_precision_scenes import Found, MethodError, Posed
+from validation.references.posed_contacts import Found, MethodError, Posed
 
 FloatArray = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def cohesive_range(posed: Posed, points: int, spacings: int) -> float:
 
     Examples
     --------
-    >>> from validation.studies.work_precision_scenes import scenes
+    >>> from validation.references.posed_contacts import scenes
     >>> round(cohesive_range(scenes()["sinusoid"], 2**14, 8) * 1e6, 4)
     1.4726
     """

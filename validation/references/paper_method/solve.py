@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from validation.paper_method.descent import VANISHED, Descent, descend, room_of
-from validation.paper_method.energy import Energy, SweepsError
-from validation.paper_method.surface import Surface
+from validation.references.paper_method.descent import VANISHED, Descent, descend, room_of
+from validation.references.paper_method.energy import Energy, SweepsError
+from validation.references.paper_method.surface import Surface
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

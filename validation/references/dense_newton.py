@@ -16,7 +16,7 @@ import bem
 from bem.audit.dense import DenseState, SmoothKernel, evaluate_dense
 from bem.geometry.patches import Patches
 from bem.geometry.scaling import Scales
-from validation.studies.work_precision_scenes import Found, MethodError, Posed, overlap
+from validation.references.posed_contacts import Found, MethodError, Posed, overlap
 
 FloatArray = NDArray[np.float64]
 
