@@ -12,8 +12,8 @@ from matplotlib.colors import LogNorm, Normalize
 
 from validation import __main__ as command_line
 from validation.harness.ensemble import Outcome
+from validation.report.map_figures import Map, draw, table_of, write_map
 from validation.studies import maps, maps_coarse
-from validation.studies.map_figures import Map, draw, table_of, write_map
 
 
 def test_full_study_covers_the_axes():

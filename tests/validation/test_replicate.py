@@ -20,11 +20,11 @@ from validation.replicate import gather, members, realisations, scene_text
 from validation.replicate.area import line_through
 from validation.replicate.double_gaussian_fit import Fit, Sample, window_figure, window_table
 from validation.replicate.evidence import jackknife, joined, mean_and_error
-from validation.replicate.files import linked, table_of, write_figure
 from validation.replicate.members import LOADS, PAPER, Size
 from validation.replicate.pressure import decay_power, density
 from validation.replicate.spectra import THIN, _power_law, _thin_once, banded, exponent, sensitivity
 from validation.replicate.statements import disagreement, statement
+from validation.report.figure_files import linked, table_of, write_figure
 from validation.report.render import render
 
 TINY = Size(seeds=2, harmonics=16, fewer_harmonics=12, hurst_seeds=2)

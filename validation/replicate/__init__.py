@@ -27,10 +27,10 @@ from validation.harness.runner import Note, failed_record, record_of
 from validation.harness.schema import SCHEMA, CaseRecord, Report
 from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra
 from validation.replicate.evidence import Evidence, Realisation
-from validation.replicate.files import linked, write_figure
 from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
 from validation.replicate.members import hurst as hurst_members
 from validation.replicate.members import shapes as shapes_member
+from validation.report.figure_files import linked, write_figure
 
 GROUP = "the paper replicated"
 FIGURES = "figures"  # folder of their files, beside the report

@@ -19,6 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
+from validation.report.plots import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.convergence_curves import (
     Curve,
@@ -29,7 +30,6 @@ from validation.studies.convergence_curves import (
     path_targets,
     persson_curves,
 )
-from validation.studies.plots import Line, Plot, write_svg
 from validation.studies.rates import RateError
 from validation.studies.store import text_table, write_json
 

@@ -41,7 +41,7 @@ from bem.scene.result import FINAL_STATUSES, Result, State
 from validation.harness.ensemble import Member, Outcome, member_seed, read_member, run_ensemble
 from validation.harness.executors import Opener, local_processes
 from validation.harness.runner import Note
-from validation.studies.map_figures import Map, write_map
+from validation.report.map_figures import Map, write_map
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-maps/1"

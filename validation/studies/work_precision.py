@@ -24,9 +24,9 @@ from validation.harness.provenance import provenance
 from validation.harness.runner import Note
 from validation.references import fft_adhesion as fft_methods
 from validation.references.posed_contacts import Posed, scenes
+from validation.report.plots import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.conclusion import Mark, MethodCurve, sentences
-from validation.studies.plots import Line, Plot, write_svg
 from validation.studies.price_list import Price, digits_of, loaded_for_nothing, priced
 from validation.studies.price_list import sentences as price_sentences
 from validation.studies.store import peak_megabytes, text_table, write_json

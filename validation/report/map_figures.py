@@ -18,7 +18,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from validation.replicate.files import WITHOUT_DATE, replace_file
+from validation.report.figure_files import WITHOUT_DATE, replace_file
 from validation.report.figures import SETTINGS
 
 DARK = 0.55  # of the colour scale, from where the text is white
