@@ -8,9 +8,9 @@ import pytest
 from bem.scene.result import Event, EventError
 from bem.scene.scene import parse_scene
 from bem.solver import solve
-from validation.cases import hard_case_checks as checks
-from validation.cases.hard_case_run import judged, missed, run_case
-from validation.cases.hard_case_scenes import (
+from validation.corpus.hard import hard_case_checks as checks
+from validation.corpus.hard.hard_case_run import judged, missed, run_case
+from validation.corpus.hard.hard_case_scenes import (
     MODULUS,
     PEAK_PRESSURE,
     PERIOD,
@@ -21,7 +21,7 @@ from validation.cases.hard_case_scenes import (
     scene,
     waves,
 )
-from validation.cases.hard_cases import HARD_CASES
+from validation.corpus.hard.hard_cases import HARD_CASES
 
 MOST_HARMONICS = 125
 ids = [case.id for case in HARD_CASES]

@@ -3,8 +3,8 @@
 import os
 import time
 
-from validation.cases.hard_case_run import Outcome
-from validation.studies.hard_case_rows import Task
+from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.rows import Task
 
 EXPECTED = ("converged", "converged")
 

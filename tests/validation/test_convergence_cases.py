@@ -7,8 +7,8 @@ import pytest
 
 from validation.cases import convergence, paper_method_audit
 from validation.cases.paper_method_audit import Extrapolated
+from validation.corpus.convergence_curves import paper_method_curve
 from validation.harness.verdict import verdict_of
-from validation.studies.convergence_curves import paper_method_curve
 
 
 def test_rate_off_on_either_side_deviates():

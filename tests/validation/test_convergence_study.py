@@ -5,9 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from validation.studies import convergence
-from validation.studies.convergence import PathDrift, Step, figures_of, row_of
-from validation.studies.convergence_curves import (
+from validation.corpus.convergence_curves import (
     Curve,
     bem_curves,
     ensemble_curve,
@@ -15,6 +13,8 @@ from validation.studies.convergence_curves import (
     paper_method_curve,
     persson_curves,
 )
+from validation.studies import convergence
+from validation.studies.convergence import PathDrift, Step, figures_of, row_of
 
 SIZES = (4.0, 8.0, 16.0, 32.0)
 SECOND = Curve(
@@ -142,7 +142,7 @@ def test_graded_meshes_win_back_what_the_edges_cost():
 def test_ensemble_groups_are_of_independent_realisations(monkeypatch):
     import numpy as np
 
-    from validation.studies import convergence_curves
+    from validation.corpus import convergence_curves
 
     normal = np.random.default_rng(0).normal(1.0, 0.1, 4096)
     monkeypatch.setattr(convergence_curves, "_area", lambda harmonics, seed: float(normal[seed]))

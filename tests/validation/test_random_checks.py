@@ -9,11 +9,11 @@ import pytest
 
 from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
-from validation.cases.hard_case_scenes import rough, scene, waves
-from validation.studies import random_copies as copies
-from validation.studies import random_trial as trial
-from validation.studies.random_checks import AT_EVENTS, Units, balances, findings_of
-from validation.studies.random_scenes import Drawn
+from validation.corpus.hard.hard_case_scenes import rough, scene, waves
+from validation.corpus.random import random_copies as copies
+from validation.corpus.random import random_trial as trial
+from validation.corpus.random.random_checks import AT_EVENTS, Units, balances, findings_of
+from validation.corpus.random.random_scenes import Drawn
 
 WAVES = waves([1, 3], [40e-6, 15e-6]) | {"phases": [0.3, 1.0]}
 PATHS = {

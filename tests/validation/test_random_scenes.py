@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bem.scene.scene import SceneError, load_scene, parse_scene
-from validation.studies.random_scenes import EXTREMES, MISTAKES, draw
-from validation.studies.random_trial import RandomCase, case_of, run_case
+from validation.corpus.random.random_scenes import EXTREMES, MISTAKES, draw
+from validation.corpus.random.random_trial import RandomCase, case_of, run_case
 
 MANY = 800
 

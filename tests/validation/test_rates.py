@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.studies.rates import RateError, algebraic, geometric
+from validation.corpus.rates import RateError, algebraic, geometric
 
 SIZES = (4.0, 8.0, 16.0, 32.0)
 

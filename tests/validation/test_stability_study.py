@@ -9,11 +9,11 @@ import pytest
 
 from validation import __main__ as command_line
 from validation.cases import stability as registered
+from validation.corpus.rows import ENDINGS, Task, counts, row_of, tasks_of
 from validation.harness import execution
 from validation.harness.execution import Ended, Running
 from validation.harness.verdict import verdict_of
 from validation.studies import stability
-from validation.studies.hard_case_rows import ENDINGS, Task, counts, row_of, tasks_of
 from validation.studies.stability import summary
 
 FLAT = Task("bem", "flat", "reduced", 120.0)

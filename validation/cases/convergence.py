@@ -7,9 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
-from validation.studies.convergence_curves import (
+from validation.corpus.convergence_curves import (
     Curve,
     bem_curves,
     ensemble_curve,
@@ -17,6 +15,8 @@ from validation.studies.convergence_curves import (
     paper_method_curve,
     persson_curves,
 )
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 
 EQUATIONS = (
     "error = C rho^-n (K), C rho^-2n (load), rho = z + sqrt(z^2 - 1), z = 1 + gap / half width;  "

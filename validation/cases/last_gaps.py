@@ -21,7 +21,7 @@ from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from bem.scene.result import State
 from bem.scene.scene import parse_scene
-from validation.cases.hard_case_scenes import MODULUS, PERIOD, rough, scene, waves
+from validation.corpus.hard.hard_case_scenes import MODULUS, PERIOD, rough, scene, waves
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Tolerance
 from validation.references.lone_crack import closing, valleys

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from functools import partial
 
+from validation.corpus.rows import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
+from validation.corpus.rows import Row as HardRow
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Tolerance
-from validation.studies.hard_case_rows import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
-from validation.studies.hard_case_rows import Row as HardRow
 
 REFERENCE = Reference(kind="self", source="the expectation stated beforehand, and the checks that each case names")
 EITHER = Tolerance(value=0.5, measured=0.0, basis="required")  # of a yes or no, and of counts

@@ -17,11 +17,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from validation.harness.provenance import provenance
-from validation.harness.runner import Note
-from validation.report.plots import Line, Plot, write_svg
-from validation.studies.answers import Answers, answers_in
-from validation.studies.convergence_curves import (
+from validation.corpus.convergence_curves import (
     Curve,
     bem_curves,
     ensemble_curve,
@@ -30,7 +26,11 @@ from validation.studies.convergence_curves import (
     path_targets,
     persson_curves,
 )
-from validation.studies.rates import RateError
+from validation.corpus.rates import RateError
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note
+from validation.report.plots import Line, Plot, write_svg
+from validation.studies.answers import Answers, answers_in
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-convergence/1"

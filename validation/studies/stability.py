@@ -24,12 +24,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
-from validation.cases.hard_case_run import Outcome
-from validation.harness.execution import Ended, Running, run_in_processes, run_in_turn
-from validation.harness.provenance import provenance, sources_digest, versions
-from validation.harness.runner import Note
-from validation.studies import random_trial
-from validation.studies.hard_case_rows import (
+from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.random import random_trial
+from validation.corpus.rows import (
     COLUMNS,
     LIMITS,
     Code,
@@ -42,6 +39,9 @@ from validation.studies.hard_case_rows import (
     table_of,
     tasks_of,
 )
+from validation.harness.execution import Ended, Running, run_in_processes, run_in_turn
+from validation.harness.provenance import provenance, sources_digest, versions
+from validation.harness.runner import Note
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-stability/1"

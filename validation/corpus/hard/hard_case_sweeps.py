@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from validation.cases.hard_case_scenes import WORK, HardCase, Reached, rough, scene
+from validation.corpus.hard.hard_case_scenes import WORK, HardCase, Reached, rough, scene
 
 
 def swept_cases() -> list[HardCase]:

@@ -21,11 +21,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, get_args
 
-from validation.cases import hard_case_run, hard_fem_cases, hard_persson_cases
-from validation.cases.hard_case_run import Outcome
-from validation.cases.hard_cases import HARD_CASES
+from validation.corpus.hard import hard_case_run, hard_fem_cases, hard_persson_cases
+from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_cases import HARD_CASES
+from validation.corpus.random import random_trial
 from validation.harness.schema import Table
-from validation.studies import random_trial
 
 LIMITS = {"reduced": 120.0, "full": 1800.0}  # s of the clock
 

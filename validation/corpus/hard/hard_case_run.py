@@ -15,8 +15,8 @@ from bem.geometry.profile import Profile
 from bem.scene.result import Result
 from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
-from validation.cases.hard_case_checks import CHECKS
-from validation.cases.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples
+from validation.corpus.hard.hard_case_checks import CHECKS
+from validation.corpus.hard.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples
 
 ROUNDED = 1e-5  # of a contact fraction that is to be reached; measured 1.9e-6 at 1e-5
 RELEASED = 1e-12  # of E* h_rms^2 / period: rounding of the energy released by an event; none measured below zero

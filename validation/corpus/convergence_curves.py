@@ -31,11 +31,11 @@ from fem_reference.mesh import LayerMesh, Resolution, crisscross
 from fem_reference.result import quantities
 from fem_reference.solve import control_of, prescribed, problem_of
 from persson.diffusion import march
+from validation.corpus.rates import Law, Rate, algebraic, geometric
 from validation.harness.schema import ReferenceKind
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 from validation.references.paper_method import Surface, solve
-from validation.studies.rates import Law, Rate, algebraic, geometric
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=0.3)
 FEM_DEPTH = 0.02  # two periods: the half-space within 4e-9

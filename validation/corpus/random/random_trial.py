@@ -25,11 +25,11 @@ from bem.geometry.scaling import Solid
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
-from validation.cases.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.random.random_checks import EPS, Finding, Units, findings_of
+from validation.corpus.random.random_copies import COPIES, ROUNDINGS, STATE, run_copy, smaller_increment
+from validation.corpus.random.random_scenes import Drawn, draw
 from validation.references.dense_equilibrium import NoReferenceError, reference
-from validation.studies.random_checks import EPS, Finding, Units, findings_of
-from validation.studies.random_copies import COPIES, ROUNDINGS, STATE, run_copy, smaller_increment
-from validation.studies.random_scenes import Drawn, draw
 
 MOST_DENSE = 3  # states of a scene that are settled by dense algebra: the first, the last and one between
 MOST_WORK = 2e7  # nodes squared times terms of the layer, below 1 s: states that need more are not settled

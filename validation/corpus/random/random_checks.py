@@ -28,7 +28,7 @@ import numpy as np
 from bem.geometry.scaling import Scales, Solid
 from bem.scene.result import FINAL_STATUSES, STATUSES, Event, Result, State
 from bem.scene.scene import Scene
-from validation.studies.random_scenes import mean_compliance
+from validation.corpus.random.random_scenes import mean_compliance
 
 Kind = Literal[
     "vocabulary",

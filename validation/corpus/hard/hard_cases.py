@@ -8,7 +8,7 @@ here, which live in hard_case_checks.py).  Cases along one parameter are in hard
 
 from __future__ import annotations
 
-from validation.cases.hard_case_scenes import (
+from validation.corpus.hard.hard_case_scenes import (
     PERIOD,
     WAVE,
     WAVE_WORK,
@@ -22,7 +22,7 @@ from validation.cases.hard_case_scenes import (
     waves,
     westergaard_pressure,
 )
-from validation.cases.hard_case_sweeps import swept_cases
+from validation.corpus.hard.hard_case_sweeps import swept_cases
 
 # m.  With 1000 harmonics the lowest pressure of complete contact lies Q = 635 kPa below its mean, and K = 283 Pa m^0.5:
 # by hard_case_crack.py the load is tensile below a gap of 1.27e-5 periods, a separation of 6.0e-13 m; with 8 harmonics

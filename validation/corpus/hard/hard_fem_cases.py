@@ -21,8 +21,8 @@ from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from fem_reference import Resolution
-from validation.cases.hard_case_run import Outcome
-from validation.cases.hard_case_scenes import (
+from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_scenes import (
     JOHNSON,
     MODULUS,
     PERIOD,

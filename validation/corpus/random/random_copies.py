@@ -26,8 +26,8 @@ from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Event, Result, State, write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
 from bem.solver import solve
-from validation.studies.random_checks import EPS, Finding, Kind, Units
-from validation.studies.random_scenes import SCAN, Table
+from validation.corpus.random.random_checks import EPS, Finding, Kind, Units
+from validation.corpus.random.random_scenes import SCAN, Table
 
 LENGTH, MODULUS, SHIFT = 0.37, 290.0, 1.0  # no powers of two, whose products are exact
 FINER = 3.0
