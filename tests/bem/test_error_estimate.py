@@ -15,7 +15,7 @@ from bem.nonadhesive.grid_contact import grid_problem
 from bem.nonadhesive.nonadhesive import solve_contact
 from bem.scene.result import ErrorEstimate
 from bem.solver import solve
-from validation.cases.error_estimate import ORDERS, distance, numbers, scenes
+from validation.cases.states.error_estimate import ORDERS, distance, numbers, scenes
 
 NAMES = [name for name, _, _ in scenes(1e-6)]
 

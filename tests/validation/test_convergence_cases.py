@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from validation.cases import convergence, paper_method_audit
-from validation.cases.paper_method_audit import Extrapolated
+from validation.cases.rough_profiles import paper_method_audit
+from validation.cases.rough_profiles.paper_method_audit import Extrapolated
+from validation.cases.suite import convergence
 from validation.corpus.convergence_curves import paper_method_curve
 from validation.harness.verdict import verdict_of
 

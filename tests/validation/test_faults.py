@@ -18,7 +18,7 @@ from validation.studies.fault_injection import Examined, Fault, Task
 from validation.studies.faults import answers_of, control_run, examine_faults
 
 HERE = Path(__file__).parent
-SHORT = ("fault_gaps", "theory_routes", "harness")  # modules of cases below a second
+SHORT = ("states.fault_gaps", "theory.theory_routes", "suite.harness")  # modules of cases below a second
 SHORT = tuple(f"validation.cases.{name}" for name in SHORT)
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from validation.cases import fem_comparison
-from validation.cases.fem_closed_forms import layer_compliance
-from validation.cases.fem_equilibria import EDGES, PENETRATION, SCENES
+from validation.cases.finite_elements import fem_comparison
+from validation.cases.finite_elements.fem_closed_forms import layer_compliance
+from validation.cases.finite_elements.fem_equilibria import EDGES, PENETRATION, SCENES
 from validation.harness.verdict import verdict_of
 from validation.references import adapters, fem_adapter
 

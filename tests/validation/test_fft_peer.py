@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bem.scene.scene import parse_scene
-from validation.cases import peers
+from validation.cases.rough_profiles import peers
 from validation.references import fft_solver
 from validation.references.fft_solver import GridContact, extrapolated, grid_contact
 

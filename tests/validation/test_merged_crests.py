@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from validation.cases.merged_crests import AMPLITUDE, PERIOD, POISSON_RATIO, YOUNGS_MODULUS, one_patch_mean_pressure
+from validation.cases.exact.merged_crests import (
+    AMPLITUDE,
+    PERIOD,
+    POISSON_RATIO,
+    YOUNGS_MODULUS,
+    one_patch_mean_pressure,
+)
 from validation.references.closed_forms import Sinusoid
 
 

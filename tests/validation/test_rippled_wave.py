@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import bem
-from validation.cases.rippled_wave import (
+from validation.cases.exact.rippled_wave import (
     LOADING,
     MOST,
     UNLOADING,

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from validation import __main__ as command_line
-from validation.cases import stability as registered
+from validation.cases.suite import stability as registered
 from validation.corpus.rows import ENDINGS, Task, counts, row_of, tasks_of
 from validation.harness import execution
 from validation.harness.execution import Ended, Running
@@ -314,7 +314,7 @@ def verdicts(case):
 
 @pytest.mark.parametrize("case", registered.CASES, ids=[case.id for case in registered.CASES])
 def test_registered_case_has_a_row_for_every_hard_case(examples, case, monkeypatch):
-    monkeypatch.setattr("validation.cases.stability.measured", examples.converge)
+    monkeypatch.setattr("validation.cases.suite.stability.measured", examples.converge)
     found = verdicts(case)
     assert set(found) == {"agrees"}
     assert len(found) == 1 + sum(case.compute.args == (task.code,) for task in tasks_of(True))
@@ -323,5 +323,5 @@ def test_registered_case_has_a_row_for_every_hard_case(examples, case, monkeypat
 @pytest.mark.parametrize("wrong", ["crash", "wrong"])
 def test_registered_case_fails_with_what_it_finds(examples, wrong, monkeypatch):
     answers = {"crash": examples.crash, "wrong": lambda task: examples.outcome(correct=False, findings=("no",))}
-    monkeypatch.setattr("validation.cases.stability.measured", answers[wrong])
+    monkeypatch.setattr("validation.cases.suite.stability.measured", answers[wrong])
     assert set(verdicts(registered.CASES[2])) == {"deviates"}

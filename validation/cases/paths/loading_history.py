@@ -15,7 +15,7 @@ import numpy as np
 
 import bem
 from bem.scene.result import Result
-from validation.cases.energy_balance import Account, accounts, closed, legs
+from validation.cases.paths.energy_balance import Account, accounts, closed, legs
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
 from validation.references import adapters

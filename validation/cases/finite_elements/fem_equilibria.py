@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.cases.fem_comparison import (
+from validation.cases.finite_elements.fem_comparison import (
     Comparison,
     Difference,
     compare_equilibria,
@@ -19,7 +19,7 @@ from validation.cases.fem_comparison import (
     counts,
     rows,
 )
-from validation.cases.fem_figures import figure
+from validation.cases.finite_elements.fem_figures import figure
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Figure, Panel, Series, Table
 from validation.references import adapters

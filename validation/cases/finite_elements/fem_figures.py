@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference import Result
-from validation.cases.fem_comparison import Comparison, away_from_edges, flat
+from validation.cases.finite_elements.fem_comparison import Comparison, away_from_edges, flat
 from validation.harness.schema import Figure, Panel, Series
 
 FloatArray = NDArray[np.float64]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from validation.cases.energy_balance import accounts, closed
+from validation.cases.paths.energy_balance import accounts, closed
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Table

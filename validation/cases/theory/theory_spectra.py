@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import persson
-from validation.cases.theory_accuracy import MODULUS, Q0, adhesive, dry
+from validation.cases.theory.theory_accuracy import MODULUS, Q0, adhesive, dry
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Tolerance
 

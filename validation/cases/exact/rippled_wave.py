@@ -18,7 +18,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 import bem
 from bem.scene.result import Result, State
-from validation.cases.merged_crests import one_patch_mean_pressure
+from validation.cases.exact.merged_crests import one_patch_mean_pressure
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 import persson
-from validation.cases.theory_accuracy import EQUATIONS, MODULUS, Q0, SCENE, adhesive, dry, spectra
+from validation.cases.theory.theory_accuracy import EQUATIONS, MODULUS, Q0, SCENE, adhesive, dry, spectra
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Table, Tolerance
 

@@ -1,0 +1,1 @@
+"""Cases on loading paths: independence of the increment, work and released energy, order and resumption."""

@@ -1,0 +1,1 @@
+"""Cases on rough profiles: the paper's profile, theory without adhesion, the paper's method, FFT solvers."""
