@@ -26,7 +26,7 @@ from validation.harness.runner import Note, run_cases, write_atomically
 from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
 from validation.harness.verdict import counts, fails
 from validation.report.render import PAGE, ReportError, failures, write_html
-from validation.studies import IN_PROCESSES, ON_EXECUTORS, STUDIES
+from validation.studies import IN_PROCESSES, ON_EXECUTORS, STUDIES, module_of
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REPORT_FILE = "report.json"
@@ -206,7 +206,7 @@ def _study(options: argparse.Namespace) -> int:
         raise CaseError(f"--random: study {options.name} has none, {WITH_RANDOM} has")
     if options.seed and options.random is None:
         raise CaseError(f"--seed {options.seed}: of the scenes of --random, which is not given")
-    study = import_module(f"validation.studies.{options.name.replace('-', '_')}")
+    study = import_module(module_of(options.name))
     if options.name in ON_EXECUTORS:
         jobs = options.jobs or os.cpu_count() or 1
         return int(study.run(options.out, options.quick, _say, jobs, opener_of(options.executor)))

@@ -8,7 +8,7 @@ import example_cases
 
 from validation.harness.case import Outcome
 from validation.harness.schema import Reference, Row, Tolerance
-from validation.studies.fault_injection import Fault
+from validation.studies.faults.fault_injection import Fault
 
 
 def right(x):

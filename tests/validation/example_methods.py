@@ -3,8 +3,8 @@
 import time
 
 from validation.references.posed_contacts import Found
-from validation.studies.work_precision_methods import Method
-from validation.studies.work_precision_references import Reference, Source
+from validation.studies.work_precision.methods import Method
+from validation.studies.work_precision.references import Reference, Source
 
 TRUE = {"contact_fraction": 0.5, "mean_pressure": 1000.0, "elastic_energy": 0.1}
 

@@ -9,8 +9,8 @@ from validation.harness.runner import failed_record
 from validation.references.posed_contacts import Found
 from validation.studies.answers import Answers
 from validation.studies.cost import Run
-from validation.studies.fault_injection import Examined
-from validation.studies.work_precision_points import Timed
+from validation.studies.faults.fault_injection import Examined
+from validation.studies.work_precision.points import Timed
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from validation.studies.conclusion import DIGITS, Mark, MethodCurve, cheapest, crossing, sentences
+from validation.studies.work_precision.conclusion import DIGITS, Mark, MethodCurve, cheapest, crossing, sentences
 
 
 def power(name, constant, slope, exponents=range(1, 13), **more):

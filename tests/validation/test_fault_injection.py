@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from validation.studies import fault_injection
-from validation.studies.fault_injection import FaultError, Task, examine, inject
+from validation.studies.faults import fault_injection
+from validation.studies.faults.fault_injection import FaultError, Task, examine, inject
 
 
 @pytest.fixture

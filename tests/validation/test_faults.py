@@ -10,12 +10,12 @@ import pytest
 
 from validation.harness.execution import run_each_alone
 from validation.harness.schema import Band
-from validation.studies import faults
 from validation.studies.answers import Answers
-from validation.studies.fault_catalogue import CATALOGUE, QUICK
-from validation.studies.fault_findings import Finding, Search, compared, excess_of
-from validation.studies.fault_injection import Examined, Fault, Task
-from validation.studies.faults import answers_of, control_run, examine_faults
+from validation.studies.faults import faults
+from validation.studies.faults.fault_catalogue import CATALOGUE, QUICK
+from validation.studies.faults.fault_findings import Finding, Search, compared, excess_of
+from validation.studies.faults.fault_injection import Examined, Fault, Task
+from validation.studies.faults.faults import answers_of, control_run, examine_faults
 
 HERE = Path(__file__).parent
 SHORT = ("states.fault_gaps", "theory.theory_routes", "suite.harness")  # modules of cases below a second
@@ -152,7 +152,7 @@ def test_target_that_does_not_exist_stops_the_study(example, monkeypatch):
     task = Task("example_faults", "lost", 1.0, (("uses-function", 1.0),), ("example_faults",))
     lost = replace(example.CATALOGUE[0], id="lost", target="example_faults:lost")
     monkeypatch.setattr(example, "CATALOGUE", (lost,))
-    from validation.studies.fault_injection import FaultError, examine
+    from validation.studies.faults.fault_injection import FaultError, examine
 
     with pytest.raises(FaultError, match="lost"):
         examine(task)

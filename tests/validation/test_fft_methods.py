@@ -9,10 +9,10 @@ import pytest
 from validation.references import fft_adhesion as fft_methods
 from validation.references.fft_adhesion import cohesive_range, missing, solve_fft
 from validation.references.posed_contacts import Found, exact_sinusoid, scenes
-from validation.studies import work_precision
-from validation.studies.work_precision_peers import FFT_METHODS, peer_sentences, peer_table
-from validation.studies.work_precision_points import Point, Timed
-from validation.studies.work_precision_references import source_for
+from validation.studies.work_precision import work_precision
+from validation.studies.work_precision.peers import FFT_METHODS, peer_sentences, peer_table
+from validation.studies.work_precision.points import Point, Timed
+from validation.studies.work_precision.references import source_for
 
 SINUSOID = scenes()["sinusoid"]
 

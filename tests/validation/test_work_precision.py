@@ -12,11 +12,11 @@ from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
 from validation.references.dense_newton import solve_dense
 from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, scenes
-from validation.studies import work_precision
-from validation.studies.work_precision import Task, measured, point_of
-from validation.studies.work_precision_methods import METHODS, solve_bem, solve_fem, solve_paper
-from validation.studies.work_precision_points import Point, Timed
-from validation.studies.work_precision_references import SOURCES, source_for
+from validation.studies.work_precision import work_precision
+from validation.studies.work_precision.methods import METHODS, solve_bem, solve_fem, solve_paper
+from validation.studies.work_precision.points import Point, Timed
+from validation.studies.work_precision.references import SOURCES, source_for
+from validation.studies.work_precision.work_precision import Task, measured, point_of
 
 SINUSOID = scenes()["sinusoid"]
 

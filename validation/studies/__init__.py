@@ -1,8 +1,8 @@
 """Studies: longer runs that answer one question about the suite itself.
 
-Each is a module of this package (its name with underscores) with `run(folder, quick, report) -> exit code`; those of
-`ON_EXECUTORS` take the number of processes and the opener of an executor as well, those of `IN_PROCESSES` the number
-of processes alone.
+Each is a module (its name with underscores) of this package or, with more than two files, of a folder of its own, with
+`run(folder, quick, report) -> exit code`; those of `ON_EXECUTORS` take the number of processes and the opener of an
+executor as well, those of `IN_PROCESSES` the number of processes alone.
 """
 
 STUDIES: dict[str, str] = {
@@ -18,3 +18,16 @@ STUDIES: dict[str, str] = {
 
 ON_EXECUTORS = ("maps", "maps-coarse", "theory-correction")
 IN_PROCESSES = ("stability",)  # one at a time unless asked otherwise, so that seconds compare
+IN_FOLDERS = ("work-precision", "faults", "theory-correction")
+
+
+def module_of(name: str) -> str:
+    """Name of the module of a study.
+
+    Examples
+    --------
+    >>> module_of("maps-coarse"), module_of("faults")
+    ('validation.studies.maps_coarse', 'validation.studies.faults.faults')
+    """
+    module = name.replace("-", "_")
+    return f"{__name__}.{module}.{module}" if name in IN_FOLDERS else f"{__name__}.{module}"

@@ -26,14 +26,14 @@ from validation.references import fft_adhesion as fft_methods
 from validation.references.posed_contacts import Posed, scenes
 from validation.report.plots import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
-from validation.studies.conclusion import Mark, MethodCurve, sentences
-from validation.studies.price_list import Price, digits_of, loaded_for_nothing, priced
-from validation.studies.price_list import sentences as price_sentences
 from validation.studies.store import peak_megabytes, text_table, write_json
-from validation.studies.work_precision_methods import METHODS, Method
-from validation.studies.work_precision_peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
-from validation.studies.work_precision_points import SHOWN, Point, Timed
-from validation.studies.work_precision_references import SOURCES, Reference, Source, source_for
+from validation.studies.work_precision.conclusion import Mark, MethodCurve, sentences
+from validation.studies.work_precision.methods import METHODS, Method
+from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
+from validation.studies.work_precision.points import SHOWN, Point, Timed
+from validation.studies.work_precision.price_list import Price, digits_of, loaded_for_nothing, priced
+from validation.studies.work_precision.price_list import sentences as price_sentences
+from validation.studies.work_precision.references import SOURCES, Reference, Source, source_for
 
 SCHEMA = "linecontact-work-precision/1"
 FILE = "work-precision.json"

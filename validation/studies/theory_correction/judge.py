@@ -20,8 +20,8 @@ import persson
 from persson.corrected_variance import LITERATURE, Correction
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.runner import Note
-from validation.studies.theory_correction_data import STRESSES, Observed
-from validation.studies.theory_correction_members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
+from validation.studies.theory_correction.data import STRESSES, Observed
+from validation.studies.theory_correction.members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
 
 FloatArray = NDArray[np.float64]
 

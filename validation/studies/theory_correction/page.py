@@ -17,10 +17,10 @@ from persson.corrected import spread_of
 from persson.corrected_variance import Correction, area_at, detachment_stress, fringed
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Table, Tolerance
-from validation.studies.theory_correction_figures import chosen, figures_of, known
-from validation.studies.theory_correction_fit import lines_of
-from validation.studies.theory_correction_judge import CALIBRATED, PLAIN, Judged, rms
-from validation.studies.theory_correction_members import MODULUS, RMS_SLOPE, Group
+from validation.studies.theory_correction.figures import chosen, figures_of, known
+from validation.studies.theory_correction.fit import lines_of
+from validation.studies.theory_correction.judge import CALIBRATED, PLAIN, Judged, rms
+from validation.studies.theory_correction.members import MODULUS, RMS_SLOPE, Group
 
 CASE = "theory-correction"
 BELOW, ABOVE = 0.002, 0.006  # E*, at the common rms slope: bounds of the ranges of loads

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from bem.loading.path_events import Exact
-from validation.studies.fault_injection import Fault, Function, scaled
+from validation.studies.faults.fault_injection import Fault, Function, scaled
 
 
 def _with_constant(module: str, name: str, excess: float) -> Any:

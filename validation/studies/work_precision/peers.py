@@ -8,8 +8,8 @@ from typing import Any
 
 from validation.harness.registry import CaseError
 from validation.references.fft_adhesion import STEPS, solve_fft
-from validation.studies.work_precision_methods import Method
-from validation.studies.work_precision_points import Point
+from validation.studies.work_precision.methods import Method
+from validation.studies.work_precision.points import Point
 
 POINTS = tuple(2**k for k in range(10, 17))
 

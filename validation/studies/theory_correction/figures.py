@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from validation.harness.schema import Figure, Panel, Series
-from validation.studies.theory_correction_judge import CALIBRATED, PLAIN, Judged
+from validation.studies.theory_correction.judge import CALIBRATED, PLAIN, Judged
 
 
 def chosen(judged: Sequence[Judged], adhesive: bool, low: float = 0.0, high: float = 1.0) -> list[Judged]:

@@ -18,7 +18,7 @@ from validation.harness.schema import ReferenceKind
 from validation.references.paper_method import follow
 from validation.references.paper_method import solve as paper_solve
 from validation.references.posed_contacts import QUANTITIES, Answer, MethodError, Posed, exact_sinusoid
-from validation.studies.work_precision_methods import (
+from validation.studies.work_precision.methods import (
     PAPER_CLOSURE,
     PAPER_GAP,
     PATH_CLOSURE,

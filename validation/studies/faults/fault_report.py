@@ -14,8 +14,8 @@ from matplotlib.figure import Figure as Canvas
 from validation.harness.runner import write_atomically
 from validation.harness.verdict import case_verdicts
 from validation.report.figures import SETTINGS
-from validation.studies.fault_findings import Finding
-from validation.studies.fault_injection import Examined
+from validation.studies.faults.fault_findings import Finding
+from validation.studies.faults.fault_injection import Examined
 
 SCHEMA = "linecontact-faults/1"
 DECADES = 12.0  # beyond which the colour no longer deepens

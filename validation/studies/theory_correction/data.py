@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bem.scene.result import Result
 from validation.harness.ensemble import read_member
-from validation.studies.theory_correction_members import MODULUS, Group
+from validation.studies.theory_correction.members import MODULUS, Group
 
 FloatArray = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from bem.elastic import gap
-from validation.studies.fault_injection import Fault, Function, scaled
+from validation.studies.faults.fault_injection import Fault, Function, scaled
 
 
 def _youngs_for_plane_strain(original: Function, size: float) -> Function:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.studies.fault_injection import Fault, Function
+from validation.studies.faults.fault_injection import Fault, Function
 
 
 def _mean_norm(original: Function, size: float) -> Function:

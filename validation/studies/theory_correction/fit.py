@@ -20,8 +20,8 @@ from persson.corrected_variance import Correction, area_at, detachment_stress, d
 from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.spectrum import DiscreteSpectrum
-from validation.studies.theory_correction_data import Observed, relative_errors
-from validation.studies.theory_correction_members import MODULUS, Group
+from validation.studies.theory_correction.data import Observed, relative_errors
+from validation.studies.theory_correction.members import MODULUS, Group
 
 FloatArray = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_reference.face import face_nodes
 from fem_reference.problem import Problem
-from validation.studies.fault_injection import Fault, Function, scaled
+from validation.studies.faults.fault_injection import Fault, Function, scaled
 
 
 def _under_integrated(original: Function, size: float) -> Function:

@@ -29,12 +29,12 @@ from validation.harness.schema import SCHEMA as REPORT_SCHEMA
 from validation.harness.schema import Report, with_checksum
 from validation.report.render import failures, write_html
 from validation.studies.store import text_table, write_json
-from validation.studies.theory_correction_data import Observed, observed, relative_errors
-from validation.studies.theory_correction_figures import chosen
-from validation.studies.theory_correction_fit import Calibration, calibrate, correction_from
-from validation.studies.theory_correction_judge import CALIBRATED, PLAIN, Judged, judge, rms
-from validation.studies.theory_correction_members import FIT_ROOT, HOLD_OUT_ROOT, RMS_SLOPE, Group, groups
-from validation.studies.theory_correction_page import case_of, outcome, separation_error
+from validation.studies.theory_correction.data import Observed, observed, relative_errors
+from validation.studies.theory_correction.figures import chosen
+from validation.studies.theory_correction.fit import Calibration, calibrate, correction_from
+from validation.studies.theory_correction.judge import CALIBRATED, PLAIN, Judged, judge, rms
+from validation.studies.theory_correction.members import FIT_ROOT, HOLD_OUT_ROOT, RMS_SLOPE, Group, groups
+from validation.studies.theory_correction.page import case_of, outcome, separation_error
 
 SCHEMA = "linecontact-theory-correction-study/1"
 FILE, CALIBRATION = "theory-correction.json", "calibration.json"

@@ -6,11 +6,11 @@ Persson's theory, of what leads from a scene to the codes, and of the harness th
 
 from __future__ import annotations
 
-from validation.studies.fault_bem import BEM_FAULTS
-from validation.studies.fault_harness import HARNESS_FAULTS
-from validation.studies.fault_injection import Fault
-from validation.studies.fault_paths import PATH_FAULTS
-from validation.studies.fault_references import REFERENCE_FAULTS
+from validation.studies.faults.fault_bem import BEM_FAULTS
+from validation.studies.faults.fault_harness import HARNESS_FAULTS
+from validation.studies.faults.fault_injection import Fault
+from validation.studies.faults.fault_paths import PATH_FAULTS
+from validation.studies.faults.fault_references import REFERENCE_FAULTS
 
 CATALOGUE: tuple[Fault, ...] = (*BEM_FAULTS, *PATH_FAULTS, *REFERENCE_FAULTS, *HARNESS_FAULTS)
 

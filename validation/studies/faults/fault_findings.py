@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from validation.harness.compare import error_of, error_over_tolerance
 from validation.harness.schema import CaseRecord, Row
 from validation.harness.verdict import GATING, verdict_of
-from validation.studies.fault_injection import Examined, Fault, TooSlowError
+from validation.studies.faults.fault_injection import Examined, Fault, TooSlowError
 
 LAST_DECADE = 16
 MISSED = frozenset({"deviates", "changed"})  # verdicts by which a fault counts as caught

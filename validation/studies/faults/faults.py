@@ -30,13 +30,13 @@ from validation.harness.registry import registry
 from validation.harness.runner import Note
 from validation.harness.verdict import case_verdicts
 from validation.studies.answers import Answers, answers_in
-from validation.studies.fault_findings import LAST_DECADE, Finding, Search, bad, compared
-from validation.studies.fault_injection import Examined, Fault, FaultError, Task, examine
-from validation.studies.fault_report import content_of, failures_of, table_of, write_matrix
+from validation.studies.faults.fault_findings import LAST_DECADE, Finding, Search, bad, compared
+from validation.studies.faults.fault_injection import Examined, Fault, FaultError, Task, examine
+from validation.studies.faults.fault_report import content_of, failures_of, table_of, write_matrix
 from validation.studies.store import write_json
 
 FILE, FIGURE = "faults.json", "faults.svg"
-CATALOGUE = "validation.studies.fault_catalogue"
+CATALOGUE = "validation.studies.faults.fault_catalogue"
 QUICK_SECONDS, FULL_SECONDS = 1.0, 30.0  # longest case that takes part
 SHOWN_SECONDS = 20.0  # of cases shown a fault, shortest first; the others only if these do not see it
 PATIENCE = (5.0, 3.0)  # a case is cut off after so many times its seconds of the processor, and so many more

@@ -1,0 +1,1 @@
+"""Faults put into the running code, and what catches them."""
