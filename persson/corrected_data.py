@@ -2,7 +2,7 @@
 
 `calibration.json` is written by `python -m validation study theory-correction` (calibration.json of its folder) and
 copied here; it says which boundary-element ensembles it rests on, by commit, seeds and spectra, and how far it was off
-on profiles that were held out.  Source: validation/studies/theory_correction.py.  Limits: `range` in the file.
+on profiles that were held out.  Source: validation/studies/theory_correction/.  Limits: `range` in the file.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Do the hard cases stay stable?  Every one in a row, over a denominator that is fixed beforehand.
 
 The corpora of the boundary elements, of the finite element reference and of Persson's theory state what they expect
-before anything runs.  Each case runs alone in a process under a time limit; hard_case_rows.py says how it may end, and
+before anything runs.  Each case runs alone in a process under a time limit; corpus/rows.py says how it may end, and
 counts that apart from whether the result is correct.  Planned and reported cases are counted and compared; a row that
 is missing is an error of the study.  Rows already in stability.json that the same sources made are kept, so that an
 interrupted study goes on.

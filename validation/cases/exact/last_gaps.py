@@ -1,7 +1,7 @@
 """The last gaps before complete contact without adhesion, against closed forms that share no code with the solver.
 
 One wave is Westergaard's at any load: with S = p/p* the gap is (2/pi) asin(sqrt(1 - S)) of the period wide and the
-separation is D (1 - S + S ln S).  Elsewhere gaps are lone cracks as they close (hard_case_crack.py), at the lowest
+separation is D (1 - S + S ln S).  Elsewhere gaps are lone cracks as they close (lone_crack.py), at the lowest
 pressures of complete contact, with a layer too: every mode carries h_m over its compliance.  What the closed form
 leaves out is of the order of the missing load, what rounding leaves is 1e-16 over it: together least at 1e-8.  And of
 two equal gaps one is taken for contact: the certificate has to find the tension that is left there.

@@ -1,12 +1,12 @@
 """A better estimate of the contact area: the theory's correction calibrated, judged on a hold-out, and put on a page.
 
-1. Boundary-element ensembles (theory_correction_members.py), stored realisation by realisation on any executor; a
+1. Boundary-element ensembles (members.py), stored realisation by realisation on any executor; a
    second run goes on where the first ended.
-2. Calibration on the fit part (theory_correction_fit.py): calibration.json, which copied to persson/ becomes the
+2. Calibration on the fit part (fit.py): calibration.json, which copied to persson/ becomes the
    calibrated correction of the package.
-3. Judgement on the hold-out (theory_correction_judge.py) by that calibration: area, separation and distribution of the
+3. Judgement on the hold-out (judge.py) by that calibration: area, separation and distribution of the
    plain theory, of the calibrated correction and of those of the literature.
-4. report.json and report.html: the page for engineers (theory_correction_page.py).
+4. report.json and report.html: the page for engineers (page.py).
 
 Source: persson/corrected_variance.py.  Limits: half-space, plane strain, loading; one hour or two of one core.
 """
