@@ -1,13 +1,21 @@
-"""The import directions of the house, read from the source, so that the two sides of a comparison share nothing."""
+"""The import directions of the house, read from the source: between packages, between folders, between files.
+
+Packages that are compared share nothing.  Folders of a package stand in an order, and import from themselves and from
+those before them.  Imports inside functions, for type checkers, and by `import_module("name")` count like any other;
+the registry of cases, the table of studies and the faults name their modules as data, which does not.
+"""
 
 import ast
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("bem", "fem_reference", "persson", "validation")
-SOURCES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+SOURCES = sorted(path.relative_to(ROOT) for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+FOLDERS = sorted({path.parent for path in SOURCES})
 ONLY_IN = {
     "pydantic": ("bem/scene/scene.py", "validation/"),
     "skfem": ("fem_reference/",),
@@ -15,23 +23,119 @@ ONLY_IN = {
     "matplotlib": ("validation/", "bem/__main__.py"),
     "jinja2": ("validation/",),
 }
+ORDER = (
+    "bem/geometry",
+    "bem/audit",
+    "bem/elastic",
+    "bem/loading",
+    "bem/adhesive",
+    "bem/continuation",
+    "bem/nonadhesive",
+    "bem/observables",
+    "bem/scene",
+    "bem/command_line",
+    "bem",
+    "fem_reference",
+    "persson",
+    "validation/harness",
+    "validation/report",
+    "validation/references/paper_method",
+    "validation/references",
+    "validation/corpus/hard",
+    "validation/corpus/random",
+    "validation/corpus",
+    "validation/cases/exact",
+    "validation/cases/states",
+    "validation/cases/paths",
+    "validation/cases/rough_profiles",
+    "validation/cases/finite_elements",
+    "validation/cases/theory",
+    "validation/cases/suite",
+    "validation/cases",
+    "validation/studies",
+    "validation/studies/work_precision",
+    "validation/studies/faults",
+    "validation/studies/theory_correction",
+    "validation/replicate",
+    "validation",
+)
+APART = {  # besides the order: folders that these do not import from either
+    "bem/observables": ("bem/adhesive", "bem/continuation", "bem/nonadhesive", "bem/elastic"),
+    "bem/nonadhesive": ("bem/adhesive", "bem/continuation"),
+    "bem/scene": ("bem/adhesive", "bem/continuation", "bem/nonadhesive"),
+    "validation/studies": ("validation/cases",),
+    "validation/replicate": ("validation/cases", "validation/studies"),
+}
+LARGEST = 15  # files of a folder besides __init__.py
 
 
-def imported_names(path: Path) -> set[str]:
-    names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+def named(path: Path) -> Iterator[str]:
+    """Everything that a file imports, by its dotted name, be it a module or something in one."""
+    for node in ast.walk(ast.parse((ROOT / path).read_text())):
         if isinstance(node, ast.Import):
-            names |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
-            names.add(node.module.split(".")[0])
-    return names
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path} imports relative to itself"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            yield from (word.value for word in node.args if isinstance(word, ast.Constant))
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_imports_keep_their_direction(path):
-    name, imported = str(path.relative_to(ROOT)), imported_names(path)
-    package = name.split("/")[0]
+def file_of(name: str) -> Path | None:
+    """The file of ours that a dotted name is in."""
+    place = Path(*name.split("."))
+    while place.parts:
+        for path in (place.with_suffix(".py"), place / "__init__.py"):
+            if path in IMPORTS:
+                return path
+        place = place.parent
+    return None
+
+
+IMPORTS: dict[Path, set[str]] = {path: set(named(path)) for path in SOURCES}
+FILES = {
+    path: {found for name in names if (found := file_of(name)) not in (None, path)} for path, names in IMPORTS.items()
+}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=str)
+def test_packages_that_are_compared_share_nothing(path):
+    imported = {name.split(".")[0] for name in IMPORTS[path]}
+    package = path.parts[0]
     if package != "validation":
-        assert not imported & (set(PACKAGES) - {package}), f"{name} reaches into another package"
+        assert not imported & (set(PACKAGES) - {package}), f"{path} reaches into another package"
     for module, allowed in ONLY_IN.items():
-        assert module not in imported or name.startswith(allowed), f"{name} must not import {module}"
+        assert module not in imported or str(path).startswith(allowed), f"{path} must not import {module}"
+
+
+def test_every_folder_has_its_place():
+    assert sorted(ORDER) == [str(folder) for folder in FOLDERS]
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=str)
+def test_imports_between_folders_go_one_way(path):
+    folder = str(path.parent)
+    before = ORDER[: ORDER.index(folder) + 1]
+    for other in FILES[path]:
+        assert str(other.parent) in before, f"{path} imports {other}, which stands above it"
+
+
+@pytest.mark.parametrize("folder", APART)
+def test_folders_that_need_nothing_of_each_other_do_not_import_each_other(folder):
+    for path in SOURCES:
+        if path.is_relative_to(folder):
+            reached = {str(other) for other in FILES[path] if any(map(other.is_relative_to, APART[folder]))}
+            assert not reached, f"{path} imports {reached}"
+
+
+def test_no_circle_of_files():
+    try:
+        TopologicalSorter(FILES).prepare()
+    except CycleError as error:
+        pytest.fail(" imports ".join(map(str, reversed(error.args[1]))))
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=str)
+def test_a_folder_can_be_read_at_a_glance(folder):
+    files = [path.name for path in SOURCES if path.parent == folder and path.name != "__init__.py"]
+    assert len(files) <= LARGEST, f"{folder} holds {len(files)} files"
