@@ -20,8 +20,8 @@ ONLY_IN = {
     "pydantic": ("bem/scene/scene.py", "validation/"),
     "skfem": ("fem_reference/",),
     "meshio": ("fem_reference/",),
-    "matplotlib": ("validation/", "bem/__main__.py"),
-    "jinja2": ("validation/",),
+    "matplotlib": ("validation/report/", "bem/__main__.py"),
+    "jinja2": ("validation/report/",),
 }
 ORDER = (
     "bem/geometry",

@@ -29,10 +29,11 @@ from validation.harness.provenance import provenance
 from validation.harness.registry import registry
 from validation.harness.runner import Note
 from validation.harness.verdict import case_verdicts
+from validation.report.fault_matrix import write_matrix
 from validation.studies.answers import Answers, answers_in
 from validation.studies.faults.fault_findings import LAST_DECADE, Finding, Search, bad, compared
 from validation.studies.faults.fault_injection import Examined, Fault, FaultError, Task, examine
-from validation.studies.faults.fault_report import content_of, failures_of, table_of, write_matrix
+from validation.studies.faults.fault_report import content_of, failures_of, lines_of, table_of
 from validation.studies.store import write_json
 
 FILE, FIGURE = "faults.json", "faults.svg"
@@ -77,7 +78,7 @@ def run(
     failures = [f"control run is not green: {line}" for line in red] + failures_of(findings)
     write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
     if findings:
-        write_matrix(folder / FIGURE, [record.id for record in control.records], findings)
+        write_matrix(folder / FIGURE, [record.id for record in control.records], lines_of(findings))
     if not quick:
         shrink(findings, catalogue, control, jobs, answers, modules)
         write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))

@@ -1,0 +1,80 @@
+"""Faults against cases as an SVG document: which case caught which fault, and by how much."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure as Canvas
+
+from validation.harness.runner import write_atomically
+from validation.report.figures import SETTINGS
+
+DECADES = 12.0  # beyond which the colour no longer deepens
+
+
+@dataclass(frozen=True)
+class Line:
+    """A fault.
+
+    Parameters
+    ----------
+    name : str
+    excesses : mapping of str to float
+        Cases that caught it, and the largest error over what is allowed in each.
+    apart : collection of str
+        Cases that crashed or refused.
+    asked : collection of str
+        Cases that were shown it.
+    """
+
+    name: str
+    excesses: Mapping[str, float]
+    apart: Collection[str]
+    asked: Collection[str]
+
+
+def write_matrix(path: Path, cases: Sequence[str], lines: Sequence[Line]) -> None:
+    """Draw faults (rows) against cases (columns) as SVG.
+
+    Parameters
+    ----------
+    path : Path
+    cases : sequence of str
+        In order; columns of cases that were shown no fault are left out.
+    lines : sequence of Line
+        One row each.
+    """
+    shown = [case for case in cases if any(case in line.asked for line in lines)]
+    with mpl.rc_context(SETTINGS):
+        labels = max(len(line.name) for line in lines), max(map(len, shown), default=0)
+        size = (4.0 + 0.09 * labels[0] + 0.3 * len(shown), 3.0 + 0.09 * labels[1] + 0.22 * len(lines))
+        canvas = Canvas(figsize=size, layout="constrained")
+        axes = canvas.subplots()
+        colours = mpl.colormaps["viridis_r"]
+        for y, line in enumerate(lines):
+            for x, case in enumerate(shown):
+                if case in line.excesses:
+                    excess = line.excesses[case]
+                    depth = min(math.log10(excess), DECADES) / DECADES if excess < math.inf else 1.0
+                    axes.add_patch(mpl.patches.Rectangle((x - 0.45, y - 0.45), 0.9, 0.9, facecolor=colours(depth)))
+                elif case in line.apart:
+                    axes.plot(x, y, "x", color="#a3261d", markersize=5)
+                elif case in line.asked:
+                    axes.plot(x, y, ".", color="#999999", markersize=3)
+        axes.set_xticks(range(len(shown)), shown, rotation=90)
+        axes.set_yticks(range(len(lines)), [line.name for line in lines])
+        axes.set_xlim(-0.5, len(shown) - 0.5)
+        axes.set_ylim(len(lines) - 0.5, -0.5)
+        axes.grid(visible=False)
+        axes.set_title("square: caught; cross: crash or refusal; dot: called, not seen; blank: not called or not asked")
+        axes.title.set_fontsize(8)
+        scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, DECADES), colours)
+        canvas.colorbar(scale, ax=axes, label="log10 of error over allowed", fraction=0.05, aspect=50)
+        stream = io.StringIO()
+        canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    write_atomically(path, stream.getvalue())
