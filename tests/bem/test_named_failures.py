@@ -59,7 +59,7 @@ def test_a_fault_of_the_program_is_not_called_a_numerical_failure(monkeypatch):
 
 @pytest.mark.parametrize("adhesion", [None, 0.03])
 def test_a_failure_before_the_first_state_has_a_name_too(adhesion, monkeypatch):
-    def failing(_):
+    def failing(*_):
         raise IllConditionedSystemError("told here")
 
     monkeypatch.setattr(solver, "complete_contact", failing)
