@@ -373,7 +373,10 @@ class _Run:
         """Whether a load is crossed between two points, the loads of which are given, or may have been."""
         if isinstance(before, Point) and isinstance(after, Point):
             assert isinstance(self.path, Path)
-            return not before.last and may_meet(self.path, before, after, load)
+            if before.last:
+                return False
+            if before.balance is not None and after.balance is not None:
+                return may_meet(self.path, before, after, load)
         return min(loads) < load <= max(loads)
 
     def _crossing(self, before: AnyPoint, after: AnyPoint, load: float) -> AnyPoint | None:
@@ -388,7 +391,8 @@ class _Run:
         if point.state is not None:
             return point.state.load
         if isinstance(point, Point):
-            return None
+            narrowing = self.problem.control.load_weight == 0 and point.status == "complete_contact"
+            return -np.inf if narrowing else None
         control = self.problem.control
         if point.status == "separated":
             return 0.0
