@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from bem.collocation import evaluate
 from bem.control import LoadControl
-from bem.opening import FINEST_GAP, opening_load, with_gap
+from bem.opening import FINEST_GAP, Flaw, opening_load, with_gap
 from bem.path import Path, restart
 from bem.path_point import Point
 
@@ -54,14 +54,14 @@ def _in_last_gap(path: Path, point: Point, load: float) -> Point | None:
     assert point.balance is not None
     patches, system, tolerance = point.balance.state.patches, path.system, path.increments.tolerance
     widest = float(patches.gap_after[0])
+    center = float(patches.right[0]) + widest / 2
 
     def miss(width: float) -> float:
-        return opening_load(system, path.complete, width, tolerance) - load
+        return opening_load(system, path.complete, Flaw(center, width), tolerance) - load
 
     if patches.count > 1 or widest <= FINEST_GAP or miss(FINEST_GAP) * miss(widest) > 0:
         return None
-    width = float(brentq(miss, FINEST_GAP, widest, rtol=COARSE_LOAD_ACCURACY))
-    crack = with_gap(float(patches.right[0]) + widest / 2, width)
+    crack = with_gap(center, float(brentq(miss, FINEST_GAP, widest, rtol=COARSE_LOAD_ACCURACY)))
     highest = system.elastic.profile.max_height
     depth = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load).penetration
     found = restart(path, crack, depth, depth)

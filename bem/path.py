@@ -21,12 +21,12 @@ from bem.assessment import Assessment, assess_equilibrium
 from bem.branch import strays, tangent
 from bem.complete_contact import CompleteContact, closing_place
 from bem.equilibrium import LARGEST_NEWTON_STEP, System, correct
-from bem.events import first_contact, interpenetration, settle
+from bem.events import Settled, first_contact, interpenetration, settle
 from bem.gap import GapMinima, gap_field
 from bem.increments import Effort, Increments
 from bem.jumps import Jumps
 from bem.limit_points import before_fold
-from bem.opening import complete_potential, first_gap, flawed_potential, lowest_pressure, opened_gap, opening_load
+from bem.opening import Flaw, complete_potential, first_gap, flawed_potential, lowest_pressure, opened_gap, opening_load
 from bem.patches import Patches
 from bem.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, path_events
 from bem.path_point import Point
@@ -49,15 +49,15 @@ class Path:
         Positions of the highest crests (more than one when equally high), where first touch happens.
     complete : CompleteContact
         Where the path ends, and may begin.
-    flaw : float, optional
-        Width of the gap from which complete contact opens when the load falls; without it, it never does.
+    flaw : Flaw, optional
+        From which complete contact opens when the load falls; without it, it never does.
     """
 
     system: System
     increments: Increments
     crests: FloatArray
     complete: CompleteContact
-    flaw: float | None = None
+    flaw: Flaw | None = None
     effort: Effort = field(default_factory=Effort)
     step: float = 0.0
 
@@ -241,12 +241,8 @@ class Path:
             return self._opened(point, goal)
         if point.status != "separated" or goal < 0:
             return Point(point.status, goal)
-        inc = self.increments
         touch = max(point.value, 0.0)
-        settled = settle(
-            self.system, first_contact(self.system, self.crests), touch, touch, inc.tolerance, inc.closure, inc.allowed
-        )
-        self.effort.book(settled.evaluations, settled.local_evaluations)
+        settled = self._settled(first_contact(self.system, self.crests), touch, touch)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
         touched = self.jumps.behind(FIRST_TOUCH, NO_ERROR, settled, changes)
         return Point("not_converged", touch) if touched is None else touched
@@ -274,34 +270,40 @@ class Path:
 
     def _opened(self, point: Point, goal: float) -> Point:
         """Complete contact at the goal, or the equilibrium into which it opens on the way there."""
-        inc, system = self.increments, self.system
+        if self.system.control.load_weight > 0:
+            return self._opened_at_flaw(point, goal)
+        if goal >= self._closing_value:
+            return Point("complete_contact", goal)
+        system, highest = self.system, self.system.elastic.profile.max_height
+        value = max(goal, highest - self.increments.smallest)
+        settled = self._settled(first_gap(system, self.complete, highest - value), value, value)
+        if settled.balance is None or settled.changes:
+            return Point("not_converged", value)
+        opening = ("opening", lowest_pressure(self.complete))
+        events = path_events((opening,), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
+        return Point("converged", value, settled.balance, events, tangent(system.control, settled.balance))
+
+    def _opened_at_flaw(self, point: Point, goal: float) -> Point:
+        """The same where the load takes part in the control: without a flaw complete contact stays."""
+        flaw, system, complete, inc = self.flaw, self.system, self.complete, self.increments
+        if flaw is None:
+            return Point("complete_contact", goal)
         highest = system.elastic.profile.max_height
-        if system.control.load_weight == 0:
-            if goal >= self._closing_value:
-                return Point("complete_contact", goal)
-            value = at = max(goal, highest - inc.smallest)
-            start = first_gap(system, self.complete, highest - value)
-        else:
-            flaw = self.flaw
-            if flaw is None:
-                return Point("complete_contact", goal)
-            load = opening_load(system, self.complete, flaw, inc.fine_tolerance)
-            value, at = min(point.value, system.control.value(highest, load)), highest
-            if goal > value:
-                return Point("complete_contact", goal)
-            start = opened_gap(system, self.complete, flaw, self._fully_joined(value).load)
-        settled = settle(system, start, at, value, inc.tolerance, inc.closure, inc.allowed)
-        self.effort.book(settled.evaluations, settled.local_evaluations)
-        opening, joined = ("opening", lowest_pressure(self.complete)), self._fully_joined(value)
-        if system.control.load_weight == 0:
-            if settled.balance is None or settled.changes:
-                return Point("not_converged", value)
-            events = path_events((opening,), joined, NO_ERROR, 0.0, 0.0)
-            return Point("converged", value, settled.balance, events, tangent(system.control, settled.balance))
-        assert self.flaw is not None
-        flawed = flawed_potential(system, self.complete, self.flaw, value, inc.fine_tolerance)
-        behind = self.jumps.behind(replace(joined, potential=flawed), NO_ERROR, settled, (opening, *settled.changes))
+        load = opening_load(system, complete, flaw, inc.fine_tolerance)
+        value = min(point.value, system.control.value(highest, load))
+        if goal > value:
+            return Point("complete_contact", goal)
+        joined = self._fully_joined(value)
+        settled = self._settled(opened_gap(system, complete, flaw, joined.load), highest, value)
+        joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, inc.fine_tolerance))
+        behind = self.jumps.behind(joined, NO_ERROR, settled, (("opening", flaw.center), *settled.changes))
         return Point("not_converged", value) if behind is None else behind
+
+    def _settled(self, start: Patches, penetration: float, value: float) -> Settled:
+        inc = self.increments
+        settled = settle(self.system, start, penetration, value, inc.tolerance, inc.closure, inc.allowed)
+        self.effort.book(settled.evaluations, settled.local_evaluations)
+        return settled
 
     def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:
         """Newton from the predicted edges; the new point (None: left the branch) and its interpenetrations."""

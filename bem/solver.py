@@ -33,13 +33,14 @@ from bem.effects import effects_of
 from bem.flat import flat_states
 from bem.hierarchical import IllConditionedSystemError
 from bem.increments import increments_of
+from bem.opening import flaw_of
 from bem.patches import PatchPressure, ordered
 from bem.path import Path, restart
 from bem.path_point import Point
 from bem.problem import Problem, pose
 from bem.profile import Profile
 from bem.result import Event, NotFiniteError, Progress, Result, State, provenance
-from bem.scene import Scene
+from bem.scene import Mistake, Scene, SceneError
 from bem.states import Cost, complete_state, equilibrium_state, event_of, flat_state, separated_state
 
 AnyPoint = Point | ContactPoint
@@ -499,7 +500,12 @@ def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyP
         return ConvexPath(problem.elastic, problem.control, increments, body, highest)
     equilibrium = import_module("bem.equilibrium")
     system = equilibrium.System(problem.elastic, problem.law, problem.control)
-    flaw = None if scene.loading.flaw is None else scene.loading.flaw / problem.scales.length
+    width, flaw = scene.loading.flaw, None
+    if width is not None and problem.control.load_weight > 0:
+        flaw = flaw_of(system, complete, width / problem.scales.length, increments.fine_tolerance)
+        if flaw is None:
+            shut = f"= {width:g}: where it would open the pressure shuts a part of it"
+            raise SceneError([Mistake("loading.flaw", shut, "a narrower one")])
     return Path(system, increments, highest, complete, flaw)
 
 
