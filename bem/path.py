@@ -35,6 +35,7 @@ FloatArray = NDArray[np.float64]
 
 
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
+CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
 
 
 @dataclass
@@ -80,7 +81,8 @@ class Path:
                 if point.balance is None and not (apart and point.status == "complete_contact"):
                     return
                 continue
-            if direction > 0 and point.value >= closing - self.increments.smallest * (1 + 1e-9) and goal >= closing:
+            last = self._last_increment(point, closing)
+            if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
                 point = Point("complete_contact", goal, None, self._closed(point, goal))
                 yield point
                 return
@@ -92,7 +94,7 @@ class Path:
                 else:
                     step = min(step, max(abs(blocked - point.value) / 2, shortest))
             step = max(step, shortest if blocked is not None else shortest * BRACKET)
-            end = min(goal, closing - self.increments.smallest) if goal >= closing else goal
+            end = min(goal, closing - last) if goal >= closing else goal
             if step >= abs(end - point.value) * (1 - 1e-12):
                 step, value = abs(end - point.value), end
             else:
@@ -251,6 +253,13 @@ class Path:
     def _closing_value(self) -> float:
         """Penetration at which contact is complete; infinite when the load takes part in the control."""
         return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
+
+    def _last_increment(self, point: Point, closing: float) -> float:
+        """The increment before complete contact: the smallest; where more gaps than one are left, half the way there."""
+        assert point.balance is not None
+        if point.balance.state.patches.count == 1:
+            return self.increments.smallest
+        return max((closing - point.value) / 2, CLOSED)
 
     def _closed(self, point: Point, value: float) -> tuple[PathEvent, ...]:
         """The last gap closes where the separation vanishes: a continuous end of the branch, no energy is released."""

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 from bem.profile import Profile
 from bem.result import FINAL_STATUSES, Event, Result, State, write_result
 from bem.scene import LoadingTable, Scene, parse_scene
-from bem.solver import solve
 from validation.studies.random_checks import EPS, Finding, Kind, Units
 from validation.studies.random_scenes import SCAN, Table
 
@@ -222,11 +221,6 @@ def _differing(
         told = list(_other_events(ways, units, result.events, other.events, near))
         findings += [Finding(kind, f"events: {', '.join(told)}")] if told else []
     return findings
-
-
-def run_copy(made: Copy, scene: Scene, result: Result) -> list[Finding]:
-    """Solve a copy, and compare."""
-    return compared(made, scene, result, solve(made.scene))
 
 
 def _differences(made: Copy, units: Units, one: State, two: State) -> Iterator[str]:
