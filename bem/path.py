@@ -255,7 +255,7 @@ class Path:
         return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
 
     def _last_increment(self, point: Point, closing: float) -> float:
-        """The increment before complete contact: the smallest; where more gaps than one are left, half the way there."""
+        """The increment before complete contact: the smallest; half the way, where several gaps are left."""
         assert point.balance is not None
         if point.balance.state.patches.count == 1:
             return self.increments.smallest
