@@ -206,7 +206,9 @@ class Jumps:
         here, after, uncertain = (settled.balance, self._exact(settled.balance, value, value), np.inf)
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
-        released, doubt = at.potential - self._led_back(here, after, at.value), error.potential + uncertain
+        released = at.potential - self._led_back(here, after, at.value)
+        eased = abs(at.load - after.load) if system.control.penetration_weight else abs(at.penetration - after.penetration)
+        doubt = error.potential + uncertain + error.value * eased  # a jump elsewhere would release so much more or less
         if not moved and released <= DOUBT * doubt:
             return None
         return self._with_tangent(Point(settled.status, value, here, path_events(changes, at, error, released, doubt)))

@@ -147,7 +147,7 @@ class Path:
             return self.jumps.from_touch(point, ahead, found)
         reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
         limit = self.jumps.limit_point(point, reach, thorough)
-        if limit is None or direction * (point.value - limit.exact.value) > self.increments.smallest:
+        if limit is None:  # it may lie behind the point: coarse evaluations lead a little farther than the branch
             return []
         if direction * (limit.exact.value - ends[1]) <= 0:
             return self.jumps.from_limit(limit, reach)

@@ -270,7 +270,7 @@ def _other_events(
 ) -> Iterator[str]:
     """What differs between two lists of events, avalanche by avalanche."""
     made, one, two = ways[0], _avalanches(ours), _avalanches(theirs)
-    kinds = [[sorted(event.kind for event in group) for group in groups] for groups in (one, two)]
+    kinds = [[_changes(group) for group in groups] for groups in (one, two)]
     if kinds[0] != kinds[1]:
         yield _unlike(kinds[0], kinds[1])
         return
@@ -305,7 +305,7 @@ def _beyond(name: str, ours: Sequence[Event], theirs: Sequence[Event], factor: f
 def _moved(made: Copy, period: float, ours: Sequence[Event], theirs: Sequence[Event]) -> float:
     """Largest distance between the events of one kind of two avalanches, in periods."""
     farthest = 0.0
-    for kind in {event.kind for event in ours}:
+    for kind in _changes(ours):
         x, y = (
             np.array([event.position for event in group if event.kind == kind and event.position is not None])
             for group in (ours, theirs)
@@ -315,6 +315,12 @@ def _moved(made: Copy, period: float, ours: Sequence[Event], theirs: Sequence[Ev
         if x.size:
             farthest = max(farthest, float(_distances(x / period, made.placed(y, period)).min(axis=1).max()))
     return farthest
+
+
+def _changes(avalanche: Sequence[Event]) -> list[str]:
+    """Kinds of an avalanche, sorted; whether it began at a broken symmetry or at the fold next to it does not count."""
+    kinds = sorted(event.kind for event in avalanche)
+    return [kind for kind in kinds if kind != "bifurcation"] or kinds
 
 
 def _avalanches(events: Sequence[Event]) -> list[list[Event]]:
