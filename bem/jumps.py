@@ -207,8 +207,9 @@ class Jumps:
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
         released = at.potential - self._led_back(here, after, at.value)
-        eased = abs(at.load - after.load) if system.control.penetration_weight else abs(at.penetration - after.penetration)
-        doubt = error.potential + uncertain + error.value * eased  # a jump elsewhere would release so much more or less
+        works = system.control.penetration_weight > 0  # the load does work, or the penetration
+        eased = abs(at.load - after.load) if works else abs(at.penetration - after.penetration)
+        doubt = error.potential + uncertain + error.value * eased  # of a jump elsewhere
         if not moved and released <= DOUBT * doubt:
             return None
         return self._with_tangent(Point(settled.status, value, here, path_events(changes, at, error, released, doubt)))
