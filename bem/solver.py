@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bem.continuation.crossing import at_load, may_meet
+from bem.continuation.opening import flaw_of
 from bem.continuation.path import Path, restart
 from bem.continuation.path_point import Point
 from bem.elastic.hierarchical import IllConditionedSystemError
@@ -39,6 +40,7 @@ from bem.problem import Problem, increments_of, pose
 from bem.scene.effects import effects_of
 from bem.scene.result import Event, NotFiniteError, Progress, Result, State, provenance
 from bem.scene.scene import Scene
+from bem.scene.scene_rules import Mistake, SceneError
 from bem.states import Cost, complete_state, equilibrium_state, event_of, flat_state, separated_state
 
 AnyPoint = Point | ContactPoint
@@ -372,7 +374,10 @@ class _Run:
         """Whether a load is crossed between two points, the loads of which are given, or may have been."""
         if isinstance(before, Point) and isinstance(after, Point):
             assert isinstance(self.path, Path)
-            return not before.last and may_meet(self.path, before, after, load)
+            if before.last:
+                return False
+            if before.balance is not None and after.balance is not None:
+                return may_meet(self.path, before, after, load)
         return min(loads) < load <= max(loads)
 
     def _crossing(self, before: AnyPoint, after: AnyPoint, load: float) -> AnyPoint | None:
@@ -387,7 +392,8 @@ class _Run:
         if point.state is not None:
             return point.state.load
         if isinstance(point, Point):
-            return None
+            narrowing = self.problem.control.load_weight == 0 and point.status == "complete_contact"
+            return -np.inf if narrowing else None
         control = self.problem.control
         if point.status == "separated":
             return 0.0
@@ -494,7 +500,12 @@ def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyP
         return ConvexPath(problem.elastic, problem.control, increments, body, highest)
     equilibrium = import_module("bem.adhesive.equilibrium")
     system = equilibrium.System(problem.elastic, problem.law, problem.control)
-    flaw = None if scene.loading.flaw is None else scene.loading.flaw / problem.scales.length
+    width, flaw = scene.loading.flaw, None
+    if width is not None and problem.control.load_weight > 0:
+        flaw = flaw_of(system, complete, width / problem.scales.length, increments.fine_tolerance)
+        if flaw is None:
+            shut = f"= {width:g}: where it would open the pressure shuts a part of it"
+            raise SceneError([Mistake("loading.flaw", shut, "a narrower one")])
     return Path(system, increments, highest, complete, flaw)
 
 

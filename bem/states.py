@@ -229,7 +229,9 @@ def event_of(problem: Problem, event: PathEvent) -> Event:
         error_estimate=EventError(
             penetration=float(_margin(error.penetration) * height),
             mean_pressure=float(problem.mean_pressure(_margin(error.load))) if bounded else None,
-            energy_released=float(_margin(event.energy_error) * energy) if known else None,
+            energy_released=float(_margin(event.energy_error) * energy)
+            if known and math.isfinite(event.energy_error)
+            else None,
         ),
     )
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from bem.adhesive.equilibrium import Balance, System, edge_positions, energy_noise
+from bem.adhesive.equilibrium import Balance, System, energy_noise
+from bem.geometry.patches import TWO_PI, Patches
 from bem.loading.control import Control
 
 FloatArray = NDArray[np.float64]
@@ -40,7 +41,7 @@ def misses_energy(
 
     The growth along a branch is the integral of `control.force`, by Hermite's rule.  Missing counts what exceeds a
     thousandth of the work of adhesion that the edges turned over, half of what the curvature adds to the trapezoidal
-    rule, and the accuracy of the energies.
+    rule, and the accuracy of the energies.  Forces left on the edges do their part of the work.
 
     Parameters
     ----------
@@ -59,10 +60,13 @@ def misses_energy(
     ]
     curved = change**2 / 12 * (stiffness[0] - stiffness[1])
     grown = change / 2 * (control.force(first.state) + control.force(last.state)) + curved
-    missing = first.potential + grown - last.potential
-    travel = edge_positions(last.state.patches) - edge_positions(first.state.patches)
-    turned_over = float(last.work @ np.abs((travel + np.pi) % (2 * np.pi) - np.pi))
-    return abs(missing) > max(UNBOOKED * turned_over, abs(curved) / 2) + energy_noise(system, first, last, tolerance)
+    outward = _outward(first.state.patches, last.state.patches)
+    unbalanced = (first.gradient + last.gradient) / 2 @ outward  # other evaluations than those that found the ends
+    missing = first.potential + grown + unbalanced - last.potential
+    turned_over = float(last.work @ np.abs(outward))
+    return bool(
+        abs(missing) > max(UNBOOKED * turned_over, abs(curved) / 2) + energy_noise(system, first, last, tolerance)
+    )
 
 
 def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], change: float, closure: float) -> bool:
@@ -82,10 +86,16 @@ def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], 
     closure : float
         max |G/w - 1| of the equilibria, which the edges are off by in units of their room.
     """
-    patches, there = ends[0].state.patches, ends[1].state.patches
-    moved = np.concatenate([patches.left - there.left, there.right - patches.right])
+    patches = ends[0].state.patches
+    moved = _outward(patches, ends[1].state.patches)
     astray = float(np.max(np.abs(moved - change * (rates[0] + rates[1]) / 2) / patches.edge_room))
     return astray > UNCERTAIN * closure + ASTRAY * float(np.max(np.abs(moved) / patches.edge_room))
+
+
+def _outward(first: Patches, last: Patches) -> FloatArray:
+    """Motion of the edges from some patches to others, (2 L,); across the end of the period too."""
+    moved = np.concatenate([first.left - last.left, last.right - first.right])
+    return np.asarray((moved + np.pi) % TWO_PI - np.pi)
 
 
 def softest_mode(here: Balance) -> FloatArray:

@@ -324,10 +324,12 @@ def _vanishing(system: System, here: Balance) -> tuple[tuple[Change, ...], Patch
 def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
     """Half width (2 w R^2 / (pi E*))^(1/3) of a lone JKR line contact at pull-off, per position, dimensionless.
 
-    R is the radius of curvature there, at most that of the rms curvature of the profile.
+    R is the radius of curvature there, at most that of the rms curvature of the profile.  A crest is no parabola beyond
+    a fraction of the shortest wave, which bounds the width where adhesion is strong.
     Source: Barquins, J. Adhesion 26 (1988) 1.
     """
     profile = system.elastic.profile
     rms_curvature = float(np.sqrt(np.sum((profile.orders**2 * profile.amplitudes) ** 2) / 2))
     curvature = np.maximum(-profile.curvature(x), rms_curvature)
-    return np.asarray(np.cbrt(system.law.work_of_adhesion(x) / (np.pi * curvature**2)))
+    half_width = np.cbrt(system.law.work_of_adhesion(x) / (np.pi * curvature**2))
+    return np.asarray(np.minimum(half_width, 1 / profile.max_order))

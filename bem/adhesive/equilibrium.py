@@ -26,6 +26,7 @@ FloatArray = NDArray[np.float64]
 
 NEWTON_STEPS = 8
 LARGEST_NEWTON_STEP = 0.3  # of the room of an edge
+SHORT_NEWTON_STEP = 1e-3  # the same
 ENERGY_TRUNCATION = 3e-3  # relative error of the energy over the square of the tolerance of the evaluation
 LAYER_TRUNCATION = 5e-3  # the same over the tolerance itself, where a layer adds to the kernel; measured 5e-3
 
@@ -210,13 +211,14 @@ def correct(
     the way.  Steps must shrink by half each time and stay below 0.3 of the room of an edge, the end must have K > 0,
     and once all K > 0 the Hessian must be positive definite; anything else ends the iteration with its reason.
     The Hessian is diag(K/2) times the Jacobian that Newton inverts (exactly so at equilibrium, or where w is uniform):
-    an indefinite one lies beyond a fold.
+    an indefinite one lies beyond a fold.  Short steps keep the resolution: K of one number of modes and of the next
+    differ by more than the closure where adhesion is weak, and between the two Newton would go to and fro.
     """
-    last = np.inf
+    last, kept = np.inf, None
     start = patches
     for count in range(1, NEWTON_STEPS + 1):
         try:
-            here = balance(system, patches, penetration, target, tolerance)
+            here = balance(system, patches, penetration, target, tolerance, kept)
         except IllConditionedSystemError:
             return Corrected("ill_conditioned", None, count)
         room = patches.edge_room
@@ -233,7 +235,7 @@ def correct(
             return Corrected("long_step", None, count)
         if size > last / 2 and here.closure > 100 * closure:
             return Corrected("stalled", None, count)
-        last = size
+        last, kept = size, here.state.resolution if size < SHORT_NEWTON_STEP else None
         penetration = here.state.penetration
         patches = patches.moved(step * room)
         travelled = np.abs(edge_positions(patches) - edge_positions(start)) / start.edge_room

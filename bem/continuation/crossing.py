@@ -4,7 +4,9 @@ On a branch the load is a smooth function of the control value.  With adhesion i
 of the branch and the predictor of the path, first at the accuracy between targets, then at that of a target.  Where
 Newton leaves the branch or the two points, the Illinois form of the secant takes its place, from the second point where
 that is the fold or the touch that ends the branch; where that fails, the path is followed again in smaller increments.
-A load that events lower is met several times: the first counts.  Without adhesion load control leads there at once
+A load that events lower is met several times: the first counts.  Under a given separation the last gap closes, and the
+first opens, under a tension without bound: loads beyond that of the narrowest gap on the path are met in between, in
+the gap that a row of cracks has at that load (opening.py).  Without adhesion load control leads there at once
 (convex_path.py).  Dimensionless.
 """
 
@@ -14,9 +16,13 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import brentq
 
-from bem.continuation.path import Path
+from bem.continuation.opening import FINEST_GAP, Flaw, opening_load, with_gap
+from bem.continuation.path import Path, restart
 from bem.continuation.path_point import Point
+from bem.elastic.collocation import evaluate
+from bem.loading.control import LoadControl
 
 SECANT_STEPS = 30
 NEWTON_STEPS = 6
@@ -34,11 +40,32 @@ def at_load(path: Path, before: Point, after: Point, load: float) -> Point | Non
     ----------
     path : Path
     before, after : Point
-        Of one branch, with edges.
+        Of one branch; complete contact, at one end, has no edges.
     load : float
         Dimensionless load per period.
     """
+    if before.balance is None or after.balance is None:
+        return _in_last_gap(path, after if before.balance is None else before, load)
     return _first(path, before, after, load, REFINEMENTS)
+
+
+def _in_last_gap(path: Path, point: Point, load: float) -> Point | None:
+    """The point at a load between complete contact and a point with one gap."""
+    assert point.balance is not None
+    patches, system, tolerance = point.balance.state.patches, path.system, path.increments.tolerance
+    widest = float(patches.gap_after[0])
+    center = float(patches.right[0]) + widest / 2
+
+    def miss(width: float) -> float:
+        return opening_load(system, path.complete, Flaw(center, width), tolerance) - load
+
+    if patches.count > 1 or widest <= FINEST_GAP or miss(FINEST_GAP) * miss(widest) > 0:
+        return None
+    crack = with_gap(center, float(brentq(miss, FINEST_GAP, widest, rtol=COARSE_LOAD_ACCURACY)))
+    highest = system.elastic.profile.max_height
+    depth = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load).penetration
+    found = restart(path, crack, depth, depth)
+    return None if found.balance is None else _newton(path, found, _ahead(path, found, load), load, LOAD_ACCURACY)
 
 
 def _first(path: Path, before: Point, after: Point, load: float, refinements: int) -> Point | None:

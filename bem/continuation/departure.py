@@ -32,7 +32,7 @@ def departure(system: System, limit: LimitPoint, tolerance: float, closure: floa
     Returns
     -------
     outward : (2 L,) array
-        Motion of the edges, the shortest on which they feel a force.
+        Motion of the edges, the shortest on which they feel a force, or the longest one tried.
     leads_on : bool
         Whether the force is along the motion; against it all the way where another branch begins continuously.
     evaluations : int
@@ -50,7 +50,7 @@ def departure(system: System, limit: LimitPoint, tolerance: float, closure: floa
                 force, outward = along, sign * part * motion
         if force > LEAST_FORCE * closure:
             return outward, True, evaluations
-    return outward, False, evaluations
+    return outward * (DEPARTURES[-1] / float(np.max(np.abs(outward) / state.patches.edge_room))), False, evaluations
 
 
 def _direction(limit: LimitPoint) -> FloatArray:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.branch import misses_energy, tangent, unstable_patches
-from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.adhesive.events import Settled, interpenetration, settle
 from bem.continuation.departure import departure
 from bem.continuation.limit_points import LimitPoint, at_rest, locate_limit_point
@@ -115,14 +115,19 @@ class Jumps:
         broken = limit.kind == "bifurcation"
         if not leads_on and not broken:
             return []
+        settled = self._settled(limit.balance, patches.moved(outward), value, moving, fine=not leads_on)
+        if not leads_on:
+            leads_on = bool(settled.changes) or _departed(patches, settled, float(size.max()))
         if not leads_on:
             value += float(np.copysign(inc.smallest, reach))
-        settled = self._settled(limit.balance, patches.moved(outward), value, moving)
-        if not leads_on and not settled.changes:
-            end = Point("converged", value, settled.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))
-            return [self._with_tangent(end)] if settled.balance is not None else []
+            settled = self._settled(limit.balance, patches.moved(outward), value, moving)
         changes = (place, *settled.changes) if broken or not settled.changes else settled.changes
-        behind = self.behind(limit.exact, limit.error, settled, changes, broken or bool(settled.changes))
+        if settled.balance is None and not settled.changes:
+            return []
+        behind = self.behind(limit.exact, limit.error, settled, changes, leads_on or bool(settled.changes))
+        if behind is None and broken:
+            events = path_events((place,), limit.exact, limit.error, 0.0, 0.0)
+            return [self._with_tangent(Point("converged", value, settled.balance, events))]
         end = Point("converged", limit.exact.value, limit.balance, last=True, fold=None if broken else limit)
         return [] if behind is None else [end, behind]
 
@@ -201,7 +206,10 @@ class Jumps:
         here, after, uncertain = (settled.balance, self._exact(settled.balance, value, value), np.inf)
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
-        released, doubt = at.potential - after.potential, error.potential + uncertain
+        released = at.potential - self._led_back(here, after, at.value)
+        works = system.control.penetration_weight > 0  # the load does work, or the penetration
+        eased = abs(at.load - after.load) if works else abs(at.penetration - after.penetration)
+        doubt = error.potential + uncertain + error.value * eased  # of a jump elsewhere
         if not moved and released <= DOUBT * doubt:
             return None
         return self._with_tangent(Point(settled.status, value, here, path_events(changes, at, error, released, doubt)))
@@ -234,6 +242,11 @@ class Jumps:
         potential = here.potential + change * (control.force(state) + change / 2 * control.force_rate(state))
         return Exact(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
 
+    def _led_back(self, here: Balance, exact: Exact, value: float) -> float:
+        """The potential that a state next to the value of a limit point has at that value."""
+        control, change = self.system.control, value - exact.value
+        return exact.potential + change * (control.force(here.state) + change / 2 * control.force_rate(here.state))
+
     def _finer(self, here: Balance, value: float) -> Balance:
         """The forces on the same edges at the accuracy of a target."""
         self.effort.evaluations += 1
@@ -243,6 +256,14 @@ class Jumps:
     def _with_tangent(self, point: Point) -> Point:
         assert point.balance is not None
         return replace(point, rate=tangent(self.system.control, point.balance))
+
+
+def _departed(start: Patches, settled: Settled, pushed: float) -> bool:
+    """Whether edges that were pushed from an equilibrium, in units of their room, did not fall back to it."""
+    if settled.balance is None:
+        return False
+    moved = np.abs(edge_positions(settled.balance.state.patches) - edge_positions(start)) / start.edge_room
+    return float(moved.max()) > 2 * pushed
 
 
 def _interpolated(first: Point, last: Point, value: float) -> Patches:

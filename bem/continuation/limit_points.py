@@ -30,12 +30,12 @@ from bem.loading.path_events import Exact
 
 FloatArray = NDArray[np.float64]
 
-STEPS = 8  # of Newton; it takes two to four
+STEPS = 8  # of Newton; it takes two to four, more where a fold is about to vanish (a cusp)
 LONGEST_STEP = 0.2  # of the room of an edge
 NEAR = 1e-3  # of the room: the rest of a step is left to finer evaluations
 CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
 CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
-SIDEWAYS = 1e-3  # of the room, over which D_v H is a difference
+SIDEWAYS = 1e-4  # of the room, over which D_v H is a difference
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
 FELT = 1e-9  # of the work of adhesion: a force on a mode, which then breaks no symmetry that the profile has
@@ -238,13 +238,17 @@ def _neutral(
     else:
         return None
     found: list[Exact] = []
-    for last, tolerance in ((False, fine), (False, fine), (True, finest)):
-        if len(found) == 1 and not last and size <= CLOSE:
+    for last, tolerance in (*(((False, fine),) * STEPS), (True, finest)):
+        if found and not last and size <= CLOSE:
             continue
         here = _refined(system, soft, step, soft.value + change, tolerance, last)
         soft = _softness(system, here, soft.value + change, soft.scale, soft.mode, breaking)
         evaluations += 1
         step, change = _step(soft, gradient, breaking)
+        if not last and soft.size(step) > CLOSE:
+            gradient = _eigenvalue_gradient(system, soft, tolerance)
+            evaluations += 1
+            step, change = _step(soft, gradient, breaking)
         size = soft.size(step)
         if size > 10 * NEAR:
             return None

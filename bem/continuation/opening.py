@@ -2,8 +2,9 @@
 
 Under the JKR model a gap of zero width needs infinite tension, so that complete contact opens only
 
-- at a flaw: a gap of given width where the pressure of complete contact is lowest.  Its K is a linear function of the
-  load; it opens when the larger of its two K reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no
+- at a flaw: a gap of given width near the lowest pressure of complete contact, where both its edges open at one load
+  (beside it one edge would open while the other heals).  Its K is a linear function of the load; it opens when K
+  reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no
   adhesion: what the opening releases is counted from the flawed state, which lies above complete contact by w g / 2
   for a narrow flaw of width g.  Nobody pays for that: a path through an opening gains it;
 - or because the separation is prescribed: s > 0 is the mean gap, so that there is one.  It begins at the same
@@ -26,10 +27,11 @@ layers of 0.1 to 0.3 periods, 1 to 100 harmonics: 3e-9 of the load, which is wha
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from bem.adhesive.equilibrium import System, balance
 from bem.elastic.collocation import Evaluation, evaluate
@@ -39,6 +41,8 @@ from bem.loading.complete_contact import CompleteContact
 FloatArray = NDArray[np.float64]
 
 RESOLVED_GAP = 1e-4 * TWO_PI  # evaluated as it is in a tenth of a second
+EVEN_GAP = 1e-6 * TWO_PI  # narrower flaws open at both edges at once to a part of 1e-11, where rounding takes over
+CENTERED = 1e-4  # of the width of a flaw: its middle
 FINEST_GAP = 1e-5 * TWO_PI  # the same in seconds; narrower ones do not feel a layer but by the square of their width
 
 
@@ -60,68 +64,107 @@ def lowest_pressure(complete: CompleteContact) -> float:
     return float(positions[int(np.argmax(heights))])
 
 
-def opening_load(system: System, complete: CompleteContact, flaw: float, tolerance: float) -> float:
-    """Load per period at which a flaw of this width opens: above it K is below critical at both its edges."""
-    if flaw >= RESOLVED_GAP:
-        state = _gap_at(system, complete, flaw, tolerance)
+@dataclass(frozen=True)
+class Flaw:
+    """A gap without adhesion in complete contact: its middle, and its width in radians."""
+
+    center: float
+    width: float
+
+
+def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: float) -> Flaw | None:
+    """The flaw of a width, where it opens at both edges at once; None where the pressure shuts a part of it.
+
+    Beside that place one edge would open while the other heals.  Where work of adhesion that varies lets no such place
+    be near the lowest pressure (narrow flaws, which open more easily the wider they are), it is at the lowest pressure.
+    """
+    lowest = lowest_pressure(complete)
+    if width < EVEN_GAP:
+        return Flaw(lowest, width)
+
+    def uneven(center: float) -> float:
+        behind, before = _critical_loads(system, complete, Flaw(center, width), tolerance)
+        return float(behind - before)
+
+    ends = lowest - width / 2, lowest + width / 2
+    if uneven(ends[0]) * uneven(ends[1]) < 0:
+        return Flaw(float(brentq(uneven, *ends, xtol=CENTERED * width)), width)
+    flaw = Flaw(lowest, width)
+    if width >= RESOLVED_GAP:
+        state, load = _gap_at(system, flaw, tolerance), opening_load(system, complete, flaw, tolerance)
+        if np.any(state.stress_intensity + (load - state.load) * state.stress_intensity_rate / state.load_rate < 0):
+            return None
+    return flaw
+
+
+def opening_load(system: System, complete: CompleteContact, flaw: Flaw, tolerance: float) -> float:
+    """Load per period at which a flaw opens: above it K is below critical at both its edges."""
+    return float(np.max(_critical_loads(system, complete, flaw, tolerance)))
+
+
+def _critical_loads(system: System, complete: CompleteContact, flaw: Flaw, tolerance: float) -> FloatArray:
+    """Loads per period at which K is critical at the edges behind and before a flaw, (2,)."""
+    critical = _critical(system, flaw)
+    if flaw.width >= RESOLVED_GAP:
+        state = _gap_at(system, flaw, tolerance)
         slope = state.stress_intensity_rate / state.load_rate
-        return float(np.max(state.load + (_critical(system, complete, flaw) - state.stress_intensity) / slope))
+        return np.asarray(state.load + (critical - state.stress_intensity) / slope)
     at_zero_load, slope = _crack(complete, flaw)
     stiffened = _layer_share(system, complete, flaw, tolerance)
-    return float(np.max((_critical(system, complete, flaw) / stiffened - at_zero_load) / slope))
+    return np.asarray((critical / stiffened - at_zero_load) / slope)
 
 
-def opened_gap(system: System, complete: CompleteContact, flaw: float, load: float) -> Patches:
+def opened_gap(system: System, complete: CompleteContact, flaw: Flaw, load: float) -> Patches:
     """The flaw a little wider, or as wide as is resolved where K stays above critical on the way there, at a load.
 
     At the load at which a flaw opens K grows with its width as long as the tension is that at its middle.
     """
-    width = max(RESOLVED_GAP, 1.02 * flaw)
-    while width > 1.02 * flaw:
-        at_zero_load, slope = _crack(complete, width)
-        if np.all(at_zero_load + slope * load > _critical(system, complete, width)):
+    wider = Flaw(flaw.center, max(RESOLVED_GAP, 1.02 * flaw.width))
+    while wider.width > 1.02 * flaw.width:
+        at_zero_load, slope = _crack(complete, wider)
+        if np.all(at_zero_load + slope * load > _critical(system, wider)):
             break
-        width = max(width / 2, 1.02 * flaw)
-    return with_gap(lowest_pressure(complete), width)
+        wider = Flaw(flaw.center, max(wider.width / 2, 1.02 * flaw.width))
+    return with_gap(wider.center, wider.width)
 
 
-def flawed_potential(system: System, complete: CompleteContact, flaw: float, value: float, tolerance: float) -> float:
+def flawed_potential(system: System, complete: CompleteContact, flaw: Flaw, value: float, tolerance: float) -> float:
     """The potential under control of complete contact with a flaw at the load at which it opens."""
-    gap, highest = with_gap(lowest_pressure(complete), flaw), system.elastic.profile.max_height
-    if flaw >= RESOLVED_GAP:
+    gap, highest = with_gap(flaw.center, flaw.width), system.elastic.profile.max_height
+    if flaw.width >= RESOLVED_GAP:
         return balance(system, gap, highest, value, tolerance).potential
     work = system.law.energy(gap) - complete.adhesion_energy
     return complete_potential(system, complete, value) + work / 2
 
 
-def _crack(complete: CompleteContact, width: float) -> tuple[FloatArray, FloatArray]:
+def _crack(complete: CompleteContact, flaw: Flaw) -> tuple[FloatArray, FloatArray]:
     """K at the edges behind and before a gap in complete contact of a half-space: at zero load, and its rate, (2,)."""
-    count = 16 + 2 * int(complete.pressure.max_order * width)
+    count = 16 + 2 * int(complete.pressure.max_order * flaw.width)
     t = np.cos((np.arange(count) + 0.5) * (np.pi / count))
-    tension = -complete.pressure.height(lowest_pressure(complete) + 2 * np.arcsin(np.sin(width / 4) * t))
-    factor = float(np.sqrt(2 * np.pi * np.tan(width / 4)))
+    tension = -complete.pressure.height(flaw.center + 2 * np.arcsin(np.sin(flaw.width / 4) * t))
+    factor = float(np.sqrt(2 * np.pi * np.tan(flaw.width / 4)))
     return factor * np.array([np.mean(tension * (1 + t)), np.mean(tension * (1 - t))]), np.full(2, -factor / TWO_PI)
 
 
-def _layer_share(system: System, complete: CompleteContact, flaw: float, tolerance: float) -> float:
+def _layer_share(system: System, complete: CompleteContact, flaw: Flaw, tolerance: float) -> float:
     """K of a flaw on a layer over that on a half-space, from a wider gap that is resolved."""
     if not system.elastic.corrections:
         return 1.0
-    width = max(FINEST_GAP, flaw)
-    state = _gap_at(system, complete, width, tolerance)
-    share = float(np.mean(state.stress_intensity_rate / state.load_rate / _crack(complete, width)[1]))
-    return 1 + (share - 1) * (flaw / width) ** 2
+    wider = Flaw(flaw.center, max(FINEST_GAP, flaw.width))
+    state = _gap_at(system, wider, tolerance)
+    share = float(np.mean(state.stress_intensity_rate / state.load_rate / _crack(complete, wider)[1]))
+    return 1 + (share - 1) * (flaw.width / wider.width) ** 2
 
 
-def _gap_at(system: System, complete: CompleteContact, width: float, tolerance: float) -> Evaluation:
-    """Complete contact but for a gap where its pressure is lowest."""
-    patches = with_gap(lowest_pressure(complete), width)
+def _gap_at(system: System, flaw: Flaw, tolerance: float) -> Evaluation:
+    """Complete contact but for a flaw."""
+    patches = with_gap(flaw.center, flaw.width)
     return evaluate(system.elastic, patches, system.elastic.profile.max_height, tolerance)
 
 
-def _critical(system: System, complete: CompleteContact, width: float) -> FloatArray:
-    """Critical K at the edges behind and before a gap, in the order of patches with it, (2,)."""
-    patches = with_gap(lowest_pressure(complete), width)
+def _critical(system: System, flaw: Flaw) -> FloatArray:
+    """Critical K at the edges behind and before a flaw, in the order of patches with it, (2,)."""
+    patches = with_gap(flaw.center, flaw.width)
     return np.asarray(2 * np.sqrt(system.law.work_of_adhesion(np.concatenate([patches.left, patches.right]))))
 
 

@@ -20,10 +20,11 @@ from numpy.typing import NDArray
 from bem.adhesive.branch import strays, tangent
 from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
-from bem.adhesive.events import first_contact, interpenetration, settle
+from bem.adhesive.events import Settled, first_contact, interpenetration, settle
 from bem.continuation.jumps import Jumps
 from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import (
+    Flaw,
     complete_potential,
     first_gap,
     flawed_potential,
@@ -43,6 +44,7 @@ FloatArray = NDArray[np.float64]
 
 
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
+CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
 
 
 @dataclass
@@ -57,15 +59,15 @@ class Path:
         Positions of the highest crests (more than one when equally high), where first touch happens.
     complete : CompleteContact
         Where the path ends, and may begin.
-    flaw : float, optional
-        Width of the gap from which complete contact opens when the load falls; without it, it never does.
+    flaw : Flaw, optional
+        From which complete contact opens when the load falls; without it, it never does.
     """
 
     system: System
     increments: Increments
     crests: FloatArray
     complete: CompleteContact
-    flaw: float | None = None
+    flaw: Flaw | None = None
     effort: Effort = field(default_factory=Effort)
     step: float = 0.0
 
@@ -88,7 +90,8 @@ class Path:
                 if point.balance is None and not (apart and point.status == "complete_contact"):
                     return
                 continue
-            if direction > 0 and point.value >= closing - self.increments.smallest * (1 + 1e-9) and goal >= closing:
+            last = self._last_increment(point, closing)
+            if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
                 point = Point("complete_contact", goal, None, self._closed(point, goal))
                 yield point
                 return
@@ -100,7 +103,7 @@ class Path:
                 else:
                     step = min(step, max(abs(blocked - point.value) / 2, shortest))
             step = max(step, shortest if blocked is not None else shortest * BRACKET)
-            end = min(goal, closing - self.increments.smallest) if goal >= closing else goal
+            end = min(goal, closing - last) if goal >= closing else goal
             if step >= abs(end - point.value) * (1 - 1e-12):
                 step, value = abs(end - point.value), end
             else:
@@ -153,7 +156,7 @@ class Path:
             return self.jumps.from_touch(point, ahead, found)
         reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
         limit = self.jumps.limit_point(point, reach, thorough)
-        if limit is None or direction * (point.value - limit.exact.value) > self.increments.smallest:
+        if limit is None:  # it may lie behind the point: coarse evaluations lead a little farther than the branch
             return []
         if direction * (limit.exact.value - ends[1]) <= 0:
             return self.jumps.from_limit(limit, reach)
@@ -249,12 +252,8 @@ class Path:
             return self._opened(point, goal)
         if point.status != "separated" or goal < 0:
             return Point(point.status, goal)
-        inc = self.increments
         touch = max(point.value, 0.0)
-        settled = settle(
-            self.system, first_contact(self.system, self.crests), touch, touch, inc.tolerance, inc.closure, inc.allowed
-        )
-        self.effort.book(settled.evaluations, settled.local_evaluations)
+        settled = self._settled(first_contact(self.system, self.crests), touch, touch)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
         touched = self.jumps.behind(FIRST_TOUCH, NO_ERROR, settled, changes)
         return Point("not_converged", touch) if touched is None else touched
@@ -263,6 +262,13 @@ class Path:
     def _closing_value(self) -> float:
         """Penetration at which contact is complete; infinite when the load takes part in the control."""
         return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
+
+    def _last_increment(self, point: Point, closing: float) -> float:
+        """The increment before complete contact: the smallest; half the way, where several gaps are left."""
+        assert point.balance is not None
+        if point.balance.state.patches.count == 1:
+            return self.increments.smallest
+        return max((closing - point.value) / 2, CLOSED)
 
     def _closed(self, point: Point, value: float) -> tuple[PathEvent, ...]:
         """The last gap closes where the separation vanishes: a continuous end of the branch, no energy is released."""
@@ -282,34 +288,40 @@ class Path:
 
     def _opened(self, point: Point, goal: float) -> Point:
         """Complete contact at the goal, or the equilibrium into which it opens on the way there."""
-        inc, system = self.increments, self.system
+        if self.system.control.load_weight > 0:
+            return self._opened_at_flaw(point, goal)
+        if goal >= self._closing_value:
+            return Point("complete_contact", goal)
+        system, highest = self.system, self.system.elastic.profile.max_height
+        value = max(goal, highest - self.increments.smallest)
+        settled = self._settled(first_gap(system, self.complete, highest - value), value, value)
+        if settled.balance is None or settled.changes:
+            return Point("not_converged", value)
+        opening = ("opening", lowest_pressure(self.complete))
+        events = path_events((opening,), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
+        return Point("converged", value, settled.balance, events, tangent(system.control, settled.balance))
+
+    def _opened_at_flaw(self, point: Point, goal: float) -> Point:
+        """The same where the load takes part in the control: without a flaw complete contact stays."""
+        flaw, system, complete, inc = self.flaw, self.system, self.complete, self.increments
+        if flaw is None:
+            return Point("complete_contact", goal)
         highest = system.elastic.profile.max_height
-        if system.control.load_weight == 0:
-            if goal >= self._closing_value:
-                return Point("complete_contact", goal)
-            value = at = max(goal, highest - inc.smallest)
-            start = first_gap(system, self.complete, highest - value)
-        else:
-            flaw = self.flaw
-            if flaw is None:
-                return Point("complete_contact", goal)
-            load = opening_load(system, self.complete, flaw, inc.fine_tolerance)
-            value, at = min(point.value, system.control.value(highest, load)), highest
-            if goal > value:
-                return Point("complete_contact", goal)
-            start = opened_gap(system, self.complete, flaw, self._fully_joined(value).load)
-        settled = settle(system, start, at, value, inc.tolerance, inc.closure, inc.allowed)
-        self.effort.book(settled.evaluations, settled.local_evaluations)
-        opening, joined = ("opening", lowest_pressure(self.complete)), self._fully_joined(value)
-        if system.control.load_weight == 0:
-            if settled.balance is None or settled.changes:
-                return Point("not_converged", value)
-            events = path_events((opening,), joined, NO_ERROR, 0.0, 0.0)
-            return Point("converged", value, settled.balance, events, tangent(system.control, settled.balance))
-        assert self.flaw is not None
-        flawed = flawed_potential(system, self.complete, self.flaw, value, inc.fine_tolerance)
-        behind = self.jumps.behind(replace(joined, potential=flawed), NO_ERROR, settled, (opening, *settled.changes))
+        load = opening_load(system, complete, flaw, inc.fine_tolerance)
+        value = min(point.value, system.control.value(highest, load))
+        if goal > value:
+            return Point("complete_contact", goal)
+        joined = self._fully_joined(value)
+        settled = self._settled(opened_gap(system, complete, flaw, joined.load), highest, value)
+        joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, inc.fine_tolerance))
+        behind = self.jumps.behind(joined, NO_ERROR, settled, (("opening", flaw.center), *settled.changes))
         return Point("not_converged", value) if behind is None else behind
+
+    def _settled(self, start: Patches, penetration: float, value: float) -> Settled:
+        inc = self.increments
+        settled = settle(self.system, start, penetration, value, inc.tolerance, inc.closure, inc.allowed)
+        self.effort.book(settled.evaluations, settled.local_evaluations)
+        return settled
 
     def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:
         """Newton from the predicted edges; the new point (None: left the branch) and its interpenetrations."""

@@ -34,6 +34,7 @@ FloatArray = NDArray[np.float64]
 
 ITERATIONS = 100
 FINER, EPS = 1.5, float(np.finfo(float).eps)  # nodes of the evaluation that assesses; double precision
+UNDERFLOW = 1e-70  # of the lowest pressure of complete contact: tension on gaps whose volume is no number any more
 CLOSURE = 1e-10  # of |k| over g_0, where rounding does not limit it; Newton's last step leaves 1e-13
 UNCERTAIN = 20.0  # roundings of the pressure times the half width, below which k is noise; measured 4
 STEP, INTO_CONTACT = 0.5, 0.35  # largest steps of an end, in half widths of its gap and in patches
@@ -106,7 +107,7 @@ def lone_cracks(body: CompletedBody, condition: Condition) -> tuple[Gaps, float]
         alone = float(np.sqrt(2 * curvature[first] * condition.rest / alpha))
         deficit = brentq(miss, 0.0, alone * (1 + 1e-9), xtol=1e-300, rtol=1e-14)
     tension = deficit - shallower
-    open_ = tension > 0
+    open_ = tension > UNDERFLOW * abs(body.lowest)
     half = np.minimum(2 * np.sqrt(tension[open_] / curvature[open_]), np.pi / (2 * profile.max_order))
     none = Gaps(x[:0], x[:0], x[:0])
     return none.joined(Gaps(x[open_], np.zeros(half.size), half)), deficit

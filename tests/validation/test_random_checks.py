@@ -321,10 +321,10 @@ def test_warning_is_a_finding(monkeypatch):
 
 
 def test_exception_of_a_copy_is_a_finding(monkeypatch):
-    def broken(made, posed, result):
+    def broken(made, posed, result, again):
         raise IndexError("no such state")
 
-    monkeypatch.setattr(trial, "run_copy", broken)
+    monkeypatch.setattr(trial, "compared", broken)
     assert trial_of(monkeypatch, QUICK).kinds == ("increment", "scale")
 
 

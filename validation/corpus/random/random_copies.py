@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Event, Result, State, write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
-from bem.solver import solve
 from validation.corpus.random.random_checks import EPS, Finding, Kind, Units
 from validation.corpus.random.random_scenes import SCAN, Table
 
@@ -224,11 +223,6 @@ def _differing(
     return findings
 
 
-def run_copy(made: Copy, scene: Scene, result: Result) -> list[Finding]:
-    """Solve a copy, and compare."""
-    return compared(made, scene, result, solve(made.scene))
-
-
 def _differences(made: Copy, units: Units, one: State, two: State) -> Iterator[str]:
     """Names and sizes of what differs between two states beyond the errors they estimate."""
     if (one.status, one.n_patches) != (two.status, two.n_patches):
@@ -276,7 +270,7 @@ def _other_events(
 ) -> Iterator[str]:
     """What differs between two lists of events, avalanche by avalanche."""
     made, one, two = ways[0], _avalanches(ours), _avalanches(theirs)
-    kinds = [[sorted(event.kind for event in group) for group in groups] for groups in (one, two)]
+    kinds = [[_changes(group) for group in groups] for groups in (one, two)]
     if kinds[0] != kinds[1]:
         yield _unlike(kinds[0], kinds[1])
         return
@@ -311,7 +305,7 @@ def _beyond(name: str, ours: Sequence[Event], theirs: Sequence[Event], factor: f
 def _moved(made: Copy, period: float, ours: Sequence[Event], theirs: Sequence[Event]) -> float:
     """Largest distance between the events of one kind of two avalanches, in periods."""
     farthest = 0.0
-    for kind in {event.kind for event in ours}:
+    for kind in _changes(ours):
         x, y = (
             np.array([event.position for event in group if event.kind == kind and event.position is not None])
             for group in (ours, theirs)
@@ -321,6 +315,12 @@ def _moved(made: Copy, period: float, ours: Sequence[Event], theirs: Sequence[Ev
         if x.size:
             farthest = max(farthest, float(_distances(x / period, made.placed(y, period)).min(axis=1).max()))
     return farthest
+
+
+def _changes(avalanche: Sequence[Event]) -> list[str]:
+    """Kinds of an avalanche, sorted; whether it began at a broken symmetry or at the fold next to it does not count."""
+    kinds = sorted(event.kind for event in avalanche)
+    return [kind for kind in kinds if kind != "bifurcation"] or kinds
 
 
 def _avalanches(events: Sequence[Event]) -> list[list[Event]]:

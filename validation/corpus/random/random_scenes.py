@@ -314,7 +314,7 @@ def _accuracy(rng: np.random.Generator, span: float) -> Table:
     """[accuracy]: a path of a bounded number of increments, any tolerance."""
     table: Table = {}
     if span / 0.05 > MOST_STEPS or rng.random() < 0.6:
-        table["max_increment"] = span / float(np.exp(rng.uniform(*np.log(STEPS))))
+        table["max_increment"] = min(span / float(np.exp(rng.uniform(*np.log(STEPS)))), 100.0)
     if rng.random() < 0.6:
         table["tolerance"] = 10 ** _within(rng, -11.0, -2.0, (-12.0, -2.0))
     return table
