@@ -147,9 +147,9 @@ class Jumps:
             ahead = self._with_tangent(Point(settled.status, value, moved))
             if not self.misses_energy(start, ahead):
                 return ahead
-        width = abs(value - start.value)
-        load = abs(pushed.load - here.state.load)
-        error = Exact(width, abs(pushed.penetration - state.penetration), load, load * width)
+        width, control, stiffness = abs(value - start.value), self.system.control, here.stiffness
+        deeper = abs(width / (control.penetration_weight + control.load_weight * stiffness))
+        error = Exact(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = settled.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
         behind = self.behind(pushed, error, settled, changes, bool(settled.changes))
         if behind is None:

@@ -293,7 +293,9 @@ def energy_balance(scene: Scene, result: Result, units: Units, tolerance: float 
 
 def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
     """The balance of every interval with finite numbers, from first touch on."""
-    apart = Mark(0.0, 0.0, 0.0, 0.0) if scene.loading.initial == "separated" else None
+    apart = None  # without adhesion the compliance at first touch has no bound, and no rule for the integral holds
+    if scene.loading.initial == "separated" and scene.adhesion is not None:
+        apart = Mark(0.0, 0.0, 0.0, 0.0)
     marks = [_mark(scene, state, units) for state in result.states]
     counts = [0, *(state.events or 0 for state in result.states)]
     groups = [result.events[first:last] for first, last in pairwise(counts)]
