@@ -52,7 +52,7 @@ class Case:
     equations : str
         The equations that answer it.
     sources : tuple of str
-        Keys of `validation.bibliography`.
+        Keys of validation/report/bibliography.json.
     compute : callable
         Returns the `Outcome`.
     effects : tuple of str
