@@ -3,7 +3,7 @@
 Given are the edges, the Chebyshev series of the pressure and the penetration; the displacement is recomputed by
 displacement.py, with nothing taken from the collocation, the gap search or the equilibrium.
 
-The checks (physics.md 5 of the design; physics: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65):
+The checks (bem/README.md, section 7; physics: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65):
 closure G/w = 1 at every edge (without adhesion K = 0 and no tension), u = h - h_max + Delta on every patch up to its
 edges, no interpenetration in any gap, decay of the series, mean gap = separation, and what the solver hands in:
 stability and symmetry of the Hessian.

@@ -9,9 +9,10 @@ skeleton | 1] and G = b^T A^-1 b (hierarchical.py),
     q_e = -G_eR - sum_{n >= p} (n/pi) C_n (+-1)^n,   K_e = -q_e sqrt(pi/r),   dK_e/dDelta = -pi G_e1 sqrt(pi/r),
     load = -G_R1,   dload/dDelta = pi G_11,   U_el = (G_RR + 1/2 sum_{n >= p} n C_n^2) / (2 pi).
 
-Source of the discretisation: physics.md 3 of the design, Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30
-(2009) 65 for the problem.  Dimensionless (see scaling.py).  Limits: patches ordered and disjoint, contact not
-complete; resolution set by `tolerance` (relative error of K about 3e-2 times it).
+Method: bem/README.md, section 2.  Sources: Mason and Handscomb, Chebyshev Polynomials (2003), chapter 9, for the
+logarithm; Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65 for the problem.  Dimensionless (scaling.py).
+Limits: patches ordered and disjoint, contact not complete; resolution set by `tolerance` (relative error of K about
+3e-2 times it).
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 The displacement is the profile, so every mode carries sigma_m = m h_m / ratio_m (dimensionless; ratio: compliance of
 the layer relative to the half-space) on top of any mean pressure, and the separation is zero.  Without adhesion it
 needs p >= 0 everywhere; under the JKR model it is metastable at any load, because a crack of zero length needs
-infinite tension to open.  Source: physics.md 4 and 6 of the design; Johnson, Int. J. Solids Struct. 32 (1995) 423.
+infinite tension to open.  Source: Johnson, Int. J. Solids Struct. 32 (1995) 423.
 """
 
 from __future__ import annotations

@@ -1,0 +1,69 @@
+"""bem/THRESHOLDS.md lists the numerical constants of every module of bem, with the values that they have."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "bem" / "THRESHOLDS.md").read_text("utf-8")
+MODULES = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "bem").rglob("*.py"))
+UNNAMED = "Numbers in functions"
+NUMERIC = (ast.Constant, ast.Tuple, ast.UnaryOp, ast.BinOp, ast.operator, ast.unaryop, ast.Name, ast.Attribute)
+ARITHMETIC = {"float", "linspace", "finfo"}
+
+
+def is_numeric(value: ast.expr) -> bool:
+    """Whether an expression is made of at least one number, arithmetic, and names of other constants."""
+    parts = [part for part in ast.walk(value) if not isinstance(part, ast.expr_context)]
+    calls = [part.func for part in parts if isinstance(part, ast.Call)]
+    constants = [part.value for part in parts if isinstance(part, ast.Constant)]
+    return (
+        all(isinstance(part, (*NUMERIC, ast.Call)) for part in parts)
+        and {getattr(call, "attr", getattr(call, "id", "")) for call in calls} <= ARITHMETIC
+        and bool(constants)
+        and all(isinstance(constant, int | float) for constant in constants)
+    )
+
+
+def constants_of(source: str) -> dict[str, str]:
+    """Numerical constants in capitals at the top level of a module, but 2 pi; values in normal form."""
+    found: dict[str, str] = {}
+    for node in ast.parse(source).body:
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        for target in targets:
+            several = isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple)
+            pairs = zip(target.elts, node.value.elts, strict=True) if several else [(target, node.value)]
+            found |= {name.id: ast.unparse(value) for name, value in pairs if name.id.isupper() and is_numeric(value)}
+    found.pop("TWO_PI", None)
+    return found
+
+
+def listed() -> dict[str, dict[str, str]]:
+    """Constants on the page, module by module."""
+    found: dict[str, dict[str, str]] = {}
+    for section in re.split(r"^### ", PAGE.partition(f"## {UNNAMED}")[0], flags=re.MULTILINE)[1:]:
+        module = section.split("`")[1]
+        rows = found.setdefault(module, {})
+        for row in re.findall(r"^\| (`\w+`(?:, `\w+`)*) \| `(.*?)` \|", section, flags=re.MULTILINE):
+            names, value = re.findall(r"\w+", row[0]), ast.parse(row[1], mode="eval").body
+            values = value.elts if len(names) > 1 and isinstance(value, ast.Tuple) else [value]
+            rows |= dict(zip(names, map(ast.unparse, values), strict=True))
+    return found
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_constants_are_on_the_page(module):
+    assert listed().get(module, {}) == constants_of((ROOT / module).read_text("utf-8"))
+
+
+def test_modules_on_the_page_exist():
+    assert set(listed()) <= set(MODULES)
+
+
+def test_constants_are_recognised():
+    source = "A, B = 1e-3, 1 << 4\n_C = (0.1, -2)\nD = 4 * float(np.eps)\nE = Exact(0.0)\nF = ('x', 1)\nG = h\nh = 1.0"
+    assert constants_of(source) == {"A": "0.001", "B": "1 << 4", "_C": "(0.1, -2)", "D": "4 * float(np.eps)"}
