@@ -2,8 +2,8 @@
 
 Every scene that has an answer is solved once more at a third of its increment and once as a copy (scaled, shifted,
 mirrored or restarted: by its number, so that a fourth of the scenes are asked each way), and the stored states at its
-targets are settled by dense algebra (references/dense_equilibrium.py), whose distance from them their error estimates must
-bound.  Scenes taken to an extreme are judged by their own result alone: an answer or a refusal by name.
+targets are settled by dense algebra (references/dense_equilibrium.py), whose distance from them their error estimates
+must bound.  Scenes taken to an extreme are judged by their own result alone: an answer or a refusal by name.
 """
 
 from __future__ import annotations
