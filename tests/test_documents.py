@@ -48,7 +48,7 @@ def test_what_is_named_exists(path):
     [
         ("as scaling.py does (physics.md 4 of the design)", ["physics.md"]),
         ("`bem/geometry/scaling.py`, `bem/cases/scaling.py`", ["bem/cases/scaling.py"]),
-        ("see suite/harness.py and studies/harness.py", ["studies/harness.py"]),
+        ("see cases/suite/harness.py and studies/harness.py", ["studies/harness.py"]),
         ("validation/baselines/*.json, validation/pictures/*.json", ["validation/pictures/*.json"]),
         ("keys of `validation.bibliography`, bem.solve, bem.geometry.scaling.Scales", ["validation.bibliography"]),
     ],
