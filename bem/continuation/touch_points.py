@@ -26,7 +26,10 @@ STEPS = 20
 TOUCHED = 1e-10  # of the rms height: a gap that is closed
 NEARLY = 1e-6  # the same for the evaluations that are not the last
 TIED = 1e-9  # of the rms height: gaps that close together
-RESOLVED = 1e-3  # of the bracket: points farther apart give the slope of the gap
+DISTINCT = (
+    1e-7,
+    1e-10,
+)  # of the rms height: gaps that differ by more give a slope, in the first evaluations and the last
 CLOSURE = 0.1  # of |G/w - 1| over the tolerance of the evaluation
 
 
@@ -79,12 +82,12 @@ def locate_touch(
         Of the evaluations that lead to the touch, and of the last.
     """
     first, last = ends
-    low, high = (first, float(gaps[0].min())), (last, float(gaps[1].min()))
     crossing = gaps[0] / (gaps[0] - gaps[1])
     value = first + (last - first) * float(np.clip(crossing.min(), 0.0, 1.0))
     before: Exact | None = None
-    slope = (high[1] - low[1]) / (last - first)
-    near, patches, evaluations, known = found, branch(value), 0, [low, high]
+    slope = float(gaps[1].min() - gaps[0].min()) / (last - first)
+    near, patches, evaluations = found, branch(value), 0
+    known: list[tuple[float, float]] = []  # of one accuracy: gaps at the ends may be off by what they are apart
     for _ in range(STEPS):
         tolerance = tolerances[int(before is not None)]
         if not patches.is_ordered:
@@ -97,10 +100,11 @@ def locate_touch(
         rate = tangent(system.control, here)
         near = minima_near(gap_field(system.elastic, here.state), near.position, found.gap)
         depth = float(near.depth.min())
-        nearest = min(known, key=lambda point: abs(point[0] - value))
-        if abs(value - nearest[0]) > RESOLVED * abs(last - first):
-            slope = (depth - nearest[1]) / (value - nearest[0])
-            known.append((value, depth))
+        if known:
+            other, there = min(known, key=lambda point: abs(point[0] - value))
+            if abs(depth - there) > DISTINCT[int(before is not None)]:
+                slope = (depth - there) / (value - other)
+        known.append((value, depth))
         change = -depth / slope
         deeper = change / (system.control.penetration_weight + system.control.load_weight * here.stiffness)
         exact = Exact(
@@ -115,7 +119,7 @@ def locate_touch(
             error = exact.apart(before, system.control.force(here.state))
             return TouchPoint(here, exact, error, touching, evaluations)
         if before is None and abs(depth) <= NEARLY:
-            before = exact
+            before, known = exact, []
         value += change
         patches = here.state.patches.moved(rate * (value - at))
         if not min(ends) - abs(last - first) / 10 <= value <= max(ends) + abs(last - first) / 10:
