@@ -1,7 +1,7 @@
 """Free-boundary boundary element solver for adhesive line contact.
 
-`load_scene`, `solve`, `Profile`, `Solid`, `ContactState`, `Layer` and `Adhesion` are imported on first use, so that a
-scene without an effect never imports the module of that effect.
+`load_scene`, `parse_scene`, `SceneError`, `solve`, `Profile`, `Solid`, `ContactState`, `Layer` and `Adhesion` are
+imported on first use, so that a scene without an effect never imports the module of that effect.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from bem.geometry.profile import Profile as Profile
     from bem.geometry.scaling import Solid as Solid
     from bem.scene.scene import load_scene as load_scene
+    from bem.scene.scene import parse_scene as parse_scene
+    from bem.scene.scene_rules import SceneError as SceneError
     from bem.solver import solve as solve
 
 _HOME = {
@@ -24,11 +26,13 @@ _HOME = {
     "Layer": "bem.elastic.layer",
     "Profile": "bem.geometry.profile",
     "Solid": "bem.geometry.scaling",
+    "SceneError": "bem.scene.scene_rules",
     "load_scene": "bem.scene.scene",
+    "parse_scene": "bem.scene.scene",
     "solve": "bem.solver",
 }
 
-__all__ = ["Adhesion", "ContactState", "Layer", "Profile", "Solid", "load_scene", "solve"]
+__all__ = ["Adhesion", "ContactState", "Layer", "Profile", "SceneError", "Solid", "load_scene", "parse_scene", "solve"]
 
 
 def __getattr__(name: str) -> Any:

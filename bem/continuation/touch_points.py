@@ -26,10 +26,7 @@ STEPS = 20
 TOUCHED = 1e-10  # of the rms height: a gap that is closed
 NEARLY = 1e-6  # the same for the evaluations that are not the last
 TIED = 1e-9  # of the rms height: gaps that close together
-DISTINCT = (
-    1e-7,
-    1e-10,
-)  # of the rms height: gaps that differ by more give a slope, in the first evaluations and the last
+DISTINCT = (1e-7, 1e-10)  # of the rms height: gaps farther apart give a slope, in the first evaluations and the last
 CLOSURE = 0.1  # of |G/w - 1| over the tolerance of the evaluation
 
 

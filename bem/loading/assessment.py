@@ -95,12 +95,21 @@ def with_left_out(elastic: Elastic, state: Evaluation) -> Elastic:
 
 
 def stiffened(correction: Quantities, elastic: Elastic, state: Evaluation, stiffness: float) -> Quantities:
-    """With what a correction left out adds to the stiffness: the share by which it adds to that of edges at rest."""
+    """With what a correction left out adds to the stiffness, the share of that of edges at rest, and to the energy.
+
+    As a background it moves the surfaces, but stores no energy: q . F q / (2 pi) for the charges q of the state.
+    """
     if elastic.left_out is None:
         return correction
-    nodes, rate = state.skeleton_nodes(), state.skeleton_rate
+    nodes, rate, charges = state.skeleton_nodes(), state.skeleton_rate, state.skeleton
     share = float(rate @ elastic.left_out.field(nodes, nodes, rate)) / (np.pi * state.load_rate)
-    return replace(correction, stiffness=abs(correction.stiffness) + abs(share * stiffness))
+    stored = abs(float(charges @ elastic.left_out.field(nodes, nodes, charges))) / (2 * np.pi)
+    return replace(
+        correction,
+        stiffness=abs(correction.stiffness) + abs(share * stiffness),
+        elastic_energy=abs(correction.elastic_energy) + stored,
+        total_energy=abs(correction.total_energy) + stored,
+    )
 
 
 def quantities_of(state: Evaluation) -> Quantities:

@@ -4,6 +4,7 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem.elastic.layer import Layer
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 
 THICKNESS = {1e-6: 0.0185, 1e-2: 0.0105}  # just thick enough to be left out
@@ -31,6 +32,26 @@ def test_estimates_contain_what_was_left_out(tolerance, control, adhesion, monke
     assert {name: errors[name] for name in errors if not errors[name] <= estimates[name]} == {}
     assert errors["contact_fraction"] > 0
     assert estimates["contact_fraction"] <= 10 * errors["contact_fraction"]  # measured 2.9 to 3.1
+
+
+def test_the_energy_that_was_left_out_is_in_its_estimate(monkeypatch):
+    """A narrow patch under a given load: its pressure, and with it all but the energy, hardly feels the layer."""
+
+    def solved_alone():
+        scene = {
+            "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.4},
+            "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [2e-5], "phases": [0.0]},
+            "layer": {"thickness": 0.0185},
+            "adhesion": {"work_of_adhesion": 1e-5},
+            "loading": {"control": "mean_pressure", "targets": [50.0]},
+            "accuracy": {"tolerance": 1e-6},
+        }
+        return solve(parse_scene(scene)).targets[-1]
+
+    without = solved_alone()
+    monkeypatch.setattr(Layer, "is_negligible", lambda *_: False)
+    missing = abs(solved_alone().elastic_energy - without.elastic_energy)
+    assert missing <= without.error_estimate.elastic_energy <= 10 * missing  # measured 3.0
 
 
 def test_energy_of_complete_contact_has_one_too(monkeypatch):
