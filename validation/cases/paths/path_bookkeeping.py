@@ -108,39 +108,40 @@ def _restarted() -> Outcome:
     for name, (states, events) in ways.items():
         later, happened = _of_states(whole.states[first + 1 :], states), _of_events(whole.events[before:], events)
         rows += [
-            compared(f"{what} of a path {name}", "", same, *values, SAME, 0.0)
-            for what, values in (("states", later), ("events", happened))
+            compared(f"{what} of a path {name}: difference", "", same, [0.0] * len(apart), apart, SAME, 0.0, "absolute")
+            for what, apart in (("states", later), ("events", happened))
         ]
     return Outcome(rows=tuple(rows))
 
 
-def _of_states(known: Sequence[State], found: Sequence[State]) -> tuple[list[float], list[float]]:
-    """Quantities of states in order, and zeros where there are fewer or more of them, over the largest of each."""
+def _of_states(known: Sequence[State], found: Sequence[State]) -> list[float]:
+    """By how much quantities of states differ, over the largest of each; fewer or more of them are zeros."""
     alike = [state.branch for state in known] == [state.branch for state in found]
 
     def values(states: Sequence[State]) -> list[list[float]]:
         quantities = ("penetration", "mean_pressure", "contact_fraction", "total_energy")
         return [[getattr(state, name) for state in states] for name in quantities]
 
-    return _scaled(values(known), values(found) if alike else [[0.0] * len(known)] * 4)
+    return _apart(values(known), values(found) if alike else [[0.0] * len(known)] * 4)
 
 
-def _of_events(known: Sequence[Event], found: Sequence[Event]) -> tuple[list[float], list[float]]:
-    """Penetrations and energies of events in order, and zeros where these are others, over the largest of each."""
+def _of_events(known: Sequence[Event], found: Sequence[Event]) -> list[float]:
+    """By how much penetrations and energies of events differ, over the largest of each; other events are zeros."""
     alike = [event.kind for event in known] == [event.kind for event in found]
 
     def values(events: Sequence[Event]) -> list[list[float]]:
         return [[e.penetration for e in events], [e.energy_released or 0.0 for e in events]]
 
-    return _scaled(values(known), values(found) if alike else [[0.0] * len(known)] * 2)
+    return _apart(values(known), values(found) if alike else [[0.0] * len(known)] * 2)
 
 
-def _scaled(known: list[list[float]], found: list[list[float]]) -> tuple[list[float], list[float]]:
+def _apart(known: list[list[float]], found: list[list[float]]) -> list[float]:
     largest = [max(map(abs, values)) for values in known]
-    one, other = (
-        [v / top for values, top in zip(lists, largest, strict=True) for v in values] for lists in (known, found)
-    )
-    return one, other
+    return [
+        (other - one) / top
+        for ones, others, top in zip(known, found, largest, strict=True)
+        for one, other in zip(ones, others, strict=True)
+    ]
 
 
 MEASURED_FIRST = 1.2e-4  # of states 0.05 um apart, next to a fold
