@@ -38,6 +38,7 @@ CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
 SIDEWAYS = 1e-4  # of the room, over which D_v H is a difference
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
+SIDES = (1.0, 0.3, 3.0)  # cube roots of the push on a mode: where Newton for the fold beside it begins
 FELT = 1e-9  # of the work of adhesion: a force on a mode, which then breaks no symmetry that the profile has
 
 
@@ -134,6 +135,9 @@ def locate_limit_point(
             if broken is not None and not is_pushed(broken):
                 return broken
             tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
+            found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
+            if found is not None:
+                return found
         found = _neutral(system, soft, reach, tolerances, breaking=False)
         if found is None and (thorough or broken is not None):
             found = _around(system, soft, reach, tolerances)
@@ -307,6 +311,25 @@ def at_rest(
             return None
         found.append(_after_step(system, here, value, outward, 0.0))
     return here, found[-1], found[-1].apart(found[-2], 0.0)
+
+
+def _beside(
+    system: System, broken: LimitPoint, scale: FloatArray, reach: float, tolerances: tuple[float, float, float]
+) -> LimitPoint | None:
+    """The fold beside a bifurcation of an almost symmetric profile, whose modes are pushed a little: Newton from there.
+
+    With the push f, the branch s of the mode and its fold obey f + mu s + c s^3 = 0 and mu + 3 c s^2 = 0: s ~ f^(1/3).
+    """
+    state, value = broken.balance.state, broken.exact.value
+    way = -broken.modes @ (broken.modes.T @ broken.balance.gradient)
+    way /= float(np.max(np.abs(way) / state.patches.edge_room))
+    middle = float(np.cbrt(_push(broken.balance, broken.modes)))
+    for side in SIDES:
+        here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, tolerances[0])
+        found = _neutral(system, _softness(system, here, value, scale), reach, tolerances, breaking=False)
+        if found is not None:
+            return replace(found, evaluations=found.evaluations + broken.evaluations)
+    return None
 
 
 def _around(system: System, soft: _Soft, reach: float, tolerances: tuple[float, float, float]) -> LimitPoint | None:
