@@ -3,7 +3,7 @@
 import pytest
 from rough_surfaces import rough_scene
 
-from bem.elastic.layer import Layer
+from bem.scene import effects
 from bem.solver import solve
 
 THICKNESS = {1e-6: 0.0185, 1e-2: 0.0105}  # just thick enough to be left out
@@ -24,7 +24,7 @@ def solved(tolerance, control, targets, adhesion):
 @pytest.mark.parametrize("tolerance", THICKNESS)
 def test_estimates_contain_what_was_left_out(tolerance, control, adhesion, monkeypatch):
     without = solved(tolerance, control, TARGETS[control], adhesion)
-    monkeypatch.setattr(Layer, "is_negligible", lambda *_: False)
+    monkeypatch.setattr(effects, "NEGLIGIBLE", 0.0)
     kept = solved(tolerance, control, TARGETS[control], adhesion)
     errors = {name: abs(getattr(kept, name) - getattr(without, name)) for name in vars(without.error_estimate)}
     estimates = vars(without.error_estimate)
@@ -35,7 +35,7 @@ def test_estimates_contain_what_was_left_out(tolerance, control, adhesion, monke
 
 def test_energy_of_complete_contact_has_one_too(monkeypatch):
     without = solved(1e-2, "separation", [0.0], None)
-    monkeypatch.setattr(Layer, "is_negligible", lambda *_: False)
+    monkeypatch.setattr(effects, "NEGLIGIBLE", 0.0)
     kept = solved(1e-2, "separation", [0.0], None)
     missing = kept.elastic_energy - without.elastic_energy
     assert without.error_estimate.elastic_energy == pytest.approx(missing, rel=1e-9)
