@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,7 +67,7 @@ class Elastic:
     compliance: Compliance | None = None
     backgrounds: tuple[Field, ...] = ()
 
-    @property
+    @cached_property
     def kernel(self) -> KernelSeries | None:
         """What adds to log|2 sin|; None if it is that of the half-space."""
         return None if self.compliance is None else self.compliance.kernel
