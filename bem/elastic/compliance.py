@@ -51,7 +51,7 @@ def compliance_of(effects: Collection[ElasticEffect], negligible: float = 0.0) -
     """The compliance of a body with these effects; those below `negligible` are left out of the equations."""
     kernels = []
     for small in (False, True):
-        group = tuple(effect for effect in effects if (effect.relative_effect < negligible) is small)
+        group = tuple(effect for effect in effects if (effect.relative_effect < negligible) == small)
         kernels.append(kernel_series(summed(group), TRUNCATION) if group else None)
     return Compliance(kernels[0], kernels[1], mean_compliance(effects))
 

@@ -101,7 +101,7 @@ def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
         else:
             kept.append(f"[{name}]")
         yield name, (change >= limit, text)
-    yield "half_space", (not kept, f"{' and '.join(kept)} changes the compliance{note}" if kept else f"{absent}{note}")
+    yield "half_space", (not kept, (f"the compliance is changed by {' and '.join(kept)}" if kept else absent) + note)
 
 
 def _legs(scene: Scene) -> list[bool]:

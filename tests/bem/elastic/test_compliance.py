@@ -31,7 +31,7 @@ class Soft:
 
     @property
     def relative_effect(self):
-        return abs(float(self.deficit(1.0)))
+        return np.abs(self.deficit(1.0))
 
     def ratio(self, orders):
         return 1 - self.deficit(orders)
