@@ -45,9 +45,9 @@ def taken(posed: Scene, code: str, *names: str) -> list[Any]:
 
     Examples
     --------
-    >>> solid, layer = taken(scene("sinusoid"), "this code", "solid", "layer")
+    >>> solid, profile = taken(scene("sinusoid"), "this code", "solid", "profile")
     Traceback (most recent call last):
-    ValueError: scene: this code does not know [profile]
+    ValueError: scene: this code does not know [adhesion]
     """
     tables = posed.physics()
     known = [tables.pop(name, None) for name in names]
