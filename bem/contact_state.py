@@ -78,8 +78,12 @@ class ContactState:
         self.profile, self.solid, self.edges, self.penetration = profile, solid, pairs, float(penetration)
         self.scales = Scales(profile.period, profile.rms_height, solid.plane_strain_modulus)
         scaled = profile.scaled()
-        corrections = () if layer is None else (layer.kernel(solid, profile.period, 1e-3 * tolerance),)
-        self._elastic = Elastic(scaled, corrections)
+        compliance = None
+        if layer is not None:
+            from bem.elastic.compliance import Compliance
+
+            compliance = Compliance(layer.kernel(solid, profile.period, 1e-3 * tolerance))
+        self._elastic = Elastic(scaled, compliance)
         patches = Patches(pairs[:, 0] / self.scales.length, pairs[:, 1] / self.scales.length)
         if not patches.is_ordered:
             raise ValueError(f"edges: {pairs.tolist()} must be increasing, disjoint and shorter than the period in all")

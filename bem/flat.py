@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Literal
 
-from bem.geometry.scaling import Solid
+from bem.scene.effects import elastic_effects
 from bem.scene.scene import Scene
 
 
@@ -28,7 +29,9 @@ class FlatState:
 def flat_states(scene: Scene) -> list[FlatState]:
     """The state at each target of a scene with a flat profile."""
     states: list[FlatState] = []
-    compliance = _mean_compliance(scene)
+    effects, compliance = elastic_effects(scene), None
+    if effects:
+        compliance = import_module("bem.elastic.compliance").mean_compliance(effects.values())
     joined = scene.loading.initial == "complete_contact"
     for target in scene.loading.targets:
         state = _flat_state(scene, target, compliance, joined)
@@ -37,15 +40,6 @@ def flat_states(scene: Scene) -> list[FlatState]:
         if state.status == "unreachable":
             break
     return states
-
-
-def _mean_compliance(scene: Scene) -> float | None:
-    if scene.layer is None:
-        return None
-    from bem.elastic.layer import Layer
-
-    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
-    return Layer(scene.layer.thickness).mean_compliance(solid)
 
 
 def _flat_state(scene: Scene, target: float, compliance: float | None, joined: bool) -> FlatState:

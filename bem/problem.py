@@ -1,8 +1,7 @@
 """From a scene (SI) to the dimensionless problem that its effects define, and the increments of its path.
 
-Only the modules of effects that the scene names are imported here: adhesion.py with [adhesion], layer.py with
-[layer].  A layer so thick that it changes less than a tenth of the tolerance is left out of the equations and kept for
-their error estimates.
+Only the modules of effects that the scene names are imported: adhesion.py with [adhesion], compliance.py with the
+tables that change the compliance (effects.py).
 """
 
 from __future__ import annotations
@@ -21,11 +20,11 @@ from bem.geometry.scaling import Scales, Solid
 from bem.loading.control import Control, DisplacementControl, LoadControl
 from bem.loading.increments import Increments
 from bem.loading.interface_law import InterfaceLaw
+from bem.scene.effects import elastic_effects, negligible
 from bem.scene.scene import Scene
 
 FloatArray = NDArray[np.float64]
 
-KERNEL_TRUNCATION = 1e-14  # of the layer's series; its terms are cheap
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
 EQUAL, ALIKE = 1e-12, 1e-5  # of the rms height: crests that are as high as the highest, and nearly so
 ALIKE_ACCURACY = 1e-3  # of the accuracies between targets, where crests are nearly as high as the highest
@@ -42,12 +41,8 @@ class Problem:
         Dimensionless.
     surface : Profile
         SI.
-    mean_compliance : float or None
-        c(0) in m/Pa; None for a half-space.
-    compliance_ratio : callable or None
-        Compliance of the modes m >= 1 relative to the half-space; None for a half-space.
-    left_out : callable or None
-        The same of a layer that is left out of the equations.
+    elastic : Elastic
+        With the compliance, if it is not that of a half-space.
     law : InterfaceLaw or None
         None without adhesion.
     """
@@ -58,9 +53,16 @@ class Problem:
     elastic: Elastic
     control: Control
     law: InterfaceLaw | None
-    mean_compliance: float | None
-    compliance_ratio: Callable[[FloatArray], FloatArray] | None
-    left_out: Callable[[FloatArray], FloatArray] | None = None
+
+    @property
+    def mean_compliance(self) -> float | None:
+        """c(0) in m/Pa; None for a half-space."""
+        return None if self.elastic.compliance is None else self.elastic.compliance.mean
+
+    @property
+    def compliance_ratio(self) -> Callable[[FloatArray], FloatArray] | None:
+        """Compliance of the modes m >= 1 relative to the half-space, (n,) to (n,); None for a half-space."""
+        return None if self.elastic.kernel is None else self.elastic.kernel.ratio
 
     def control_value(self, target: float, kind: str) -> float:
         """A target of the scene (m or Pa) as value of the control."""
@@ -96,17 +98,11 @@ def pose(scene: Scene, surface: Profile) -> Problem:
         adhesion: Any = import_module("bem.adhesive.adhesion")
         interface = adhesion.Adhesion(scene.adhesion.work_of_adhesion, scene.adhesion.slope_term)
         law = adhesion.dimensionless_law(interface, profile, scales)
-    elastic, mean_compliance, ratio, left_out = Elastic(profile), None, None, None
-    if scene.layer is not None:
-        layer = import_module("bem.elastic.layer").Layer(scene.layer.thickness)
-        mean_compliance = layer.mean_compliance(solid)
-        kernel = layer.kernel(solid, surface.period, KERNEL_TRUNCATION)
-        if layer.is_negligible(solid, surface.period, 0.1 * scene.accuracy.tolerance):
-            elastic, left_out = Elastic(profile, left_out=kernel if kernel.terms else None), kernel.ratio
-        else:
-            elastic, ratio = Elastic(profile, (kernel,)), kernel.ratio
-    control = _control(scene.loading.control, scales, mean_compliance)
-    return Problem(surface, profile, scales, elastic, control, law, mean_compliance, ratio, left_out)
+    effects, compliance = elastic_effects(scene), None
+    if effects:
+        compliance = import_module("bem.elastic.compliance").compliance_of(effects.values(), negligible(scene))
+    control = _control(scene.loading.control, scales, None if compliance is None else compliance.mean)
+    return Problem(surface, profile, scales, Elastic(profile, compliance), control, law)
 
 
 def _control(kind: str, scales: Scales, mean_compliance: float | None) -> Control:

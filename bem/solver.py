@@ -132,7 +132,7 @@ class _Run:
     ) -> None:
         self.scene, self.problem = scene, problem
         self.progress, self.on_state = progress, on_state
-        self.complete = complete_contact(problem.profile, problem.law, problem.compliance_ratio, problem.left_out)
+        self.complete = complete_contact(problem.profile, problem.law, problem.elastic.compliance)
         self.path = _path_for(scene, problem, self.complete)
         self.record = record
         kind = scene.loading.control

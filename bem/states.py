@@ -249,7 +249,7 @@ def _bare_state(
     cost: Cost,
     left_out: float = 0.0,
 ) -> State:
-    """A state without edges: exact but for the elastic energy of a layer that is left out."""
+    """A state without edges: exact but for the energy of elastic effects that are left out."""
     return State(
         branch=branch,
         penetration=penetration,

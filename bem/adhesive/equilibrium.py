@@ -186,7 +186,7 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
 
 def energy_noise(system: System, first: Balance, last: Balance, tolerance: float) -> float:
     """Error of the difference in elastic energy of two states evaluated to `tolerance`, dimensionless."""
-    share = LAYER_TRUNCATION * tolerance if system.elastic.corrections else ENERGY_TRUNCATION * tolerance**2
+    share = ENERGY_TRUNCATION * tolerance**2 if system.elastic.kernel is None else LAYER_TRUNCATION * tolerance
     return share * (first.state.elastic_energy + last.state.elastic_energy)
 
 

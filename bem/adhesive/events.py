@@ -201,13 +201,13 @@ def _settled_locally(
     keep = np.repeat(frozen, state.resolution.modes)
     charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
     nodes, charges = state.skeleton_nodes()[keep], charges[keep]
-    corrections = system.elastic.corrections
+    kernel = system.elastic.kernel
     logarithmic = LogarithmicPotential(nodes, charges)
 
     def field(x: FloatArray) -> FloatArray:
         total = logarithmic(x)
-        for correction in corrections:
-            total += correction.field(x, nodes, charges)
+        if kernel is not None:
+            total += kernel.field(x, nodes, charges)
         return total
 
     local = System(replace(system.elastic, backgrounds=(field,)), system.law, DisplacementControl())

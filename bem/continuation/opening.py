@@ -148,7 +148,7 @@ def _crack(complete: CompleteContact, flaw: Flaw) -> tuple[FloatArray, FloatArra
 
 def _layer_share(system: System, complete: CompleteContact, flaw: Flaw, tolerance: float) -> float:
     """K of a flaw on a layer over that on a half-space, from a wider gap that is resolved."""
-    if not system.elastic.corrections:
+    if system.elastic.kernel is None:
         return 1.0
     wider = Flaw(flaw.center, max(FINEST_GAP, flaw.width))
     state = _gap_at(system, wider, tolerance)

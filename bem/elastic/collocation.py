@@ -19,16 +19,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.elastic import half_space
-from bem.elastic.hierarchical import IllConditionedSystemError, KernelCorrection, Skeleton, solve
+from bem.elastic.hierarchical import IllConditionedSystemError, Skeleton, solve
 from bem.geometry import chebyshev
 from bem.geometry.patches import Patches, PatchPressure
 from bem.geometry.profile import Profile
+
+if TYPE_CHECKING:
+    from bem.elastic.compliance import Compliance
+    from bem.elastic.kernel_series import KernelSeries
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -46,24 +51,31 @@ POSITION_ROUNDING = 2e-15  # absolute, of positions up to 2 pi; slope times it i
 
 @dataclass(frozen=True, eq=False)
 class Elastic:
-    """What is elastic in a scene: the profile and smooth corrections to the half-space kernel.
+    """What is elastic in a scene: the profile, and what changes the compliance of the half-space.
 
     Parameters
     ----------
     profile : Profile
         Dimensionless (period 2 pi, unit rms height).
-    corrections : tuple of KernelCorrection
-        Smooth additions to log|2 sin|; a half-space has none.
+    compliance : Compliance, optional
+        None for a half-space.
     backgrounds : tuple of callables
         Smooth fields int log|2 sin| sigma dx' of pressure outside these patches, (n,) positions to (n,) values.
-    left_out : KernelCorrection, optional
-        A correction too small to be solved with; error estimates hold what it changes (assessment.py).
     """
 
     profile: Profile
-    corrections: tuple[KernelCorrection, ...] = ()
+    compliance: Compliance | None = None
     backgrounds: tuple[Field, ...] = ()
-    left_out: KernelCorrection | None = None
+
+    @cached_property
+    def kernel(self) -> KernelSeries | None:
+        """What adds to log|2 sin|; None if it is that of the half-space."""
+        return None if self.compliance is None else self.compliance.kernel
+
+    @property
+    def left_out(self) -> KernelSeries | None:
+        """What would add to it but is too small to be solved with; error estimates hold what it changes."""
+        return None if self.compliance is None else self.compliance.left_out
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,8 +180,8 @@ def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
     """Nodes and modes per patch for a relative tolerance of the coupling."""
     width = patches.width
     wanted_modes = chebyshev.coupling_modes(width, np.minimum(patches.gap_before, patches.gap_after), tolerance)
-    for correction in elastic.corrections:
-        wanted_modes = np.maximum(wanted_modes, correction.coupled_modes(width, tolerance))
+    if elastic.kernel is not None:
+        wanted_modes = np.maximum(wanted_modes, elastic.kernel.coupled_modes(width, tolerance))
     modes = chebyshev.rounded_up(wanted_modes, MODES_RATIO)
     wanted = np.maximum(chebyshev.profile_nodes(width, elastic.profile.max_order), modes + 4)
     return Resolution(chebyshev.rounded_up(wanted, NODES_RATIO), modes)
@@ -194,7 +206,7 @@ def evaluate(
     Parameters
     ----------
     elastic : Elastic
-        Profile and kernel corrections, dimensionless.
+        Dimensionless.
     patches : Patches
         Ordered, disjoint, not complete.
     penetration : float
@@ -211,7 +223,7 @@ def evaluate(
     """
     resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
     count, half_width, modes = patches.count, patches.half_width, resolution.modes
-    largest = int(np.sum(modes) if elastic.corrections else np.max(modes))
+    largest = int(np.max(modes) if elastic.kernel is None else np.sum(modes))
     if largest > MOST_UNKNOWNS or np.max(modes) > MOST_MODES:
         raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
     series, tail_edge, edge_slope, tail_energy = _right_hand_sides(elastic.profile, patches, penetration, resolution)
@@ -264,7 +276,7 @@ def _skeleton(elastic: Elastic, patches: Patches, resolution: Resolution, series
             within[i] = block
     for background in elastic.backgrounds:
         force -= background(x)
-    return Skeleton(patches, starts, x, at_edges, force, within, elastic.corrections)
+    return Skeleton(patches, starts, x, at_edges, force, within, elastic.kernel)
 
 
 def _right_hand_sides(

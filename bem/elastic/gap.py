@@ -67,8 +67,8 @@ class GapField:
     def displacement(self, x: FloatArray, gap: IntArray) -> FloatArray:
         """Mean-free interface displacement at points x, each lying in the gap behind patch `gap`, (n,)."""
         total = self._skeleton_potential(x)
-        for correction in self.elastic.corrections:
-            total += correction.field(x, self._skeleton_potential.position, self.state.skeleton)
+        if self.elastic.kernel is not None:
+            total += self.elastic.kernel.field(x, self._skeleton_potential.position, self.state.skeleton)
         for background in self.elastic.backgrounds:
             total += background(x)
         following = (gap + 1) % self.state.patches.count

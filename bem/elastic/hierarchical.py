@@ -20,14 +20,14 @@ A' = A + alpha 1 1^T, which is not; with g = b^T A'^-1 1 and s = 1^T A'^-1 1 the
 
 Rounding of s then acts like one of alpha on everything at once, and states of given load hardly feel it.
 Source of such factorisations: Martinsson and Rokhlin, J. Comput. Phys. 205 (2005) 1.  Dimensionless.  Limits:
-corrections of the kernel need a single leaf.
+additions to the kernel need a single leaf.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,9 @@ from scipy.linalg import lapack
 from bem.elastic.half_space import between_nodes
 from bem.elastic.separated_kernel import separated_kernel
 from bem.geometry.patches import TWO_PI, Patches
+
+if TYPE_CHECKING:
+    from bem.elastic.kernel_series import KernelSeries
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -47,22 +50,6 @@ FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by
 
 class IllConditionedSystemError(ArithmeticError):
     """The skeleton matrix is too large, or not positive definite to rounding: contact almost complete."""
-
-
-class KernelCorrection(Protocol):
-    """A smooth periodic function of x - x' to be added to log|2 sin((x - x')/2)|."""
-
-    def matrix(self, x: FloatArray) -> FloatArray:
-        """Values between all pairs of x, (n, n)."""
-        ...
-
-    def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
-        """Sum over the sources of value times charge, at x, (n,)."""
-        ...
-
-    def coupled_modes(self, width: FloatArray, tolerance: float) -> FloatArray:
-        """Chebyshev modes of patches of these widths that feel it to `tolerance`, (L,)."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +69,8 @@ class Skeleton:
         Right-hand side.
     within : sequence of L (p_i, p_i) arrays
         Kernel within each patch.
-    corrections : tuple of KernelCorrection
+    addition : KernelSeries or None
+        To the kernel of the half-space.
     """
 
     patches: Patches
@@ -91,7 +79,7 @@ class Skeleton:
     at_edges: FloatArray
     force: FloatArray
     within: list[FloatArray]
-    corrections: tuple[KernelCorrection, ...]
+    addition: KernelSeries | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +142,7 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
 def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, accuracy: float) -> Cluster:
     """Patches from `first` to before `last`, with the shared columns at their nodes."""
     starts, patches = skeleton.starts, skeleton.patches
-    if last - first == 1 or starts[last] - starts[first] <= LARGEST_LEAF or skeleton.corrections:
+    if last - first == 1 or starts[last] - starts[first] <= LARGEST_LEAF or skeleton.addition is not None:
         return _leaf(skeleton, first, last, shared)
     middle = first + 1 + int(np.argmin(np.abs(starts[first + 1 : last] - (starts[first] + starts[last]) / 2)))
     behind = (patches.left[first] - patches.right[last - 1]) % TWO_PI
@@ -196,8 +184,8 @@ def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray) -> _Lea
     matrix = between_nodes(x)
     for (start, end), block in zip(pairwise(starts.tolist()), skeleton.within[first:last], strict=True):
         matrix[start:end, start:end] = block
-    for correction in skeleton.corrections:
-        matrix += correction.matrix(x)
+    if skeleton.addition is not None:
+        matrix += skeleton.addition.matrix(x)
     np.subtract(UNIFORM, matrix, out=matrix)
     factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
     if info != 0:

@@ -6,10 +6,8 @@ A mode q = m q0 of pressure on the frictionless lower face displaces it by c(q) 
     ratio = [(3-4nu) sinh y - y] / [(3-4nu) cosh y + y^2/2 + 5 - 12 nu + 8 nu^2],      y = 2 q d,
     c(0) = d (1-2nu)(1+nu) / (E (1-nu))
 
-(G. Carbone, L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684).  The ratio tends to 1 for thick layers, so that in
-the units of the solver (scaling.py) the kernel is that of the half-space and a smooth rest:
-
-    -sum_m ratio_m cos(m x) / m = log|2 sin(x/2)| + S(x),   S(x) = sum_m s_m cos(m x),   s_m = (1 - ratio_m) / m > 0.
+(G. Carbone, L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684).  The ratio tends to 1 for thick layers, so that the
+kernel is that of the half-space and a smooth rest S, a series (kernel_series.py) of terms s_m = (1 - ratio_m) / m > 0.
 
 Every sum below has terms of one sign, so neither ratio nor 1 - ratio loses digits for thin or thick layers or at
 nu = 1/2; sinh and cosh carry a factor exp(-y) and do not overflow.  S is analytic for |Im x| < 2 q0 d: about
@@ -24,12 +22,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bem.elastic.kernel_series import KernelSeries, kernel_series
 from bem.geometry.scaling import Solid
 
 FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
-
-_BLOCK = 2_000_000  # complex numbers held at a time
 
 
 def compliance_ratio(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:
@@ -148,31 +144,13 @@ class Layer:
             2 / (solid.plane_strain_modulus * q) * compliance_ratio(q * self.thickness, solid.poisson_ratio)
         )
 
-    def relative_effect(self, solid: Solid, period: float) -> float:
-        """Largest relative change of the compliance of any mode against the half-space (that of q0; the mean apart)."""
-        return float(compliance_deficit(2 * np.pi * self.thickness / period, solid.poisson_ratio))
+    def effect(self, solid: Solid, period: float) -> LayerEffect:
+        """What it changes of a half-space of the same solid, by modes of this period (m)."""
+        thickness = 2 * np.pi * self.thickness / period
+        return LayerEffect(thickness, solid.poisson_ratio, self.mean_compliance(solid))
 
-    def is_negligible(self, solid: Solid, period: float, tolerance: float) -> bool:
-        """Whether the half-space kernel serves to a relative `tolerance`; the mean compression remains.
-
-        Parameters
-        ----------
-        solid : Solid
-        period : float
-            m.
-        tolerance : float
-            Relative.
-
-        Examples
-        --------
-        >>> solid = Solid(1e6, 0.5)
-        >>> Layer(0.03).is_negligible(solid, 0.01, 1e-6), Layer(0.01).is_negligible(solid, 0.01, 1e-6)
-        (True, False)
-        """
-        return self.relative_effect(solid, period) < tolerance
-
-    def kernel(self, solid: Solid, period: float, tolerance: float) -> LayerKernel:
-        """The smooth addition S to the half-space kernel, dimensionless.
+    def kernel(self, solid: Solid, period: float, tolerance: float) -> KernelSeries:
+        """What it adds to the kernel of the half-space, dimensionless.
 
         Parameters
         ----------
@@ -182,14 +160,12 @@ class Layer:
         tolerance : float
             Bound of the truncated terms, sum |s_m|; the kernel itself is of order one.
         """
-        return layer_kernel(2 * np.pi * self.thickness / period, solid.poisson_ratio, tolerance)
+        return kernel_series(self.effect(solid, period), tolerance)
 
 
-@dataclass(frozen=True, eq=False)
-class LayerKernel:
-    """S(x) = sum_m s_m cos(m x), what a layer adds to log|2 sin(x/2)|.
-
-    Modes beyond the last term have the compliance of the half-space.
+@dataclass(frozen=True)
+class LayerEffect:
+    """A layer as an elastic effect: what it changes by modes m >= 1.
 
     Parameters
     ----------
@@ -197,146 +173,34 @@ class LayerKernel:
         q0 d, dimensionless.
     poisson_ratio : float
         nu.
-    weights : (n_terms,) array
-        s_m, m = 1..n_terms, positive and decreasing.
-    truncation : float
-        Sum of the terms left out, at least.
+    mean_compliance : float
+        c(0), m/Pa.
+
+    Examples
+    --------
+    >>> kernel = kernel_series(LayerEffect(2 * np.pi * 0.02, 0.5), 1e-12)
+    >>> kernel.terms, kernel.truncation < 1e-12
+    (124, True)
     """
 
     thickness: float
     poisson_ratio: float
-    weights: FloatArray
-    truncation: float
-
-    @property
-    def terms(self) -> int:
-        """Number of terms kept."""
-        return int(self.weights.size)
-
-    @property
-    def orders(self) -> FloatArray:
-        """m = 1..n_terms."""
-        return np.arange(1.0, self.terms + 1)
+    mean_compliance: float = 0.0
 
     @property
     def strip(self) -> float:
         """Half width 2 q0 d of the strip about the real axis in which S is analytic."""
         return 2 * self.thickness
 
+    @property
+    def relative_effect(self) -> float:
+        """That on the longest wave, the largest."""
+        return float(self.deficit(1.0))
+
     def ratio(self, orders: ArrayLike) -> FloatArray:
-        """Compliance of the modes m >= 1 relative to the half-space, same shape."""
+        """Compliance relative to the half-space, same shape."""
         return compliance_ratio(np.asarray(orders) * self.thickness, self.poisson_ratio)
 
-    def smooth(self, x: ArrayLike) -> FloatArray:
-        """S(x), same shape as x."""
-        return self._sum(x, self.weights, imaginary=False)
-
-    def slope(self, x: ArrayLike) -> FloatArray:
-        """S'(x), same shape as x."""
-        return self._sum(x, -self.weights * self.orders, imaginary=True)
-
-    def curvature(self, x: ArrayLike) -> FloatArray:
-        """S''(x), same shape as x."""
-        return self._sum(x, -self.weights * self.orders**2, imaginary=False)
-
-    def factors(self, x: FloatArray) -> FloatArray:
-        """V (n, 2 n_terms) with S(x_i - x_j) = V_i . V_j: columns sqrt(s_m) cos(m x), then sqrt(s_m) sin(m x)."""
-        waves = _powers(np.exp(1j * x), self.terms) * np.sqrt(self.weights)
-        return np.concatenate([waves.real, waves.imag], axis=1)
-
-    def matrix(self, x: FloatArray) -> FloatArray:
-        """S(x_i - x_j) for all pairs, (n, n): one symmetric product."""
-        columns = max(1, _BLOCK // max(1, x.size))
-        if self.terms <= columns:
-            factors = self.factors(x)
-            return np.asarray(factors @ factors.T)
-        total = np.zeros((x.size, x.size))
-        base = np.exp(1j * x)
-        for first in range(0, self.terms, columns):
-            weights = self.weights[first : first + columns]
-            waves = _powers(base, weights.size) * np.exp(1j * first * x)[:, None] * np.sqrt(weights)
-            factors = np.concatenate([waves.real, waves.imag], axis=1)
-            total += factors @ factors.T
-        return total
-
-    def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
-        """sum_j S(x_i - source_j) charge_j, (n,)."""
-        moments = np.empty(self.terms, dtype=np.complex128)
-        for first in range(0, self.terms, 256):
-            last = min(first + 256, self.terms)
-            waves = _powers(np.exp(-1j * sources), last - first)
-            moments[first:last] = (charges * np.exp(-1j * first * sources)) @ waves
-        return self.from_moments(x, moments)
-
-    def from_moments(self, x: ArrayLike, moments: ComplexArray) -> FloatArray:
-        """int S(x - x') sigma(x') dx' from moments int sigma exp(-i m x) dx, m = 1..n_terms; same shape as x."""
-        return self._sum(x, self.weights * moments[: self.terms], imaginary=False)
-
-    def coupled_modes(self, width: FloatArray, tolerance: float) -> FloatArray:
-        """Chebyshev modes of patches of these widths that feel S to `tolerance`, (L,).
-
-        S(x - x') with both points in the patch is analytic in the Bernstein ellipse of semi-minor axis
-        b = 2 q0 d / r, r = width / 2, so its coefficients decay as rho^-n, rho = b + sqrt(1 + b^2).  The factor 1/30
-        was measured: with it K is within `tolerance` / 3 also on wide patches of thin layers.
-        """
-        axis = 2 * self.strip / np.asarray(width, dtype=np.float64)
-        return np.asarray(np.log(30 / tolerance) / np.arcsinh(axis) + 2.0)
-
-    def _sum(self, x: ArrayLike, weights: FloatArray | ComplexArray, imaginary: bool) -> FloatArray:
-        """Re or Im of sum_m weights_m exp(i m x)."""
-        position = np.asarray(x, dtype=np.float64)
-        flat = position.ravel()
-        total = np.zeros(flat.size)
-        block = max(1, _BLOCK // max(1, self.terms))
-        for first in range(0, flat.size, block):
-            part = slice(first, first + block)
-            value = _powers(np.exp(1j * flat[part]), self.terms) @ weights
-            total[part] = value.imag if imaginary else value.real
-        return total.reshape(position.shape)
-
-
-def layer_kernel(thickness: float, poisson_ratio: float, tolerance: float) -> LayerKernel:
-    """The smooth addition of a layer to the half-space kernel, its series cut at `tolerance`.
-
-    Parameters
-    ----------
-    thickness : float
-        q0 d, dimensionless.
-    poisson_ratio : float
-        nu in (-1, 0.5].
-    tolerance : float
-        Bound of the sum of the terms left out, in (0, 1).
-
-    Raises
-    ------
-    ValueError
-        `tolerance` outside (0, 1).
-
-    Examples
-    --------
-    >>> kernel = layer_kernel(2 * np.pi * 0.02, 0.5, 1e-12)
-    >>> kernel.terms, kernel.truncation < 1e-12
-    (124, True)
-    """
-    if not 0 < tolerance < 1:
-        raise ValueError(f"tolerance: {tolerance} must lie between 0 and 1")
-    reach = 30 - 1.2 * np.log(tolerance) + np.log1p(1 / thickness)  # y at which terms are below any bound
-    orders = np.arange(1, int(np.ceil(reach / (2 * thickness))) + 1)
-    weights = compliance_deficit(orders * thickness, poisson_ratio) / orders
-    left_out = np.append(np.cumsum(weights[::-1])[::-1], 0.0)  # if cut before term m = 1, 2, ...
-    terms = int(np.argmax(left_out <= tolerance))
-    return LayerKernel(thickness, poisson_ratio, weights[:terms], float(left_out[terms]))
-
-
-def _powers(base: ComplexArray, count: int) -> ComplexArray:
-    """base^1 .. base^count along a new last axis, (n, count), by doubling."""
-    powers = np.empty((base.size, count), dtype=np.complex128)
-    if count == 0:
-        return powers
-    powers[:, 0] = base
-    done = 1
-    while done < count:
-        more = min(done, count - done)
-        np.multiply(powers[:, :more], powers[:, done - 1, None], out=powers[:, done : done + more])
-        done += more
-    return powers
+    def deficit(self, orders: ArrayLike) -> FloatArray:
+        """1 - ratio, same shape."""
+        return compliance_deficit(np.asarray(orders) * self.thickness, self.poisson_ratio)

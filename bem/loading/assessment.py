@@ -6,8 +6,8 @@ quantity changes by is its estimated error: it holds the error of the edges, tha
 does to the other.  Dimensionless.  Limits: errors so large that the corrected edges overlap are reported as infinite;
 an event missed on the way is no error of a state (certificate.py looks for those).
 
-A layer that is left out of the equations acts on the finer evaluation as the field of the pressure found without it,
-which is its effect to first order; on the energy twice that, its work being half.
+An elastic effect that is left out of the equations acts on the finer evaluation as the field of the pressure found
+without it, which is its effect to first order; on the energy twice that, its work being half.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ class Assessment:
 
 
 def with_left_out(elastic: Elastic, state: Evaluation) -> Elastic:
-    """With the field that a correction left out adds for the pressure of a state, as background."""
+    """With the field that an effect left out adds for the pressure of a state, as background."""
     left_out, nodes, charges = elastic.left_out, state.skeleton_nodes(), state.skeleton
     if left_out is None:
         return elastic
@@ -95,7 +95,7 @@ def with_left_out(elastic: Elastic, state: Evaluation) -> Elastic:
 
 
 def stiffened(correction: Quantities, elastic: Elastic, state: Evaluation, stiffness: float) -> Quantities:
-    """With what a correction left out adds to the stiffness, the share of that of edges at rest, and to the energy.
+    """With what an effect left out adds to the stiffness, the share of that of edges at rest, and to the energy.
 
     As a background it moves the surfaces, but stores no energy: q . F q / (2 pi) for the charges q of the state.
     """

@@ -1,15 +1,15 @@
 """Complete contact: the closed form, for any profile, thickness and Poisson ratio.
 
-The displacement is the profile, so every mode carries sigma_m = m h_m / ratio_m (dimensionless; ratio: compliance of
-the layer relative to the half-space) on top of any mean pressure, and the separation is zero.  Without adhesion it
+The displacement is the profile, so every mode carries sigma_m = m h_m / ratio_m (dimensionless; ratio: compliance
+relative to the half-space) on top of any mean pressure, and the separation is zero.  Without adhesion it
 needs p >= 0 everywhere; under the JKR model it is metastable at any load, because a crack of zero length needs
 infinite tension to open.  Source: Johnson, Int. J. Solids Struct. 32 (1995) 423.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,11 @@ from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.interface_law import InterfaceLaw
 
+if TYPE_CHECKING:
+    from bem.elastic.compliance import Compliance
+    from bem.elastic.kernel_series import KernelSeries
+
 FloatArray = NDArray[np.float64]
-ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +38,7 @@ class CompleteContact:
     elastic_energy, adhesion_energy : float
         Per period, without the mean compression.
     left_out : float
-        What a layer that is left out would add to the elastic energy.
+        What elastic effects that are left out would change of the elastic energy, at most.
     """
 
     pressure: Profile
@@ -46,10 +49,7 @@ class CompleteContact:
 
 
 def complete_contact(
-    profile: Profile,
-    law: InterfaceLaw | None = None,
-    compliance_ratio: ComplianceRatio | None = None,
-    left_out: ComplianceRatio | None = None,
+    profile: Profile, law: InterfaceLaw | None = None, compliance: Compliance | None = None
 ) -> CompleteContact:
     """The closed form for a profile.
 
@@ -59,14 +59,11 @@ def complete_contact(
         Dimensionless.
     law : InterfaceLaw, optional
         None without adhesion.
-    compliance_ratio : callable, optional
-        Compliance of the modes m >= 1 relative to the half-space, (n,) to (n,); None for a half-space.
-    left_out : callable, optional
-        The same of a layer that is left out of the equations.
+    compliance : Compliance, optional
+        None for a half-space.
     """
-    ratio = np.ones(profile.orders.size)
-    if compliance_ratio is not None:
-        ratio = compliance_ratio(profile.orders.astype(np.float64))
+    kernel, left_out = (None, None) if compliance is None else (compliance.kernel, compliance.left_out)
+    ratio = np.ones(profile.orders.size) if kernel is None else kernel.ratio(profile.orders.astype(np.float64))
     amplitude = profile.orders * profile.amplitudes / ratio
     pressure = Profile(profile.period, profile.orders, amplitude, profile.phases)
     lowest = Profile(profile.period, profile.orders, amplitude, profile.phases + np.pi).max_height
@@ -91,7 +88,7 @@ def closing_place(complete: CompleteContact, profile: Profile, law: InterfaceLaw
     return float(places[np.argmin(np.abs((places - near + np.pi) % (2 * np.pi) - np.pi))])
 
 
-def _stiffening(profile: Profile, compliance_ratio: ComplianceRatio) -> float:
-    """Elastic energy of complete contact on a layer of this compliance, less that on a half-space."""
-    stiffer = 1 / compliance_ratio(profile.orders.astype(np.float64)) - 1
+def _stiffening(profile: Profile, kernel: KernelSeries) -> float:
+    """What an effect changes of the elastic energy of complete contact, no mode against another."""
+    stiffer = np.abs(1 / kernel.ratio(profile.orders.astype(np.float64)) - 1)
     return float(np.pi / 2 * np.sum(profile.orders * profile.amplitudes**2 * stiffer))

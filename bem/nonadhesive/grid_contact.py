@@ -107,18 +107,16 @@ class GridProblem:
 def grid_problem(elastic: Elastic) -> GridProblem:
     """The contact problem of an elastic body on the grid of its profile."""
     x, height = elastic.profile.grid
-    modes: list[float] = [
-        float(correction.coupled_modes(np.array([TWO_PI]), LAYER)[0]) for correction in elastic.corrections
-    ]
-    finest = min(POINTS_PER_MODE * max(modes, default=0.0), MOST_POINTS)
+    modes = 0.0 if elastic.kernel is None else float(elastic.kernel.coupled_modes(np.array([TWO_PI]), LAYER)[0])
+    finest = min(POINTS_PER_MODE * modes, MOST_POINTS)
     if x.size < finest:
         size = 1 << int(np.ceil(np.log2(finest)))
         x = np.linspace(0.0, TWO_PI, size, endpoint=False)
         height = elastic.profile.height(x)
     compliance = np.zeros(x.size // 2 + 1)
     compliance[1:] = 1 / np.arange(1, compliance.size)
-    for correction in elastic.corrections:
-        series = fft.rfft(correction.field(x, np.zeros(1), np.ones(1)))[1:] * (2 / x.size)
+    if elastic.kernel is not None:
+        series = fft.rfft(elastic.kernel.field(x, np.zeros(1), np.ones(1)))[1:] * (2 / x.size)
         compliance[1:] -= series.real
     compliance[1:] = np.maximum(compliance[1:], SOFTEST * compliance[1])
     return GridProblem(height - elastic.profile.max_height, compliance)

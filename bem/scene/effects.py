@@ -2,8 +2,8 @@
 
 An effect that is not active is a code path never entered.
 
-A layer that changes the compliance of no mode by more than a tenth of accuracy.tolerance is left out; layer.py, which
-knows the compliance, is imported only when the scene has a [layer].
+An elastic effect is a table of the scene and the module in bem/elastic that says what it changes of the compliance,
+imported only when the scene names it.  One that changes no mode by more than a tenth of accuracy.tolerance is left out.
 
 Predicted costs are power laws in the highest harmonic M, measured on one core on the self-affine profile with H = 0.7
 and 1000 harmonics: seconds = constant (M / 1000)^exponent for each sweep in one direction, each target, each output.
@@ -14,20 +14,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 from bem.geometry.scaling import Solid
 from bem.scene.result import Effect
 from bem.scene.scene import Scene
 from bem.scene.targets import unloads
 
+if TYPE_CHECKING:
+    from bem.elastic.kernel_series import ElasticEffect
+
+ELASTIC = {"layer": "thickness = {thickness:g} m"}  # tables that change the compliance, and what is said of them
 EFFECTS = (
-    *("half_space", "layer", "adhesion", "slope_term", "unloading", "load_control"),
+    *("half_space", *ELASTIC, "adhesion", "slope_term", "unloading", "load_control"),
     *("shapes", "spectra", "pressure_distribution", "width_distributions"),
 )
 
+NEGLIGIBLE = 0.1  # of accuracy.tolerance: elastic effects that change no mode by more are left out
 SWEEP = 10.0, 1.4  # s at 1000 harmonics and exponent: one sweep in one direction, without adhesion
 ADHESIVE_SWEEP = 28.0, 1.15  # the same with adhesion
-LAYER_SHARE = 0.5  # of the sweeps, in addition
+KERNEL_SHARE = 0.5  # of the sweeps, in addition: what adds to the kernel of the half-space
 TARGET = 0.5, 1.2  # one target: polish, certificate, error estimate
 OUTPUT = 0.1, 1.0  # fields, spectra or a distribution at one target
 
@@ -42,6 +48,20 @@ def effects_of(scene: Scene) -> tuple[Effect, ...]:
 def predicted_seconds(scene: Scene) -> float:
     """Predicted cost of the scene on one core, s."""
     return sum(effect.seconds for effect in effects_of(scene))
+
+
+def elastic_effects(scene: Scene) -> dict[str, ElasticEffect]:
+    """What each table of `ELASTIC` that the scene has changes of the half-space."""
+    solid, period = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio), scene.profile.period
+    found: dict[str, ElasticEffect] = {}
+    if scene.layer is not None:
+        found["layer"] = import_module("bem.elastic.layer").Layer(scene.layer.thickness).effect(solid, period)
+    return found
+
+
+def negligible(scene: Scene) -> float:
+    """Largest change of the compliance of any mode that is left out."""
+    return NEGLIGIBLE * scene.accuracy.tolerance
 
 
 def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
@@ -64,23 +84,24 @@ def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
 
 
 def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
-    """Half-space or layer, and the default cut of a scan."""
+    """Half-space or what changes it, and the default cut of a scan."""
     note = ""
     if scene.cut_by_default and scene.scan is not None:
         note = f"; profile.harmonics = {scene.profile.harmonics} by default for {scene.scan.x.size} samples"
-    if scene.layer is None:
-        yield "half_space", (True, f"no [layer]{note}")
-        yield "layer", (False, "no [layer]")
-        return
-    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
-    layer = import_module("bem.elastic.layer").Layer(scene.layer.thickness)
-    effect = float(layer.relative_effect(solid, scene.profile.period))
-    limit = 0.1 * scene.accuracy.tolerance
-    text = f"thickness = {scene.layer.thickness:g} m changes the compliance by {effect:.2g}"
-    left_out = effect < limit
-    verdict = f"below a tenth of the tolerance, {limit:g}: left out" if left_out else f"at the longest wavelength{note}"
-    yield "half_space", (left_out, f"{text}, {verdict}{note}" if left_out else "[layer] is thin enough to matter")
-    yield "layer", (not left_out, f"{text}, {verdict}")
+    effects, limit = elastic_effects(scene), negligible(scene)
+    kept, absent = [], "no " + " or ".join(f"[{name}]" for name in ELASTIC)
+    for name, words in ELASTIC.items():
+        if name not in effects:
+            yield name, (False, f"no [{name}]")
+            continue
+        change = effects[name].relative_effect
+        text = f"{words.format_map(getattr(scene, name).model_dump())} changes the compliance by at most {change:.2g}"
+        if change < limit:
+            absent = text = f"{text}, below a tenth of the tolerance, {limit:g}: left out"
+        else:
+            kept.append(f"[{name}]")
+        yield name, (change >= limit, text)
+    yield "half_space", (not kept, (f"the compliance is changed by {' and '.join(kept)}" if kept else absent) + note)
 
 
 def _legs(scene: Scene) -> list[bool]:
@@ -108,9 +129,10 @@ def _seconds(scene: Scene, active: set[str]) -> dict[str, float]:
     sweeps_in, sweeps_back = turns.count(False), turns.count(True)
     sweep = cost(ADHESIVE_SWEEP if "adhesion" in active else SWEEP)
     elastic = sweeps_in * cost(SWEEP) + len(scene.loading.targets) * cost(TARGET)
+    kept = [name for name in ELASTIC if name in active]  # in one kernel
     seconds = {
+        **{name: (elastic + KERNEL_SHARE * len(turns) * sweep) / len(kept) for name in kept},
         "half_space": elastic,
-        "layer": elastic + LAYER_SHARE * len(turns) * sweep,
         "adhesion": sweeps_in * (sweep - cost(SWEEP)),
         "unloading": sweeps_back * sweep,
     }

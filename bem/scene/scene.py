@@ -25,6 +25,7 @@ from bem.geometry.profile import Profile
 from bem.scene.result import State
 from bem.scene.scan_file import Scan, ScanFileError, read_scan
 from bem.scene.scene_rules import (
+    QUESTIONS,
     RANGE,
     SAMPLED_HARMONICS,
     Mistake,
@@ -191,6 +192,11 @@ class Scene:
         """The profile, SI units."""
         return surface_of(self.profile.model_dump(), self.scan)
 
+    def physics(self) -> dict[str, Any]:
+        """The tables that say what is in contact, those absent left out; other codes ask whether they know them all."""
+        tables = {name: getattr(self, name) for name in TABLES if name not in QUESTIONS}
+        return {name: table for name, table in tables.items() if table is not None}
+
     def wants(self, output: str, target: float) -> bool:
         """Whether `output` ("shapes", "spectra", ...) is asked for at this target."""
         asked = self.shape_targets if output == "shapes" else getattr(self.output, output)
@@ -353,15 +359,14 @@ def _resolved(
         begin = origin(loading.control, str(loading.initial), targets[0])
     path, missed = merged(targets, shapes, begin)
     ranged = dict.fromkeys((*RANGE, "then_back_to"))
+    tables: dict[str, Any] = {
+        name: model.model_validate(values[name]) if name in QUESTIONS or data.get(name) is not None else None
+        for name, model in TABLES.items()
+    }
+    tables |= {"profile": profile, "loading": loading.model_copy(update={**ranged, "targets": path})}
     scene = Scene(
         title=data.get("title", ""),
-        solid=SolidTable.model_validate(values["solid"]),
-        profile=profile,
-        layer=LayerTable.model_validate(values["layer"]) if data.get("layer") is not None else None,
-        adhesion=AdhesionTable.model_validate(values["adhesion"]) if data.get("adhesion") is not None else None,
-        loading=loading.model_copy(update={**ranged, "targets": path}),
-        accuracy=AccuracyTable.model_validate(values["accuracy"]),
-        output=output,
+        **tables,
         origin=begin,
         shape_targets=tuple(dict.fromkeys(hit for shape in shapes if (hit := found(shape, path)) is not None)),
         scan=scan,

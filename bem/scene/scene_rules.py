@@ -28,6 +28,7 @@ FLAWS = (1e-12, 0.95)  # loading.flaw over the period: what is left in contact b
 THICKNESSES = (1e-5, 1e12)  # layer.thickness over the period: 280,000 terms of the kernel; half-space to any accuracy
 LARGEST_RATIO = 1e50  # of lengths, pressures and energies to the scales of the profile, and its inverse the least
 RANGE = ("start", "stop", "count")
+QUESTIONS = ("title", "loading", "accuracy", "output")  # of a scene; all other tables say what is in contact
 
 
 @dataclass(frozen=True)

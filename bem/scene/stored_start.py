@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from bem.scene.result import FINAL_STATUSES, CorruptResultError, State, read_result
-from bem.scene.scene_rules import Mistake, shown
+from bem.scene.scene_rules import QUESTIONS, Mistake, shown
 
 
 @dataclass(frozen=True)
@@ -54,9 +54,9 @@ def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[Sto
 
 
 def other_problem(resolved: Mapping[str, Any], start: StoredState | None) -> Iterator[Mistake]:
-    """A stored start of another solid, profile, layer or adhesion than the resolved scene's."""
+    """A stored start with another table than the resolved scene has, or lacks, that is not one of `QUESTIONS`."""
     if start is None:
         return
-    for name in ("solid", "profile", "layer", "adhesion"):
-        if resolved[name] != start.scene.get(name):
+    for name in dict.fromkeys([*resolved, *start.scene]):
+        if name not in QUESTIONS and resolved.get(name) != start.scene.get(name):
             yield Mistake("loading.initial.result", f"was computed with another [{name}]", "a result of the same one")

@@ -30,6 +30,7 @@ print(*sorted(seen))
 """
 ADHESION = {"adhesion": {"work_of_adhesion": 0.03}}
 LAYER = {"layer": {"thickness": 0.001}}
+ELASTIC = ["elastic.layer", "elastic.compliance", "elastic.kernel_series"]
 
 
 def modules_and_files(extra):
@@ -42,7 +43,7 @@ def modules_and_files(extra):
 
 @pytest.mark.parametrize(
     ("extra", "absent"),
-    [({}, ["adhesive.adhesion", "elastic.layer"]), (ADHESION, ["elastic.layer"]), (LAYER, ["adhesive.adhesion"])],
+    [({}, ["adhesive.adhesion", *ELASTIC]), (ADHESION, ELASTIC), (LAYER, ["adhesive.adhesion"])],
     ids=["bare", "adhesion", "layer"],
 )
 def test_absent_effects_are_not_imported_and_not_run(extra, absent):
@@ -64,7 +65,9 @@ def test_outputs_not_asked_for_are_not_imported():
 
 
 @pytest.mark.parametrize(
-    ("extra", "present"), [(ADHESION, "adhesive.adhesion"), (LAYER, "elastic.layer")], ids=["adhesion", "layer"]
+    ("extra", "present"),
+    [(ADHESION, "adhesive.adhesion"), *((LAYER, name) for name in ELASTIC)],
+    ids=["adhesion", "layer", "compliance", "kernel"],
 )
 def test_the_trace_sees_effects_that_are_named(extra, present):
     modules, files = modules_and_files(extra)

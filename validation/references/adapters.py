@@ -1,4 +1,7 @@
-"""From a scene to what each code needs: raw E, nu, harmonics, work of adhesion; each derives the rest on its own."""
+"""From a scene to what each code needs: raw E, nu, harmonics, work of adhesion; each derives the rest on its own.
+
+A code takes the tables that it knows (`taken`), and a scene with any other that says what is in contact is refused.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,35 @@ def scene(name: str, changes: Mapping[str, Mapping[str, Any] | None] | None = No
     return parse_scene(data)
 
 
+def taken(posed: Scene, code: str, *names: str) -> list[Any]:
+    """The named tables of a scene, None if absent: all that `code` knows of what is in contact.
+
+    Raises
+    ------
+    ValueError
+        The scene has another one.
+
+    Examples
+    --------
+    >>> solid, profile = taken(scene("sinusoid"), "this code", "solid", "profile")
+    Traceback (most recent call last):
+    ValueError: scene: this code does not know [adhesion]
+    """
+    tables = posed.physics()
+    known = [tables.pop(name, None) for name in names]
+    if tables:
+        raise ValueError(f"scene: {code} does not know {', '.join(f'[{name}]' for name in tables)}")
+    return known
+
+
 def persson_spectrum(posed: Scene) -> DiscreteSpectrum:
-    """The lines of the profile of a scene: wavenumbers in rad/m and amplitudes in m."""
+    """The lines of the profile of a scene: wavenumbers in rad/m and amplitudes in m.
+
+    Raises
+    ------
+    ValueError
+        The scene has a layer, or anything else that Persson's theory of the half-space does not know.
+    """
+    taken(posed, "Persson's theory", "solid", "profile", "adhesion")
     surface = posed.surface()
     return DiscreteSpectrum(2 * np.pi / surface.period * surface.orders, surface.amplitudes)

@@ -19,6 +19,7 @@ from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from bem.scene.result import State
 from bem.scene.scene import Scene
+from validation.references.adapters import taken
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -75,22 +76,25 @@ def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, floa
     ------
     NoReferenceError
         Newton did not settle.
+    ValueError
+        The scene has a table that dense algebra does not know.
     """
+    raw, _, layered, adhesive = taken(scene, "dense algebra", "solid", "profile", "layer", "adhesion")
     surface = scene.surface()
     profile = surface.scaled()
-    solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
-    modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
+    solid = Solid(raw.youngs_modulus, raw.poisson_ratio)
+    modulus = raw.youngs_modulus / (1 - raw.poisson_ratio**2)
     q0, rms = 2 * np.pi / surface.period, surface.rms_height
     stress, energy = modulus * q0 * rms / 2, modulus * rms**2 / (2 * surface.period)
     interface = None
-    if scene.adhesion is not None:
-        gamma = scene.adhesion.work_of_adhesion / (modulus * rms**2 * q0 / 2)
-        interface = Interface(gamma, profile, q0 * rms if scene.adhesion.slope_term else 0.0)
+    if adhesive is not None:
+        gamma = adhesive.work_of_adhesion / (modulus * rms**2 * q0 / 2)
+        interface = Interface(gamma, profile, q0 * rms if adhesive.slope_term else 0.0)
     kernel, compliance, terms = None, 0.0, np.zeros(len(state.edges), dtype=np.int64)
     edges = np.array(state.edges) * q0
     left, right = edges[:, 0], edges[:, 1]
-    if scene.layer is not None:
-        layer = Layer(scene.layer.thickness)
+    if layered is not None:
+        layer = Layer(layered.thickness)
         addition = layer.kernel(solid, surface.period, 1e-16)
         kernel = SmoothKernel(addition.smooth, addition.slope)
         terms = addition.coupled_modes(right - left, 1e-14).astype(np.int64)

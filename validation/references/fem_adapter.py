@@ -14,6 +14,7 @@ import bem
 import fem_reference
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
+from validation.references.adapters import taken
 
 FloatArray = NDArray[np.float64]
 
@@ -24,18 +25,18 @@ def fem_arguments(posed: Scene) -> dict[str, Any]:
     Raises
     ------
     ValueError
-        The scene has no layer, or a control the finite elements do not know.
+        The scene has no layer, or a table or control that the finite elements do not know.
     """
-    if posed.layer is None:
+    solid, _, layer, adhesion = taken(posed, "the finite element reference", "solid", "profile", "layer", "adhesion")
+    if layer is None:
         raise ValueError("scene: the finite element reference needs a [layer]")
     if posed.loading.control == "separation":
         raise ValueError("scene: the finite element reference takes penetration, load or total displacement")
     surface = posed.surface()
-    adhesion = posed.adhesion
     return {
-        "youngs_modulus": posed.solid.youngs_modulus,
-        "poisson_ratio": posed.solid.poisson_ratio,
-        "thickness": posed.layer.thickness,
+        "youngs_modulus": solid.youngs_modulus,
+        "poisson_ratio": solid.poisson_ratio,
+        "thickness": layer.thickness,
         "period": surface.period,
         "harmonics": (surface.orders, surface.amplitudes, surface.phases),
         "work_of_adhesion": 0.0 if adhesion is None else adhesion.work_of_adhesion,
@@ -57,13 +58,20 @@ def solve_fem(posed: Scene, resolution: Resolution, patches: int = 1, edges: Arr
 
 
 def contact_state(posed: Scene, edges: ArrayLike, penetration: float) -> bem.ContactState:
-    """The boundary elements' elastic state of a scene at edges (n_patches, 2) and penetration, both in m."""
+    """The boundary elements' elastic state of a scene at edges (n_patches, 2) and penetration, both in m.
+
+    Raises
+    ------
+    ValueError
+        The scene has a table that `bem.ContactState` does not know.
+    """
+    solid, _, layer, _ = taken(posed, "bem.ContactState", "solid", "profile", "layer", "adhesion")
     return bem.ContactState(
         posed.surface(),
-        bem.Solid(posed.solid.youngs_modulus, posed.solid.poisson_ratio),
+        bem.Solid(solid.youngs_modulus, solid.poisson_ratio),
         edges,
         penetration,
-        layer=None if posed.layer is None else bem.Layer(posed.layer.thickness),
+        layer=None if layer is None else bem.Layer(layer.thickness),
     )
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.scene.scene import Scene
+from validation.references.adapters import taken
 
 FloatArray = NDArray[np.float64]
 
@@ -62,7 +63,7 @@ def grid_contact(scene: Scene, mean_pressure: float, points: int) -> GridContact
     Parameters
     ----------
     scene : Scene
-        Only period, harmonics, E and nu are read.
+        Half-space without adhesion.
     mean_pressure : float
         Pa.
     points : int
@@ -72,7 +73,10 @@ def grid_contact(scene: Scene, mean_pressure: float, points: int) -> GridContact
     ------
     NotConvergedError
         After `ITERATIONS` iterations.
+    ValueError
+        The scene has adhesion, a layer, or anything else that these grids do not know.
     """
+    taken(scene, "the solver on a grid", "solid", "profile")
     substrates, systems = import_module("ContactMechanics"), import_module("ContactMechanics.Systems")
     surface = scene.surface()
     modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)

@@ -9,7 +9,7 @@ import pytest
 
 from bem.audit import gap_certificate
 from bem.audit.gap_certificate import OpenGaps, certify_gaps
-from bem.elastic.layer import layer_kernel
+from bem.elastic.layer import LayerEffect
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact
 from bem.nonadhesive.completed_body import CompletedBody
@@ -69,7 +69,7 @@ def test_correct_states_are_ok(profile, deficit):
 @pytest.mark.parametrize("nu", [0.3, 0.5])
 @DEFICITS
 def test_a_layer_enters_through_its_spectrum(deficit, nu):
-    profile, ratio = two_waves(0.7), layer_kernel(0.4, nu, 1e-12).ratio
+    profile, ratio = two_waves(0.7), LayerEffect(0.4, nu).ratio
     state = solved(profile, deficit, ratio)
     assert judged(profile, state, ratio).reasons == ()
     assert not judged(profile, state).ok

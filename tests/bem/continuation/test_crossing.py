@@ -20,7 +20,7 @@ from bem.solver import _path_for, solve
 def start(adhesion, harmonics=20):
     posed = rough_scene([40e-6], harmonics, 1, adhesion)
     problem = pose(posed, posed.surface())
-    path = _path_for(posed, problem, complete_contact(problem.profile, problem.law, problem.compliance_ratio))
+    path = _path_for(posed, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance))
     return path, ContactPoint("separated", -1.0) if adhesion is None else Point("separated", -1.0)
 
 

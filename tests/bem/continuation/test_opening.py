@@ -27,7 +27,7 @@ def posed(harmonics, layer):
     scene = flawed_scene(1e-4, harmonics, **LAYERS[layer])
     problem = pose(scene, scene.surface())
     return System(problem.elastic, problem.law, problem.control), complete_contact(
-        problem.profile, problem.law, problem.compliance_ratio
+        problem.profile, problem.law, problem.elastic.compliance
     )
 
 

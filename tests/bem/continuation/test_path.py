@@ -254,7 +254,7 @@ def path_of(scene, largest):
         System(problem.elastic, problem.law, problem.control),
         Increments(largest, largest / 25, tolerance=1e-9, closure=1e-10, fine_tolerance=1e-11, fine_closure=1e-11),
         positions[[np.argmax(heights)]],
-        complete_contact(problem.profile, problem.law, problem.compliance_ratio),
+        complete_contact(problem.profile, problem.law, problem.elastic.compliance),
     )
     return path, Point("separated", -1.0)
 

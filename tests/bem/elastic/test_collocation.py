@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from bem.audit.dense import SmoothKernel, evaluate_dense
 from bem.elastic import hierarchical
 from bem.elastic.collocation import Elastic, Resolution, evaluate, finer, resolve
+from bem.elastic.compliance import Compliance
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -228,7 +229,7 @@ def test_patches_in_the_field_of_the_others_do_not_know_the_difference(rough):
 
 
 class OneMode:
-    """A kernel correction 0.3 cos x."""
+    """An addition 0.3 cos x to the kernel."""
 
     def matrix(self, x):
         return 0.3 * np.cos(np.subtract.outer(x, x))
@@ -240,9 +241,9 @@ class OneMode:
         return np.full(width.shape, 24.0)
 
 
-def test_correction_of_the_kernel_agrees_with_the_dense_reference(rough):
+def test_addition_to_the_kernel_agrees_with_the_dense_reference(rough):
     patches, penetration, plain = rough
-    state = evaluate(Elastic(ROUGH, (OneMode(),)), patches, penetration, 1e-12)
+    state = evaluate(Elastic(ROUGH, Compliance(OneMode())), patches, penetration, 1e-12)
     kernel = SmoothKernel(lambda x: 0.3 * np.cos(x), lambda x: -0.3 * np.sin(x))
     dense = evaluate_dense(ROUGH, patches.left, patches.right, penetration, smooth_kernel=kernel)
     np.testing.assert_allclose(state.stress_intensity, dense.stress_intensity, rtol=0, atol=1e-10)
@@ -258,7 +259,7 @@ def test_too_many_unknowns_are_refused_by_name():
 
 
 def test_system_that_is_not_positive_definite_is_refused_by_name():
-    """A correction that gives the mean a compliance of the wrong sign."""
+    """An addition that gives the mean a compliance of the wrong sign."""
 
     class Wrong(OneMode):
         def matrix(self, x):
@@ -266,7 +267,7 @@ def test_system_that_is_not_positive_definite_is_refused_by_name():
 
     patches, penetration, _, _ = johnson(0.5)
     with pytest.raises(IllConditionedSystemError, match="not positive definite"):
-        evaluate(Elastic(WAVE, (Wrong(),)), patches, penetration, 1e-8)
+        evaluate(Elastic(WAVE, Compliance(Wrong())), patches, penetration, 1e-8)
 
 
 @pytest.mark.parametrize("fraction", [1e-4, 0.3, 0.9, 0.99])

@@ -6,6 +6,7 @@ import pytest
 from bem.audit.dense import evaluate_dense
 from bem.elastic import hierarchical
 from bem.elastic.collocation import Elastic, evaluate
+from bem.elastic.compliance import Compliance
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.elastic.separated_kernel import SeparatedKernel
@@ -136,7 +137,7 @@ def test_layers_are_one_cluster(monkeypatch):
     monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 40)
     monkeypatch.setattr(hierarchical, "separated_kernel", None)
     patches, penetration = cut(0.15)
-    assert evaluate(Elastic(SHORT, (OneMode(),)), patches, penetration, 1e-3).unknowns >= 24 * patches.count
+    assert evaluate(Elastic(SHORT, Compliance(OneMode())), patches, penetration, 1e-3).unknowns >= 24 * patches.count
 
 
 def test_clusters_that_are_not_positive_definite_together_are_refused_by_name(monkeypatch):

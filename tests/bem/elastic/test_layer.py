@@ -7,7 +7,9 @@ import pytest
 
 from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.elastic.collocation import Elastic, evaluate
-from bem.elastic.layer import Layer, compliance_deficit, compliance_ratio, layer_kernel
+from bem.elastic.compliance import Compliance
+from bem.elastic.kernel_series import kernel_series
+from bem.elastic.layer import Layer, LayerEffect, compliance_deficit, compliance_ratio
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
@@ -72,14 +74,14 @@ def test_impossible_thickness_is_refused(thickness):
 @pytest.mark.parametrize("tolerance", [0.0, 1.0, -1e-3], ids=str)
 def test_impossible_tolerance_is_refused(tolerance):
     with pytest.raises(ValueError, match="between 0 and 1"):
-        layer_kernel(0.5, 0.3, tolerance)
+        kernel_series(LayerEffect(0.5, 0.3), tolerance)
 
 
 @by_poisson
 @pytest.mark.parametrize("q_d", [THIN, 0.7, 3.0], ids=lambda d: f"q0d={d:.3g}")
 def test_kernel_and_logarithm_make_up_the_compliance(nu, q_d):
     """-(1/pi) int [log|2 sin| + S] cos(m x') dx' must be ratio_m / m cos(m x): coefficients of S by FFT."""
-    kernel = layer_kernel(q_d, nu, 1e-16)
+    kernel = kernel_series(LayerEffect(q_d, nu), 1e-16)
     points = 4 * kernel.terms
     m = np.arange(1, kernel.terms + 1)
     coefficients = 2 * np.fft.rfft(kernel.smooth(np.arange(points) * (2 * np.pi / points))).real[m] / points
@@ -88,7 +90,7 @@ def test_kernel_and_logarithm_make_up_the_compliance(nu, q_d):
 
 
 def test_truncation_bounds_what_is_left_out():
-    fine, coarse = layer_kernel(THIN, 0.5, 1e-17), layer_kernel(THIN, 0.5, 1e-6)
+    fine, coarse = kernel_series(LayerEffect(THIN, 0.5), 1e-17), kernel_series(LayerEffect(THIN, 0.5), 1e-6)
     left_out = float(fine.smooth(0.0) - coarse.smooth(0.0))
     assert coarse.terms < fine.terms
     assert left_out == pytest.approx(coarse.truncation, rel=1e-6)
@@ -97,7 +99,7 @@ def test_truncation_bounds_what_is_left_out():
 
 @pytest.mark.parametrize("order", [1, 2], ids=["slope", "curvature"])
 def test_derivatives_are_those_of_the_kernel(order):
-    kernel, step = layer_kernel(0.4, 0.3, 1e-16), 1e-3
+    kernel, step = kernel_series(LayerEffect(0.4, 0.3), 1e-16), 1e-3
     x = np.linspace(-3, 3, 41)
     function = kernel.smooth if order == 1 else kernel.slope
     difference = 8 * (function(x + step) - function(x - step)) - (function(x + 2 * step) - function(x - 2 * step))
@@ -108,8 +110,8 @@ def test_derivatives_are_those_of_the_kernel(order):
 
 @pytest.mark.parametrize("block", [2_000_000, 300], ids=["whole", "in blocks"])
 def test_matrix_is_the_kernel_between_all_pairs(block, monkeypatch):
-    monkeypatch.setattr("bem.elastic.layer._BLOCK", block)
-    kernel = layer_kernel(THIN, 0.5, 1e-14)
+    monkeypatch.setattr("bem.elastic.kernel_series._BLOCK", block)
+    kernel = kernel_series(LayerEffect(THIN, 0.5), 1e-14)
     x = np.random.default_rng(1).uniform(-7, 7, 30)
     direct = kernel.weights @ np.cos(
         np.multiply.outer(kernel.orders, np.subtract.outer(x, x)).reshape(kernel.terms, -1)
@@ -119,20 +121,11 @@ def test_matrix_is_the_kernel_between_all_pairs(block, monkeypatch):
 
 
 def test_field_is_the_matrix_times_charges():
-    kernel = layer_kernel(THIN, 0.3, 1e-14)
+    kernel = kernel_series(LayerEffect(THIN, 0.3), 1e-14)
     rng = np.random.default_rng(2)
     x, charges = rng.uniform(0, 6, 40), rng.normal(size=40)
     # measured 1.1e-14
     np.testing.assert_allclose(kernel.field(x, x, charges), kernel.matrix(x) @ charges, rtol=0, atol=3e-14)
-
-
-@pytest.mark.parametrize(
-    ("thickness", "tolerance", "verdict"),
-    [(0.02, 1e-6, True), (0.02, 1e-10, False), (0.01, 1e-6, False), (1.0, 1e-12, True)],
-    ids=["thick", "thick but strict", "one period", "very thick"],
-)
-def test_thick_layers_are_negligible(thickness, tolerance, verdict):
-    assert Layer(thickness).is_negligible(Solid(1e6, 0.5), 0.01, tolerance) is verdict
 
 
 def test_deficit_is_largest_for_the_longest_wave():
@@ -151,8 +144,8 @@ def rough():
 @pytest.mark.parametrize("nu", [0.3, 0.5], ids=lambda nu: f"nu={nu}")
 def test_compressed_evaluation_on_a_layer_is_the_dense_one(rough, nu, q_d, tolerance):
     profile, patches = rough
-    kernel = layer_kernel(q_d, nu, 1e-16)
-    state = evaluate(Elastic(profile, (kernel,)), patches, 1.0, tolerance)
+    kernel = kernel_series(LayerEffect(q_d, nu), 1e-16)
+    state = evaluate(Elastic(profile, Compliance(kernel)), patches, 1.0, tolerance)
     nodes = np.maximum(
         dense_nodes(profile, patches.left, patches.right), kernel.coupled_modes(patches.width, 1e-14).astype(np.int64)
     )
@@ -167,10 +160,10 @@ def test_compressed_evaluation_on_a_layer_is_the_dense_one(rough, nu, q_d, toler
 def test_thin_layer_converges_to_closed_form_near_complete_contact(nu):
     """A vanishing gap at the trough of cos x opens where the mean pressure falls below sigma_1 = 1/ratio."""
     profile = Profile.from_harmonics(2 * np.pi, [1], [1.0])
-    kernel = layer_kernel(THIN, nu, 1e-16)
+    kernel = kernel_series(LayerEffect(THIN, nu), 1e-16)
     half = np.pi * (1 - 1e-4)
     patches = Patches(np.array([-half]), np.array([half]))
-    whole = evaluate(Elastic(profile, (kernel,)), patches, 0.0, 1e-13)
+    whole = evaluate(Elastic(profile, Compliance(kernel)), patches, 0.0, 1e-13)
     # K = 0 fixes the penetration; the load is then that of sigma_0 = sigma_1 but for -0.0042 (gap / thickness)^2
     penetration = -whole.stress_intensity[0] / whole.stress_intensity_rate[0]
     load = whole.load + penetration * whole.load_rate
@@ -181,8 +174,8 @@ def test_thin_layer_converges_to_closed_form_near_complete_contact(nu):
 def test_thin_incompressible_layer_is_resolved_to_ten_digits():
     profile = Profile.from_harmonics(2 * np.pi, [1], [1.0])
     patches = Patches(np.array([-1.2]), np.array([1.2]))
-    kernel = layer_kernel(THIN, 0.5, 1e-17)
-    elastic = Elastic(profile, (kernel,))
+    kernel = kernel_series(LayerEffect(THIN, 0.5), 1e-17)
+    elastic = Elastic(profile, Compliance(kernel))
     state, finer = (evaluate(elastic, patches, 0.6, tolerance) for tolerance in (1e-12, 1e-15))
     # measured 2e-14 in load, 8e-13 in K
     assert state.load == pytest.approx(finer.load, rel=6e-14)

@@ -45,7 +45,7 @@ def exact_pressure(thickness):
 def found(thickness=None, adhesion=None):
     posed = scene(thickness, adhesion=adhesion)
     problem = pose(posed, posed.surface())
-    return problem, complete_contact(problem.profile, problem.law, problem.compliance_ratio)
+    return problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance)
 
 
 by_thickness = pytest.mark.parametrize("thickness", [None, 0.005, 0.001, 2e-4], ids=str)

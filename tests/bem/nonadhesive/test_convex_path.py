@@ -25,7 +25,7 @@ def fresh(control=None):
 
 
 def _complete():
-    return complete_contact(PROBLEM.profile, PROBLEM.law, PROBLEM.compliance_ratio)
+    return complete_contact(PROBLEM.profile, PROBLEM.law, PROBLEM.elastic.compliance)
 
 
 def reached(path, *values):
@@ -65,7 +65,7 @@ def test_complete_contact_is_an_event_where_the_last_gap_closes(control, stops):
     scene = rough_scene([0.0], 1, 2, None)
     problem = pose(scene, scene.surface())
     path = replace(
-        _path_for(scene, problem, complete_contact(problem.profile, problem.law, problem.compliance_ratio)),
+        _path_for(scene, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance)),
         control=control,
     )
     highest = problem.profile.max_height

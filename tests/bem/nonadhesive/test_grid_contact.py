@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bem.elastic.collocation import Elastic
+from bem.elastic.compliance import Compliance
 from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
@@ -71,7 +72,7 @@ def test_a_rough_contact_needs_few_steps_from_there(control, share, seed):
 def test_a_layer_is_seen(thickness):
     solid, layer = Solid(1.0, 0.5), Layer(thickness * 2 * np.pi)
     kernel = layer.kernel(solid, 2 * np.pi, 1e-14)
-    elastic = Elastic(Profile.from_harmonics(2 * np.pi, [1, 3], [1.0, 0.2]), (kernel,))
+    elastic = Elastic(Profile.from_harmonics(2 * np.pi, [1, 3], [1.0, 0.2]), Compliance(kernel))
     problem = grid_problem(elastic)
     orders = np.array([1.0, 5.0, 20.0])
     np.testing.assert_allclose(problem.compliance[[1, 5, 20]], kernel.ratio(orders) / orders, atol=1e-9)

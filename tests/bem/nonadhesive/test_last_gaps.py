@@ -43,7 +43,7 @@ def rough(harmonics, seed):
 
 def body_of(scene):
     problem = pose(scene, scene.surface())
-    complete = complete_contact(problem.profile, problem.law, problem.compliance_ratio)
+    complete = complete_contact(problem.profile, problem.law, problem.elastic.compliance)
     return problem, CompletedBody(complete, problem.profile.max_height, problem.compliance_ratio)
 
 

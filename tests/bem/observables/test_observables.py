@@ -253,7 +253,7 @@ def test_separated_state_stores_no_pressure(problem):
 
 def test_complete_contact_stores_the_closed_form(problem):
     stored = complete_contact_fields(
-        ALL, problem, complete_contact(problem.profile, problem.law, problem.compliance_ratio), 2 * np.pi * 50.0, 0
+        ALL, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance), 2 * np.pi * 50.0, 0
     )
     np.testing.assert_array_equal(stored["C_u_0"], stored["C_h"])
     np.testing.assert_array_equal(stored["gap_0"], 0.0)

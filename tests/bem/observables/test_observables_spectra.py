@@ -7,7 +7,8 @@ from scipy.special import jv
 
 from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.audit.displacement import DisplacementField, GapPoints
-from bem.elastic.layer import layer_kernel
+from bem.elastic.kernel_series import kernel_series
+from bem.elastic.layer import LayerEffect
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.observables.spectra import complete_contact_spectra, pressure_modes, spectra, spectral_orders
@@ -69,7 +70,7 @@ def test_mode_zero_is_the_mean_pressure(rough):
     assert pressure_modes(state.pressure, 0)[0].real == pytest.approx(state.load / (2 * np.pi), rel=1e-13)
 
 
-@pytest.mark.parametrize("layer", [None, layer_kernel(0.5, 0.5, 1e-16)], ids=["half-space", "layer"])
+@pytest.mark.parametrize("layer", [None, kernel_series(LayerEffect(0.5, 0.5), 1e-16)], ids=["half-space", "layer"])
 def test_displacement_has_the_mean_square_of_its_spectrum(rough, layer):
     """Parseval: 2 sum C_u = <u^2>; u is the profile in contact, and integrated from the pressure in gaps."""
     profile, state = rough
@@ -103,7 +104,7 @@ def test_spectrum_tends_to_that_of_complete_contact(fraction):
     assert found.displacement[0] / found.profile[0] == pytest.approx((1 - left_open**2) ** 2, rel=1e-12)
 
 
-@pytest.mark.parametrize("layer", [None, layer_kernel(0.2, 0.5, 1e-16)], ids=["half-space", "layer"])
+@pytest.mark.parametrize("layer", [None, LayerEffect(0.2, 0.5)], ids=["half-space", "layer"])
 def test_complete_contact_has_the_spectrum_of_the_profile(layer):
     profile = Profile.self_affine(2 * np.pi, 0.8, 1.0, 30, 1).scaled()
     found = complete_contact_spectra(profile, None, None if layer is None else layer.ratio)

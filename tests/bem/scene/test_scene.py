@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_up_table import COATING, allow_coatings
 
 from bem.scene.result import Certificate, ErrorEstimate, Result, State, write_result
 from bem.scene.scene import SceneError, load_scene, parse_scene
@@ -348,10 +349,12 @@ def test_file_that_is_no_scene_is_told(content, tmp_path):
         load_scene(path)
 
 
-def stored_result(folder, **changes):
-    """A result of BASE with one state, in folder/before."""
+def stored_result(folder, tables=None, **changes):
+    """A result of BASE and more tables with one state, in folder/before."""
     state = replace(STATE, **changes)
-    write_result(Result(parse_scene(BASE).resolved(), (), {}, (state,), (), "converged"), folder / "before")
+    write_result(
+        Result(parse_scene(BASE | (tables or {})).resolved(), (), {}, (state,), (), "converged"), folder / "before"
+    )
     return scene_with("loading.initial", {"result": "before", "state": 0})
 
 
@@ -378,6 +381,28 @@ def test_stored_state_of_another_solid_is_told(tmp_path):
     data["solid"]["youngs_modulus"] = 2e6
     (mistake,) = mistakes_of(data, tmp_path)
     assert "another [solid]" in str(mistake)
+
+
+@pytest.mark.parametrize(("before", "now"), [(None, COATING), (COATING, None), (COATING, {"thickness": 2e-6})], ids=str)
+def test_stored_state_of_another_table_is_told_whatever_its_name(before, now, tmp_path, monkeypatch):
+    allow_coatings(monkeypatch)
+    data = stored_result(tmp_path, {"coating": before} if before else {})
+    (mistake,) = mistakes_of(data | ({"coating": now} if now else {}), tmp_path)
+    assert "another [coating]" in str(mistake)
+
+
+def test_stored_state_with_a_table_that_scenes_do_not_have_is_told(tmp_path):
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        allow_coatings(monkeypatch)
+        data = stored_result(tmp_path, {"coating": COATING})
+    (mistake,) = mistakes_of(data, tmp_path)
+    assert "another [coating]" in str(mistake)
+
+
+def test_stored_state_of_the_same_tables_is_taken(tmp_path, monkeypatch):
+    allow_coatings(monkeypatch)
+    data = stored_result(tmp_path, {"coating": COATING}) | {"coating": COATING}
+    assert parse_scene(data | {"accuracy": {"tolerance": 1e-3}}, tmp_path).start_state == STATE
 
 
 def test_corrupt_stored_result_is_told(tmp_path):

@@ -1,0 +1,112 @@
+"""The compliance of a body that is no half-space: one object, whatever the effects that change it.
+
+Mode m of the pressure moves the face by ratio_m / m instead of 1/m.  Effects add what each changes,
+
+    ratio_m = ratio_m^(1) - sum_{i > 1} (1 - ratio_m^(i)),      c(0) = sum_i c^(i)(0),      S(x) = sum_i S^(i)(x),
+
+which is exact where they yield one after the other under the same pressure (two bodies, a coating that deforms by
+itself), and of first order where one acts within the other: that takes an effect of its own.  Effects that change no
+mode by more than is asked for are left out of the equations; the error estimates hold what they would change
+(assessment.py, complete_contact.py).  All costs are those of one kernel, with the terms of its slowest series.
+
+A half-space has no such object, and a scene without effects does not import this module.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.kernel_series import ElasticEffect, KernelSeries, kernel_series
+
+FloatArray = NDArray[np.float64]
+
+TRUNCATION = 1e-14  # of the series of a kernel; its terms are cheap
+
+
+@dataclass(frozen=True, eq=False)
+class Compliance:
+    """What the effects of a scene change of the half-space.
+
+    Parameters
+    ----------
+    kernel : KernelSeries or None
+        Of all effects in the equations; its `ratio` is the compliance of modes relative to the half-space.
+    left_out : KernelSeries or None
+        Of all that are not.
+    mean : float or None
+        c(0) in m/Pa, of both; None where it is that of a half-space, which has none.
+    """
+
+    kernel: KernelSeries | None = None
+    left_out: KernelSeries | None = None
+    mean: float | None = None
+
+
+def compliance_of(effects: Collection[ElasticEffect], negligible: float = 0.0) -> Compliance:
+    """The compliance of a body with these effects; those below `negligible` are left out of the equations."""
+    kernels = []
+    for small in (False, True):
+        group = tuple(effect for effect in effects if (effect.relative_effect < negligible) == small)
+        kernels.append(kernel_series(summed(group), TRUNCATION) if group else None)
+    return Compliance(kernels[0], kernels[1], mean_compliance(effects))
+
+
+def mean_compliance(effects: Collection[ElasticEffect]) -> float | None:
+    """c(0) of all effects, m/Pa; None where none of them has one."""
+    known = [effect.mean_compliance for effect in effects if effect.mean_compliance is not None]
+    return sum(known) if known else None
+
+
+def summed(effects: tuple[ElasticEffect, ...]) -> ElasticEffect:
+    """Several effects as one, by the rule above; one alone as it is."""
+    return effects[0] if len(effects) == 1 else EffectSum(effects)
+
+
+@dataclass(frozen=True)
+class EffectSum:
+    """Two or more effects as one.  Digits of small ratios are kept where the stiffest comes first.
+
+    Parameters
+    ----------
+    effects : tuple of ElasticEffect
+    """
+
+    effects: tuple[ElasticEffect, ...]
+
+    @property
+    def strip(self) -> float:
+        """That of the effect that decays most slowly."""
+        return min(effect.strip for effect in self.effects)
+
+    @property
+    def relative_effect(self) -> float:
+        """At most that of all together."""
+        return sum(effect.relative_effect for effect in self.effects)
+
+    @property
+    def mean_compliance(self) -> float | None:
+        """c(0), m/Pa."""
+        return mean_compliance(self.effects)
+
+    def ratio(self, orders: ArrayLike) -> FloatArray:
+        """Compliance relative to the half-space, same shape.
+
+        Raises
+        ------
+        IllConditionedSystemError
+            Together they leave a mode without compliance.
+        """
+        first, *others = self.effects
+        ratio = first.ratio(orders) - sum(other.deficit(orders) for other in others)
+        if not np.all(ratio > 0):
+            raise IllConditionedSystemError("elastic effects that together leave a mode without compliance")
+        return np.asarray(ratio)
+
+    def deficit(self, orders: ArrayLike) -> FloatArray:
+        """1 - ratio, same shape."""
+        return np.asarray(sum(effect.deficit(orders) for effect in self.effects))

@@ -1,0 +1,191 @@
+"""What elastic effects add to the kernel of the half-space: a cosine series, summed as it stands.
+
+An effect gives mode m the compliance ratio_m / m instead of 1/m, so that
+
+    -sum_m ratio_m cos(m x) / m = log|2 sin(x/2)| + S(x),   S(x) = sum_m s_m cos(m x),   s_m = (1 - ratio_m) / m.
+
+1 - ratio_m decays like exp(-strip m), the strip being where S is analytic about the real axis: ln(1/tolerance) / strip
+terms are needed, and few Chebyshev modes of a patch feel them.  Dimensionless.  Limits: effects that decay as a power
+of m, a surface tension say, are no such series.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+_BLOCK = 2_000_000  # complex numbers held at a time
+
+
+class ElasticEffect(Protocol):
+    """What changes the compliance of a half-space, by modes m >= 1 of the period."""
+
+    @property
+    def strip(self) -> float:
+        """1 - ratio_m decays as exp(-strip m), but for powers of m."""
+        ...
+
+    @property
+    def relative_effect(self) -> float:
+        """Largest |1 - ratio_m|."""
+        ...
+
+    @property
+    def mean_compliance(self) -> float | None:
+        """c(0), mean displacement of the face per mean pressure, m/Pa; None where it is another's."""
+        ...
+
+    def ratio(self, orders: ArrayLike) -> FloatArray:
+        """Compliance relative to the half-space, same shape, positive."""
+        ...
+
+    def deficit(self, orders: ArrayLike) -> FloatArray:
+        """1 - ratio, to full relative accuracy also where it is tiny, same shape."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class KernelSeries:
+    """S(x) = sum_m s_m cos(m x), what an effect adds to log|2 sin(x/2)|.
+
+    Modes beyond the last term have the compliance of the half-space.
+
+    Parameters
+    ----------
+    effect : ElasticEffect
+    weights : (n_terms,) array
+        s_m, m = 1..n_terms.
+    truncation : float
+        Sum of the terms left out, at least.
+    """
+
+    effect: ElasticEffect
+    weights: FloatArray
+    truncation: float
+
+    @property
+    def terms(self) -> int:
+        """Number of terms kept."""
+        return int(self.weights.size)
+
+    @property
+    def orders(self) -> FloatArray:
+        """m = 1..n_terms."""
+        return np.arange(1.0, self.terms + 1)
+
+    def ratio(self, orders: ArrayLike) -> FloatArray:
+        """Compliance of the modes m >= 1 relative to the half-space, same shape."""
+        return self.effect.ratio(orders)
+
+    def smooth(self, x: ArrayLike) -> FloatArray:
+        """S(x), same shape as x."""
+        return self._sum(x, self.weights, imaginary=False)
+
+    def slope(self, x: ArrayLike) -> FloatArray:
+        """S'(x), same shape as x."""
+        return self._sum(x, -self.weights * self.orders, imaginary=True)
+
+    def curvature(self, x: ArrayLike) -> FloatArray:
+        """S''(x), same shape as x."""
+        return self._sum(x, -self.weights * self.orders**2, imaginary=False)
+
+    def matrix(self, x: FloatArray) -> FloatArray:
+        """S(x_i - x_j) for all pairs, (n, n): a symmetric product for the terms of each sign."""
+        if np.all(self.weights >= 0):
+            return self._product(x, self.weights)
+        return self._product(x, np.maximum(self.weights, 0.0)) - self._product(x, np.maximum(-self.weights, 0.0))
+
+    def _product(self, x: FloatArray, weights: FloatArray) -> FloatArray:
+        """V V^T, the columns of V being sqrt(w_m) cos(m x), then sqrt(w_m) sin(m x), of weights >= 0."""
+        columns = max(1, _BLOCK // max(1, x.size))
+        total, base = np.zeros((x.size, x.size)), np.exp(1j * x)
+        for first in range(0, weights.size, columns):
+            root = np.sqrt(weights[first : first + columns])
+            waves = _powers(base, root.size)
+            if first > 0:
+                waves *= np.exp(1j * first * x)[:, None]
+            waves *= root
+            factors = np.concatenate([waves.real, waves.imag], axis=1)
+            total += factors @ factors.T
+        return total
+
+    def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
+        """sum_j S(x_i - source_j) charge_j, (n,)."""
+        moments = np.empty(self.terms, dtype=np.complex128)
+        for first in range(0, self.terms, 256):
+            last = min(first + 256, self.terms)
+            waves = _powers(np.exp(-1j * sources), last - first)
+            moments[first:last] = (charges * np.exp(-1j * first * sources)) @ waves
+        return self.from_moments(x, moments)
+
+    def from_moments(self, x: ArrayLike, moments: ComplexArray) -> FloatArray:
+        """int S(x - x') sigma(x') dx' from moments int sigma exp(-i m x) dx, m = 1..n_terms; same shape as x."""
+        return self._sum(x, self.weights * moments[: self.terms], imaginary=False)
+
+    def coupled_modes(self, width: FloatArray, tolerance: float) -> FloatArray:
+        """Chebyshev modes of patches of these widths that feel S to `tolerance`, (L,).
+
+        S(x - x') with both points in the patch is analytic in the Bernstein ellipse of semi-minor axis
+        b = strip / r, r = width / 2, so its coefficients decay as rho^-n, rho = b + sqrt(1 + b^2).  The factor 1/30
+        was measured: with it K is within `tolerance` / 3 also on wide patches of thin layers.
+        """
+        axis = 2 * self.effect.strip / np.asarray(width, dtype=np.float64)
+        return np.asarray(np.log(30 / tolerance) / np.arcsinh(axis) + 2.0)
+
+    def _sum(self, x: ArrayLike, weights: FloatArray | ComplexArray, imaginary: bool) -> FloatArray:
+        """Re or Im of sum_m weights_m exp(i m x)."""
+        position = np.asarray(x, dtype=np.float64)
+        flat = position.ravel()
+        total = np.zeros(flat.size)
+        block = max(1, _BLOCK // max(1, self.terms))
+        for first in range(0, flat.size, block):
+            part = slice(first, first + block)
+            value = _powers(np.exp(1j * flat[part]), self.terms) @ weights
+            total[part] = value.imag if imaginary else value.real
+        return total.reshape(position.shape)
+
+
+def kernel_series(effect: ElasticEffect, tolerance: float) -> KernelSeries:
+    """What an effect adds to the kernel of the half-space, its series cut at `tolerance`.
+
+    Parameters
+    ----------
+    effect : ElasticEffect
+    tolerance : float
+        Bound of the sum of the terms left out, in (0, 1).
+
+    Raises
+    ------
+    ValueError
+        `tolerance` outside (0, 1); terms that decay more slowly than `effect.strip` says.
+    """
+    if not 0 < tolerance < 1:
+        raise ValueError(f"tolerance: {tolerance} must lie between 0 and 1")
+    reach = 30 - 1.2 * np.log(tolerance) + np.log1p(2 / effect.strip)  # strip m at which terms are below any bound
+    orders = np.arange(1, int(np.ceil(reach / effect.strip)) + 1)
+    weights = effect.deficit(orders) / orders
+    if not abs(weights[-1]) * orders.size <= tolerance:
+        raise ValueError(f"strip: {effect.strip} is not how the effect decays, {weights[-1]:g} at m = {orders.size}")
+    left_out = np.append(np.cumsum(np.abs(weights)[::-1])[::-1], 0.0)  # if cut before term m = 1, 2, ...
+    terms = int(np.argmax(left_out <= tolerance))
+    return KernelSeries(effect, weights[:terms], float(left_out[terms]))
+
+
+def _powers(base: ComplexArray, count: int) -> ComplexArray:
+    """base^1 .. base^count along a new last axis, (n, count), by doubling."""
+    powers = np.empty((base.size, count), dtype=np.complex128)
+    if count == 0:
+        return powers
+    powers[:, 0] = base
+    done = 1
+    while done < count:
+        more = min(done, count - done)
+        np.multiply(powers[:, :more], powers[:, done - 1, None], out=powers[:, done : done + more])
+        done += more
+    return powers
