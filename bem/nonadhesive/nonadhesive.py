@@ -27,6 +27,7 @@ from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
+from bem.loading.increments import Accuracy
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -108,11 +109,13 @@ def solve_contact(
     patches: Patches,
     penetration: float,
     target: float,
-    tolerance: float,
-    closure: float,
-    allowed: float,
+    accuracy: Accuracy,
 ) -> Contact:
     """Find the patches on which K = 0 at the target.
+
+    1. Evaluate the state of the patches, coarsely until the edges are near.
+    2. Where K vanishes: open gaps and add contacts that are missing; with none missing, the contact is found.
+    3. Else every edge makes its Newton step, patches are split where they are in tension, and joined where gaps close.
 
     Parameters
     ----------
@@ -122,61 +125,118 @@ def solve_contact(
         Where to start; any patches that cover some contact will do.
     penetration, target : float
         Start of Delta under load control, and value of the control.
-    tolerance, closure : float
-        Of the evaluation; of `edge_closure` and of the contact fraction, where rounding does not limit them.
-    allowed : float
-        Interpenetration that is not a contact, dimensionless.
+    accuracy : Accuracy
+        Of the evaluation; its residual is that of `edge_closure` and of the contact fraction, where rounding does not
+        limit them.
     """
-    measure = remaining = np.inf
+    search = _Search(elastic, control, target, accuracy, patches, penetration)
     rounded = ROUNDED * elastic.profile.max_height
-    accuracy, closed_gap, opened = COARSEST, COARSELY_CLOSED, 0
-    damping, last_sign, steps = np.ones(2 * patches.count), np.zeros(2 * patches.count), 0
     for count in range(1, ITERATIONS + 1):
-        if _modes_beside_gaps(patches, max(tolerance, accuracy)) > MOST_MODES:
-            return Contact("narrow_gaps", None, measure, count - 1, patches)
+        if _modes_beside_gaps(search.patches, search.tolerance) > MOST_MODES:
+            return Contact("narrow_gaps", None, search.measure, count - 1, search.patches)
         try:
-            at = control.guess(penetration, target)
-            state = control.reach(evaluate(elastic, patches, at, max(tolerance, accuracy)), target)
+            state = search.evaluated()
         except IllConditionedSystemError:
-            return Contact("ill_conditioned", None, measure, count)
-        penetration = state.penetration
-        measure = edge_closure(state)
+            return Contact("ill_conditioned", None, search.measure, count)
         pressure = state.pressure()
         tensile = _under_tension(pressure, rounded)
         changed: Patches | None = None
-        finer = accuracy
-        if not tensile and accuracy <= tolerance and _closed(state, control, closure):
-            changed, left = _with_opened_gaps(elastic, pressure)
-            opened += changed is not None
-            if left or opened > MOST_OPENED:
-                return Contact("narrow_gaps", state if changed is None else None, measure, count, patches)
-            changed = changed or _with_new_contacts(elastic, state, allowed)
-            if changed is None:
-                before, remaining = remaining, _remaining(state)
-                if remaining <= LEFT_OVER * closure * np.sum(patches.width) or remaining > 0.5 * before:
-                    return Contact("converged", state, measure, count, patches)
-            else:
-                finer = COARSE
+        coarseness = COARSE
+        if not tensile and search.is_closed(state):
+            changed, narrow = search.mended(state, pressure)
+            if narrow:
+                return Contact("narrow_gaps", state if changed is None else None, search.measure, count, search.patches)
+            if changed is None and search.is_at_rest(state):
+                return Contact("converged", state, search.measure, count, search.patches)
         if changed is None:
-            sign = np.sign(state.stress_intensity)
-            if steps >= DAMPED_AFTER:
-                damping = np.where(sign * last_sign < 0, damping / 2, np.minimum(1.0, damping * 1.5))
-            last_sign = sign
-            moved = patches.moved(damping * _edge_steps(state, elastic.profile.max_order))
-            changed = _joined(elastic, _split(patches, moved, pressure, tensile), closed_gap)
-            if not tensile and accuracy > COARSE and _is_small(state, control, NEAR):
-                finer = COARSE
-            elif not tensile and tolerance < accuracy <= COARSE and _is_small(state, control, CLOSE):
-                finer, closed_gap = tolerance, CLOSED_GAP
+            changed, coarseness = search.moved(state, pressure, tensile)
         if changed is None:
             return Contact("complete_contact", None, 0.0, count)
         if changed.count == 0:
             return Contact("separated", None, 0.0, count)
-        steps += 1
-        if changed.count != patches.count or finer != accuracy:
-            damping, last_sign, steps = np.ones(2 * changed.count), np.zeros(2 * changed.count), 0
-        patches, accuracy = changed, finer
-    return Contact("not_converged", state, measure, ITERATIONS)
+        search.stand_at(changed, coarseness)
+    return Contact("not_converged", state, search.measure, ITERATIONS)
+
+
+@dataclass(eq=False)
+class _Search:
+    """Where one solution stands: patches, coarseness of the evaluation, damping of the edges, gaps opened so far."""
+
+    elastic: Elastic
+    control: Control
+    target: float
+    accuracy: Accuracy
+    patches: Patches
+    penetration: float
+    coarseness: float = COARSEST
+    closed_gap: float = COARSELY_CLOSED
+    opened: int = 0
+    measure: float = np.inf
+    remaining: float = np.inf
+
+    def __post_init__(self) -> None:
+        self._undamped()
+
+    def _undamped(self) -> None:
+        """Forget the signs that K had at edges that are others now."""
+        edges = 2 * self.patches.count
+        self.damping, self.last_sign, self.steps = np.ones(edges), np.zeros(edges), 0
+
+    @property
+    def tolerance(self) -> float:
+        """Of the next evaluation."""
+        return max(self.accuracy.tolerance, self.coarseness)
+
+    def evaluated(self) -> Evaluation:
+        """The state of the patches at the target."""
+        at = self.control.guess(self.penetration, self.target)
+        state = self.control.reach(evaluate(self.elastic, self.patches, at, self.tolerance), self.target)
+        self.penetration, self.measure = state.penetration, edge_closure(state)
+        return state
+
+    def is_closed(self, state: Evaluation) -> bool:
+        """Whether K vanishes, in an evaluation as fine as wanted."""
+        return self.coarseness <= self.accuracy.tolerance and _closed(state, self.control, self.accuracy.residual)
+
+    def mended(self, state: Evaluation, pressure: PatchPressure) -> tuple[Patches | None, bool]:
+        """Patches with gaps and contacts that are missing (None: nothing is), and whether gaps are too narrow here."""
+        changed, left = _with_opened_gaps(self.elastic, pressure)
+        self.opened += changed is not None
+        if left or self.opened > MOST_OPENED:
+            return changed, True
+        return changed or _with_new_contacts(self.elastic, state, self.accuracy.allowed), False
+
+    def is_at_rest(self, state: Evaluation) -> bool:
+        """Whether the steps still to be made are negligible, or shrink no more."""
+        before, self.remaining = self.remaining, _remaining(state)
+        negligible = LEFT_OVER * self.accuracy.residual * np.sum(self.patches.width)
+        return bool(self.remaining <= negligible or self.remaining > 0.5 * before)
+
+    def moved(
+        self, state: Evaluation, pressure: PatchPressure, tensile: dict[int, list[tuple[int, int]]]
+    ) -> tuple[Patches | None, float]:
+        """Patches after a Newton step of each edge (None: no gap is left), and how coarse the next evaluation is."""
+        sign = np.sign(state.stress_intensity)
+        if self.steps >= DAMPED_AFTER:
+            self.damping = np.where(sign * self.last_sign < 0, self.damping / 2, np.minimum(1.0, self.damping * 1.5))
+        self.last_sign = sign
+        moved = self.patches.moved(self.damping * _edge_steps(state, self.elastic.profile.max_order))
+        changed = _joined(self.elastic, _split(self.patches, moved, pressure, tensile), self.closed_gap)
+        if not tensile and self.coarseness > COARSE and _is_small(state, self.control, NEAR):
+            return changed, COARSE
+        wanted = self.accuracy.tolerance
+        if not tensile and wanted < self.coarseness <= COARSE and _is_small(state, self.control, CLOSE):
+            self.closed_gap = CLOSED_GAP
+            return changed, wanted
+        return changed, self.coarseness
+
+    def stand_at(self, patches: Patches, coarseness: float) -> None:
+        """Go on from other patches."""
+        known = patches.count == self.patches.count and coarseness == self.coarseness
+        self.patches, self.coarseness = patches, coarseness
+        self.steps += 1
+        if not known:
+            self._undamped()
 
 
 def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:

@@ -9,7 +9,7 @@ from rough_surfaces import rough_scene
 
 from bem import solver
 from bem.continuation.path import Path
-from bem.continuation.path_point import Point
+from bem.loading.path_point import Failed
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
@@ -220,15 +220,15 @@ def test_a_far_way_up_without_adhesion_is_no_separation():
     assert abs(far[1].contact_fraction - direct.contact_fraction) <= 1e-10
 
 
-def test_a_state_between_targets_that_cannot_be_polished_ends_the_path(monkeypatch):
+def test_a_state_between_targets_that_cannot_be_refined_ends_the_path(monkeypatch):
     """It would be stored at the accuracy between targets, under the name of a converged one."""
-    polish, asked = Path.polish, []
+    refine, asked = Path.refine, []
 
     def failing(path, point, direction):
         asked.append(point.value)
-        return polish(path, point, direction) if len(asked) < 3 else Point("not_converged", point.value)
+        return refine(path, point, direction) if len(asked) < 3 else Failed(point.value, "not_converged")
 
-    monkeypatch.setattr(Path, "polish", failing)
+    monkeypatch.setattr(Path, "refine", failing)
     found = solve(rough_scene(TARGETS))
     assert found.status == "not_converged"
     assert (len(asked), len(found.states)) == (3, 2)
