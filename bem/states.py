@@ -115,21 +115,20 @@ def _judged(
         return gap_certificate.certify_gaps(
             problem.profile,
             gap_certificate.OpenGaps(gaps.anchor, gaps.shift, gaps.half_width, state.opening),
-            state.deficit,
-            state.mean_pressure,
-            state.separation,
-            penetration=state.penetration,
+            gap_certificate.Levels(state.deficit, state.mean_pressure, state.separation, state.penetration),
             compliance_ratio=problem.compliance_ratio,
         )
+    adhesion: certificate.AdhesiveEdges | None = None
+    if assessment.work is not None:
+        rounding = state.rounding(problem.control.penetration_rate(state))
+        stability = assessment.min_eigenvalue, assessment.hessian_asymmetry
+        adhesion = certificate.AdhesiveEdges(assessment.work, *stability, rounding)
     return certificate.certify(
         problem.profile,
         state.pressure(),
         state.penetration,
-        assessment.work,
-        min_eigenvalue=assessment.min_eigenvalue,
-        hessian_asymmetry=assessment.hessian_asymmetry,
+        adhesion,
         compliance_ratio=problem.compliance_ratio,
-        intensity_rounding=state.rounding(problem.control.penetration_rate(state)),
         demands=certificate.Demands(closure=CLOSURE, interpenetration=max(1e-10, 1e-3 * tolerance)),
     )
 

@@ -18,7 +18,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
@@ -28,6 +27,7 @@ from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
 from bem.loading.increments import Accuracy
+from bem.nonadhesive.tension import dips, minimum, nodes, under_tension
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -41,7 +41,6 @@ NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs th
 COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too early is opened then
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the closure and the contact: what the edges may still have to move, for invariances to 1e-10
-TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
 ROUNDED = 1e-13  # of the highest crest: charges known no better, measured 1e-14
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
@@ -139,7 +138,7 @@ def solve_contact(
         except IllConditionedSystemError:
             return Contact("ill_conditioned", None, search.measure, count)
         pressure = state.pressure()
-        tensile = _under_tension(pressure, rounded)
+        tensile = under_tension(pressure, rounded)
         changed: Patches | None = None
         coarseness = COARSE
         if not tensile and search.is_closed(state):
@@ -283,8 +282,8 @@ def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> tuple[Patche
     there may be one that is too narrow to be opened here.
     """
     left_over = False
-    for i, between in _dips(pressure).items():
-        at, value, bend = min((_minimum(pressure.charges[i], *span) for span in between), key=lambda found: found[1])
+    for i, between in dips(pressure).items():
+        at, value, bend = min((minimum(pressure.charges[i], *span) for span in between), key=lambda found: found[1])
         if not (value < DOUBTFUL * abs(float(pressure.charges[i][0])) and bend > 0):
             continue
         left_over = True
@@ -300,74 +299,6 @@ def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> tuple[Patche
     return None, left_over
 
 
-def _dips(pressure: PatchPressure) -> dict[int, list[tuple[float, float, float]]]:
-    """Patches inside which the pressure may fall below zero between its nodes: where, and the nodes on either side."""
-    found: dict[int, list[tuple[float, float, float]]] = {}
-    for who, values in _at_nodes(pressure.charges):
-        before, inner, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
-        bend = before - 2 * inner + after  # more than what a minimum between the nodes may lie lower
-        nodes = _nodes(pressure.charges[who[0]])
-        for row, k in zip(*np.nonzero((inner < before) & (inner <= after) & (inner < bend)), strict=True):
-            found.setdefault(int(who[row]), []).append((float(nodes[k + 1]), float(nodes[k]), float(nodes[k + 2])))
-    return dict(sorted(found.items()))
-
-
-def _minimum(charge: FloatArray, at: float, lower: float, upper: float) -> tuple[float, float, float]:
-    """Position near a place in (-1, 1), value and second derivative of a minimum of a series between two bounds."""
-    slope = np.polynomial.chebyshev.chebder(charge)
-    bend = np.polynomial.chebyshev.chebder(slope)
-    for _ in range(3):
-        step = -np.polynomial.chebyshev.chebval(at, slope) / np.polynomial.chebyshev.chebval(at, bend)
-        at = float(np.clip(at + step, lower, upper))
-    return (
-        at,
-        float(np.polynomial.chebyshev.chebval(at, charge)),
-        float(np.polynomial.chebyshev.chebval(at, bend)),
-    )
-
-
-def _nodes(charge: FloatArray) -> FloatArray:
-    """Twice as many Chebyshev nodes as a series has coefficients, from left to right."""
-    return chebyshev.basis_nodes(2 * charge.size)[::-1]
-
-
-def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArray]]:
-    """Patches with series of equal length, and the values of these at their nodes by rows."""
-    sizes = np.array([charge.size for charge in charges])
-    found: list[tuple[IntArray, FloatArray]] = []
-    for size in np.unique(sizes):
-        who = np.flatnonzero(sizes == size)
-        halved = np.zeros((who.size, 2 * size))
-        halved[:, :size] = np.stack([charges[i] for i in who]) / 2
-        halved[:, 0] *= 2
-        found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
-    return found
-
-
-def _under_tension(pressure: PatchPressure, rounded: float) -> dict[int, list[tuple[int, int]]]:
-    """Patches whose pressure is tensile somewhere inside: first and last nodes of the parts of each that are not."""
-    found: dict[int, list[tuple[int, int]]] = {}
-    for who, values in _at_nodes(pressure.charges):
-        most = values.max(axis=1)
-        for k in np.flatnonzero((values.min(axis=1) <= -TENSILE * most - rounded) | (most <= 0)):
-            parts = _compressive(values[k], float(pressure.charges[who[k]][0]), rounded)
-            if parts != [(0, values.shape[1] - 1)]:
-                found[int(who[k])] = parts
-    return found
-
-
-def _compressive(values: FloatArray, mean: float, rounded: float) -> list[tuple[int, int]]:
-    """First and last nodes of the parts of a patch in compression; where the patch carries a load, its ends are."""
-    if values.max() <= 0:
-        return []
-    compressive = values > -TENSILE * values.max() - rounded
-    starts = np.flatnonzero(compressive & ~np.append(False, compressive[:-1]))
-    stops = np.flatnonzero(compressive & ~np.append(compressive[1:], False))
-    if mean > 0:
-        starts[0], stops[-1] = 0, values.size - 1
-    return list(zip(starts.tolist(), stops.tolist(), strict=True))
-
-
 def _split(
     patches: Patches, moved: Patches, pressure: PatchPressure, tensile: dict[int, list[tuple[int, int]]]
 ) -> Patches:
@@ -377,7 +308,7 @@ def _split(
     kept = np.array([i not in tensile for i in range(patches.count)])
     left, right = moved.left[kept].tolist(), moved.right[kept].tolist()
     for i, parts in tensile.items():
-        x = patches.center[i] + patches.half_width[i] * _nodes(pressure.charges[i])
+        x = patches.center[i] + patches.half_width[i] * nodes(pressure.charges[i])
         middle = (x[1:] + x[:-1]) / 2
         for first, last in parts:
             left.append(min(patches.left[i], moved.left[i]) if first == 0 else middle[first - 1])

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from bem.adhesive import descent
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import Steps, descend, pull_off_half_width, trust_region_step
+from bem.adhesive.descent import Steps, descend, pull_off_half_width
 from bem.adhesive.equilibrium import System, balance, correct
+from bem.adhesive.trust_region import trust_region_step
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
