@@ -125,6 +125,7 @@ RESUMED = {
     "separation": {"control": "separation", "targets": TARGETS},
     "met pressures": {"control": "separation", "targets": [30e-6, 60e-6], "at_mean_pressures": [500.0, 3000.0]},
     "load": {"control": "mean_pressure", "targets": [300.0, 800.0, -30.0]},
+    "apart": {"control": "separation", "targets": [40e-6, 400e-6, 40e-6]},
     "joined": {"control": "separation", "targets": [20e-6, 0.0, 20e-6, 60e-6]},
 }
 
