@@ -18,7 +18,7 @@ from bem.elastic.collocation import Elastic
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
 from bem.loading.control import Control, DisplacementControl, LoadControl
-from bem.loading.increments import Increments
+from bem.loading.increments import COARSE, Accuracy, Increments
 from bem.loading.interface_law import InterfaceLaw
 from bem.scene.effects import elastic_effects, negligible
 from bem.scene.scene import Scene
@@ -123,14 +123,13 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
     tolerance = scene.accuracy.tolerance
     fine = min(1e-8, 1e-2 * tolerance)
     refined = ALIKE_ACCURACY if _has_twins(problem) else 1.0
+    coarse = min(COARSE.tolerance, 0.1 * _critical_intensity(problem)) * refined
+    allowed = 0.5 * max(1e-10, 1e-3 * tolerance)
     return Increments(
         largest=largest,
-        tolerance=min(Increments.tolerance, 0.1 * _critical_intensity(problem)) * refined,
-        closure=Increments.closure * refined,
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
-        fine_tolerance=max(fine, 1e-14),
-        fine_closure=max(1e-1 * fine, 1e-12),
-        allowed=0.5 * max(1e-10, 1e-3 * tolerance),
+        coarse=Accuracy(coarse, COARSE.residual * refined, allowed),
+        fine=Accuracy(max(fine, 1e-14), max(1e-1 * fine, 1e-12), allowed),
     )
 
 

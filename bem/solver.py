@@ -15,53 +15,45 @@ Nothing but an interrupt leaves `solve`: what double precision or memory cannot 
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bem.continuation.crossing import at_load, may_meet
 from bem.continuation.opening import flaw_of
-from bem.continuation.path import Path, restart
-from bem.continuation.path_point import Point
+from bem.continuation.path import Path
+from bem.continuation.path_point import Point, WithEdges
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.flat import flat_states
-from bem.geometry.patches import PatchPressure, ordered
+from bem.geometry.patches import ordered
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact, complete_contact
+from bem.loading.loading_path import LoadingPath
+from bem.loading.path_point import Complete, Separated
 from bem.nonadhesive.completed_body import CompletedBody
-from bem.nonadhesive.convex_path import ContactPoint, ConvexPath
+from bem.nonadhesive.convex_path import ContactPoint, ConvexPath, ConvexPoint
 from bem.problem import Problem, increments_of, pose
-from bem.scene.effects import effects_of
-from bem.scene.result import Event, NotFiniteError, Progress, Result, State, provenance
+from bem.record import AnyPoint, Record, Recorder
+from bem.scene.result import NotFiniteError, Progress, Result, State
 from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
-from bem.states import Cost, complete_state, equilibrium_state, event_of, flat_state, separated_state
+from bem.states import flat_state
 
-AnyPoint = Point | ContactPoint
-AnyPath = Path | ConvexPath
-
-OUTPUTS = ("shapes", "spectra", "pressure_distribution", "width_distributions")
 TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
 MOST_BETWEEN = 500  # states stored between two targets
 NUMERICAL_FAILURES = (IllConditionedSystemError, NotFiniteError, FloatingPointError, np.linalg.LinAlgError, MemoryError)
 
 
-@dataclass
-class Record:
-    """What has been found so far."""
+@dataclass(frozen=True)
+class Goal:
+    """A target: in the units of the scene, as value of the control, and as separation to its last digit."""
 
-    states: list[State] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
-    fields: dict[str, NDArray[Any]] = field(default_factory=dict)
-    shapes: int = 0
-    evaluations: int = 0
-    cpu: float = field(default_factory=time.process_time)
+    target: float
+    value: float
+    separation: float | None
 
 
 def solve(
@@ -92,7 +84,7 @@ def solve(
     surface = scene.surface()
     if surface.is_flat:
         return _solve_flat(scene, surface)
-    record = Record()
+    record = Record(scene)
     with threadpool_limits(limits=1, user_api="blas"):
         try:
             run = _Run(scene, pose(scene, surface), record, progress, on_state)
@@ -101,22 +93,7 @@ def solve(
             status, failure = run.follow()
         except NUMERICAL_FAILURES as error:
             status, failure = "not_converged", f"{type(error).__name__}: {error}"
-    return _result(scene, record, status, failure)
-
-
-def _result(scene: Scene, record: Record, status: str, failure: str | None = None) -> Result:
-    """All that is kept so far."""
-    resolved = scene.resolved()
-    return Result(
-        scene=resolved,
-        effects=effects_of(scene),
-        provenance=provenance(resolved),
-        states=tuple(record.states),
-        events=tuple(record.events),
-        status=status,
-        fields=dict(record.fields),
-        failure=failure,
-    )
+    return record.result(status, failure)
 
 
 class _Run:
@@ -130,13 +107,15 @@ class _Run:
         progress: Callable[[Progress], None] | None,
         on_state: Callable[[Result], None] | None,
     ) -> None:
-        self.scene, self.problem = scene, problem
-        self.progress, self.on_state = progress, on_state
+        self.scene, self.problem, self.progress, self.record = scene, problem, progress, record
         self.complete = complete_contact(problem.profile, problem.law, problem.elastic.compliance)
         self.path = _path_for(scene, problem, self.complete)
-        self.record = record
+        self.recorder = Recorder(scene, problem, self.complete, self.path, record, on_state)
         kind = scene.loading.control
-        self.goals = [(target, problem.control_value(target, kind)) for target in scene.loading.targets]
+        self.goals = [
+            Goal(target, problem.control_value(target, kind), self._separation(target))
+            for target in scene.loading.targets
+        ]
         self.done = 0
         self.met: set[float] = set()  # mean pressures asked for that this leg of the path has met
         self.kept = np.inf
@@ -148,14 +127,14 @@ class _Run:
 
     def _start(self) -> AnyPoint:
         """Where the path begins: surfaces apart, complete contact, or a stored state."""
-        first = self.goals[0][1]
+        first = self.goals[0].value
         if self.scene.start_state is not None:
             self.branch = self.scene.start_state.branch
             return self._point_of(self.scene.start_state)
         if self.scene.loading.initial != "complete_contact":
-            return _separated(self.scene, min(0.0, first))
+            return Separated(min(0.0, first) - 1.0)
         fixed = self.problem.control.load_weight == 0
-        return _bare_point(self.scene, "complete_contact", self.problem.profile.max_height if fixed else first + 1.0)
+        return Complete(self.problem.profile.max_height if fixed else first + 1.0)
 
     def take_over(self, result: Result) -> None:
         """Keep an interrupted result up to its last target and stand there; what came after it is computed again."""
@@ -174,13 +153,13 @@ class _Run:
                 self.done += 1
             elif state.target:
                 self.met.add(min(self._asked, key=lambda pressure: abs(pressure - state.mean_pressure)))
-            if state.target and self._outputs_at(getattr(state, self.scene.loading.control)):
+            if state.target and self.recorder.outputs_at(getattr(state, self.scene.loading.control)):
                 record.shapes += 1
         belongs = {name: name.rpartition("_")[2] for name in result.fields}
         record.fields = {
             name: result.fields[name] for name, of in belongs.items() if not of.isdigit() or int(of) < record.shapes
         }
-        self.kept = self.goals[self.done - 1][1]
+        self.kept = self.goals[self.done - 1].value
         self.point = self._point_of(record.states[-1], self.kept)
 
     def follow(self) -> tuple[str, str | None]:
@@ -191,7 +170,7 @@ class _Run:
                 if status == "converged":
                     break
                 if status is not None:
-                    target = f"target {index + 1} of {len(self.goals)}, {self.goals[index][0]:g}"
+                    target = f"target {index + 1} of {len(self.goals)}, {self.goals[index].target:g}"
                     return status, f"{target}: {self._reason(status)}"
         except KeyboardInterrupt:
             return "interrupted", None
@@ -207,60 +186,52 @@ class _Run:
         if status == "unreachable":
             return "no state of this path is there"
         words = "the gaps are too narrow to resolve" if self.failed == "ill_conditioned" else "no equilibrium was found"
-        return f"{words} at {self._target_of(self.point):.9g}"
+        return f"{words} at {self.recorder.target_of(self.point):.9g}"
 
     def _reach(self, index: int) -> str | None:
         """Follow the path to one target; None to go on, else the status with which the path ends."""
-        goal, separation = self.goals[index][1], self._separation(self.goals[index][0])
-        if goal != self.point.value:
-            self._take_branch("loading" if goal > self.point.value else "unloading")
-        elif separation is not None and isinstance(self.point, ContactPoint):
-            closer = (self.point.separation or 0.0) - separation
-            if closer != 0:
-                self._take_branch("loading" if closer > 0 else "unloading")
-        if self._out_of_reach(goal):
+        goal = self.goals[index]
+        direction = self.path.direction(self.point, goal.value, goal.separation)
+        if direction:
+            self._take_branch("loading" if direction > 0 else "unloading")
+        if self._out_of_reach(goal.value):
             return "unreachable"
-        before, spacing = self.point, self._spacing(goal)
-        ended = self._follow_to(goal, separation, spacing, index)
+        ended = self._follow_to(goal, self._spacing(goal.value), index)
         if ended is not None:
             return ended
-        if self.point.value != goal:  # what opened at a flaw closed again, or came apart
+        if self.point.value != goal.value:  # what opened at a flaw closed again, or came apart
             return "not_converged"
-        polished = self._polished(self.point, np.sign(goal - before.value))
-        if self._fails(polished):
+        self.point = self._refined(self.point, direction)
+        if self._fails(self.point):
             return "not_converged"
-        self.point = polished
-        self._keep(polished, target=True)
-        if isinstance(self.path, Path):
-            self.point = self._point_of(self.record.states[-1], goal)
-            return "not_converged" if self._fails(self.point) else None
-        return None
+        self._keep(self.point, target=True)
+        if self.path.has_history:
+            self.point = self._point_of(self.record.states[-1], goal.value)
+        return "not_converged" if self._fails(self.point) else None
 
-    def _follow_to(self, goal: float, separation: float | None, spacing: float, index: int) -> str | None:
+    def _follow_to(self, goal: Goal, spacing: float, index: int) -> str | None:
         """Follow the path to a goal, storing what is asked for on the way; the status of the path where it ends."""
-        direction = np.sign(goal - self.point.value)
-        for point in self._advance(goal, separation):
+        direction = self.path.direction(self.point, goal.value, goal.separation)
+        for point in self.path.advance(self.point, goal.value, goal.separation):
             before, self.point = self.point, point
-            self.record.events += [event_of(self.problem, event) for event in point.events]
+            self.recorder.note(point.events)
             self._report(index)
             if self._fails(point):
                 return "not_converged"
             ended = self._pressures_met(before, point)
             if ended is not None:
                 return ended
-            if self._lost_under_load(point, goal):
+            if self._lost_under_load(point, goal.value):
                 self._keep(point, target=True, status="unreachable")
                 return "unreachable"
-            if isinstance(point, Point) and point.last:
-                continue
-            if point.value != goal and abs(point.value - self.kept) >= spacing:
-                between = self._polished(point, direction)
+            if not point.last and point.value != goal.value and abs(point.value - self.kept) >= spacing:
+                between = self._refined(point, direction)
                 if self._fails(between):
                     return "not_converged"
                 self._keep(between, target=False)
                 if between.events:  # the path goes on behind them
                     self.point = between
-                    return self._follow_to(goal, separation, spacing, index)
+                    return self._follow_to(goal, spacing, index)
         return None
 
     def _separation(self, target: float) -> float | None:
@@ -278,64 +249,16 @@ class _Run:
         start, stop = (min(max(value, -joined), joined) for value in (self.point.value, goal))
         return max(self.path.increments.largest, abs(stop - start) / MOST_BETWEEN)
 
-    def _advance(self, goal: float, separation: float | None) -> Iterator[AnyPoint]:
-        """Points on the way to a goal; the goal itself when the path already stands there."""
-        if isinstance(self.path, Path):
-            assert isinstance(self.point, Point)
-            return self.path.advance(self.point, goal)
-        assert isinstance(self.point, ContactPoint)
-        return self.path.advance(self.point, goal, separation)
-
-    def _polished(self, point: AnyPoint, direction: float) -> AnyPoint:
-        """The point at the accuracy of a target; `direction` is the sign of the motion of the control."""
-        if isinstance(self.path, Path):
-            assert isinstance(point, Point)
-            polished = self.path.polish(point, direction)
-            self.record.events += [event_of(self.problem, event) for event in polished.events]
-            return polished
-        return point
+    def _refined(self, point: AnyPoint, direction: float) -> AnyPoint:
+        """The point at the accuracy of a target, the events on the way to which are kept."""
+        refined: AnyPoint = self.path.refine(point, direction)
+        self.recorder.note(refined.events)
+        return refined
 
     def _keep(self, point: AnyPoint, target: bool, status: str | None = None) -> None:
-        """Store a polished point as a state: assessed and certified where it has edges."""
-        state = replace(self._described(point, target, status), events=len(self.record.events))
+        """Store a refined point as a state."""
         self.kept = point.value
-        self.record.states.append(state)
-        if target:
-            self._store_fields(point)
-        if self.on_state is not None:
-            self.on_state(_result(self.scene, self.record, "interrupted"))
-
-    def _described(self, point: AnyPoint, target: bool, status: str | None) -> State:
-        if point.status == "complete_contact":
-            control, highest = self.problem.control, self.problem.profile.max_height
-            load = control.load(highest, point.value)
-            return complete_state(self.problem, self.complete, load, self.branch, target, self._cost(0))
-        evaluation = point.state
-        if evaluation is None:
-            penetration = self._penetration_of(point)
-            return separated_state(self.problem, penetration, self.branch, target, status or "separated", self._cost(0))
-        if isinstance(self.path, Path):
-            assert isinstance(point, Point)
-            assessment = self.path.assess(point)
-        else:
-            assert isinstance(point, ContactPoint)
-            assessment = self.path.assess(point)
-        return equilibrium_state(
-            self.problem,
-            evaluation,
-            assessment,
-            self.scene.accuracy.tolerance,
-            self.branch,
-            target,
-            self._cost(evaluation.unknowns),
-        )
-
-    def _cost(self, unknowns: int) -> Cost:
-        """Evaluations and CPU seconds since the last state."""
-        evaluations, cpu = self.path.effort.evaluations, time.process_time()
-        cost = Cost(unknowns, evaluations - self.record.evaluations, cpu - self.record.cpu)
-        self.record.evaluations, self.record.cpu = evaluations, cpu
-        return cost
+        self.recorder.keep(point, self.branch, target, status)
 
     def _take_branch(self, branch: str) -> None:
         """Turn to loading or unloading; every leg of the path meets the mean pressures asked for anew."""
@@ -352,13 +275,13 @@ class _Run:
 
     def _pressures_met(self, before: AnyPoint, after: AnyPoint) -> str | None:
         """Store the states where asked mean pressures are crossed; the status of the path where it ends there."""
-        wanted = self._asked - self.met
-        loads = self._load_at(before), self._load_at(after)
-        if not wanted or loads[0] is None or loads[1] is None:
+        wanted = {pressure: self.problem.load_of(pressure) for pressure in self._asked - self.met}
+        start, end = (self.path.load_of(point) for point in (before, after)) if wanted else (None, None)
+        if start is None or end is None:
             return None
-        crossed = [p for p in wanted if self._may_meet(before, after, (loads[0], loads[1]), self.problem.load_of(p))]
-        for pressure in sorted(crossed, reverse=bool(loads[1] < loads[0])):
-            found = self._crossing(before, after, self.problem.load_of(pressure))
+        crossed = [pressure for pressure, load in wanted.items() if self.path.may_meet(before, after, load)]
+        for pressure in sorted(crossed, reverse=bool(end < start)):
+            found: AnyPoint | None = self.path.at_load(before, after, wanted[pressure])
             if found is None:
                 continue
             if self._fails(found):
@@ -369,70 +292,6 @@ class _Run:
                 self.point = found
                 return "converged"
         return None
-
-    def _may_meet(self, before: AnyPoint, after: AnyPoint, loads: tuple[float, float], load: float) -> bool:
-        """Whether a load is crossed between two points, the loads of which are given, or may have been."""
-        if isinstance(before, Point) and isinstance(after, Point):
-            assert isinstance(self.path, Path)
-            if before.last:
-                return False
-            if before.balance is not None and after.balance is not None:
-                return may_meet(self.path, before, after, load)
-        return min(loads) < load <= max(loads)
-
-    def _crossing(self, before: AnyPoint, after: AnyPoint, load: float) -> AnyPoint | None:
-        """The state at a load between two points; None where the path jumps over it."""
-        if isinstance(self.path, Path):
-            assert isinstance(before, Point) and isinstance(after, Point)
-            return at_load(self.path, before, after, load)
-        return self.path.at_load(load)
-
-    def _load_at(self, point: AnyPoint) -> float | None:
-        """Load at a point; None where surfaces are apart or fully joined, unless loads lead there continuously."""
-        if point.state is not None:
-            return point.state.load
-        if isinstance(point, Point):
-            narrowing = self.problem.control.load_weight == 0 and point.status == "complete_contact"
-            return -np.inf if narrowing else None
-        control = self.problem.control
-        if point.status == "separated":
-            return 0.0
-        if control.load_weight == 0:
-            return self.complete.least_load
-        return control.load(self.problem.profile.max_height, point.value)
-
-    def _target_of(self, point: AnyPoint) -> float:
-        """The controlled quantity of a point, SI."""
-        if self.scene.loading.control == "mean_pressure":
-            return self.problem.mean_pressure(point.value)
-        if self.scene.loading.control == "separation":
-            return self.problem.surface.max_height - point.value * self.problem.scales.height
-        return point.value * self.problem.scales.height
-
-    def _store_fields(self, point: AnyPoint) -> None:
-        """Fields asked for at this target; the modules that compute them are imported only then."""
-        wanted = self._outputs_at(self._target_of(point))
-        if not wanted:
-            return
-        observables = import_module("bem.observables.observables")
-        record, state = self.record, point.state
-        if point.status == "complete_contact":
-            load = point.value if self.scene.loading.control == "mean_pressure" else self.complete.least_load
-            stored = observables.complete_contact_fields(wanted, self.problem, self.complete, load, record.shapes)
-        else:
-            pressure = PatchPressure(np.empty(0), np.empty(0), ()) if state is None else state.pressure()
-            depth = self._penetration_of(point) if state is None else state.penetration
-            stored = observables.contact_fields(wanted, self.problem, pressure, depth, record.shapes)
-        record.fields.update(stored)
-        record.shapes += 1
-
-    def _outputs_at(self, target: float) -> list[str]:
-        """Fields asked for at a value of the controlled quantity, SI."""
-        return [name for name in OUTPUTS if self.scene.wants(name, target)]
-
-    def _penetration_of(self, point: AnyPoint) -> float:
-        """Penetration of surfaces that are apart."""
-        return 0.0 if self.scene.loading.control == "mean_pressure" else min(point.value, 0.0)
 
     def _report(self, index: int) -> None:
         if self.progress is None:
@@ -466,7 +325,7 @@ class _Run:
         """Whether a stored state is the next target of the path, not a pressure on the way."""
         if not state.target or self.done == len(self.goals):
             return False
-        target = self.goals[self.done][0]
+        target = self.goals[self.done].target
         value = getattr(state, self.scene.loading.control)
         scale = max(abs(target), self.problem.scales.height * 1e-3)
         return value is not None and abs(value - target) <= 1e-9 * scale
@@ -479,43 +338,35 @@ class _Run:
         value = self.problem.control.value(penetration, load) if goal is None else goal
         if not state.edges:
             bare = load if self.scene.loading.control == "mean_pressure" else penetration
-            return _bare_point(self.scene, state.status, bare if goal is None else goal)
+            kind = Complete if state.status == "complete_contact" else Separated
+            return kind(bare if goal is None else goal)
         edges = np.array(state.edges) / scales.length
         patches = ordered(edges[:, 0], edges[:, 1])
-        if isinstance(self.path, Path):
-            found = restart(self.path, patches, penetration, value)
-            return found if found.balance is None else self.path.afresh(found)
-        solved = self.path.at(value, self._separation(state.separation))
-        self.record.evaluations = self.path.effort.evaluations  # of a state that is stored already
-        return solved
+        point: AnyPoint = self.path.restart(patches, penetration, value, self._separation(state.separation))
+        return point
 
 
-def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> AnyPath:
+def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> LoadingPath[Any, Any]:
     """The path that the effects of the scene call for."""
     positions, heights = problem.profile.crests
     highest = positions[heights >= heights.max() - TOUCHING]
     increments = increments_of(scene, problem)
     if problem.law is None:
         body = CompletedBody(complete, problem.profile.max_height, problem.compliance_ratio)
-        return ConvexPath(problem.elastic, problem.control, increments, body, highest)
+        convex: LoadingPath[ConvexPoint, ContactPoint] = ConvexPath(
+            problem.elastic, problem.control, increments, body, highest
+        )
+        return convex
     equilibrium = import_module("bem.adhesive.equilibrium")
     system = equilibrium.System(problem.elastic, problem.law, problem.control)
     width, flaw = scene.loading.flaw, None
     if width is not None and problem.control.load_weight > 0:
-        flaw = flaw_of(system, complete, width / problem.scales.length, increments.fine_tolerance)
+        flaw = flaw_of(system, complete, width / problem.scales.length, increments.fine.tolerance)
         if flaw is None:
             shut = f"= {width:g}: where it would open the pressure shuts a part of it"
             raise SceneError([Mistake("loading.flaw", shut, "a narrower one")])
-    return Path(system, increments, highest, complete, flaw)
-
-
-def _separated(scene: Scene, value: float) -> AnyPoint:
-    return _bare_point(scene, "separated", value - 1.0)
-
-
-def _bare_point(scene: Scene, status: Any, value: float) -> AnyPoint:
-    """A point without edges."""
-    return ContactPoint(status, value) if scene.adhesion is None else Point(status, value)
+    adhesive: LoadingPath[Point, WithEdges] = Path(system, increments, highest, complete, flaw)
+    return adhesive
 
 
 def _solve_flat(scene: Scene, surface: Profile) -> Result:
@@ -527,8 +378,8 @@ def _solve_flat(scene: Scene, surface: Profile) -> Result:
         states.append(flat_state(flat, -work, "loading" if flat.penetration >= last else "unloading"))
         last = flat.penetration
     if states[-1].status != "unreachable":
-        return _result(scene, Record(states), "converged")
+        return Record(scene, states).result("converged")
     target = f"target {len(states)} of {len(scene.loading.targets)}, {scene.loading.targets[len(states) - 1]:g}"
-    return _result(
-        scene, Record(states), "unreachable", f"{target}: flat surfaces neither overlap nor carry this tension"
+    return Record(scene, states).result(
+        "unreachable", f"{target}: flat surfaces neither overlap nor carry this tension"
     )

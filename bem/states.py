@@ -34,14 +34,25 @@ class Cost:
     cpu_seconds: float
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where on the path a state was kept, and what it took.
+
+    Attributes
+    ----------
+    branch : {"loading", "unloading"}
+    target : bool
+        Whether the scene asks for it.
+    cost : Cost
+    """
+
+    branch: str
+    target: bool
+    cost: Cost
+
+
 def equilibrium_state(
-    problem: Problem,
-    state: Evaluation | GapEvaluation,
-    assessment: Assessment,
-    tolerance: float,
-    branch: str,
-    target: bool,
-    cost: Cost,
+    problem: Problem, state: Evaluation | GapEvaluation, assessment: Assessment, tolerance: float, place: Place
 ) -> State:
     """A state with contact patches and gaps; `converged` only if its certificate, which is independent, says so too.
 
@@ -51,10 +62,7 @@ def equilibrium_state(
         What was solved.
     tolerance : float
         accuracy.tolerance of the scene.
-    branch : {"loading", "unloading"}
-    target : bool
-        Whether the scene asks for it.
-    cost : Cost
+    place : Place
     """
     scales = problem.scales
     judged = _judged(problem, state, assessment, tolerance)
@@ -63,7 +71,7 @@ def equilibrium_state(
     penetration = state.penetration * scales.height
     apart = state.separation * scales.height if isinstance(state, GapEvaluation) else None  # no difference of heights
     return State(
-        branch=branch,
+        branch=place.branch,
         penetration=penetration,
         separation=problem.surface.max_height - penetration if apart is None else apart,
         total_displacement=_total_displacement(problem, penetration, mean_pressure),
@@ -90,11 +98,11 @@ def equilibrium_state(
             ok=judged.ok,
             reasons=judged.reasons,
         ),
-        unknowns=cost.unknowns,
-        evaluations=cost.evaluations,
-        cpu_seconds=cost.cpu_seconds,
+        unknowns=place.cost.unknowns,
+        evaluations=place.cost.evaluations,
+        cpu_seconds=place.cost.cpu_seconds,
         status="converged" if judged.ok else "not_converged",
-        target=target,
+        target=place.target,
     )
 
 
@@ -107,21 +115,20 @@ def _judged(
         return gap_certificate.certify_gaps(
             problem.profile,
             gap_certificate.OpenGaps(gaps.anchor, gaps.shift, gaps.half_width, state.opening),
-            state.deficit,
-            state.mean_pressure,
-            state.separation,
-            penetration=state.penetration,
+            gap_certificate.Levels(state.deficit, state.mean_pressure, state.separation, state.penetration),
             compliance_ratio=problem.compliance_ratio,
         )
+    adhesion: certificate.AdhesiveEdges | None = None
+    if assessment.work is not None:
+        rounding = state.rounding(problem.control.penetration_rate(state))
+        stability = assessment.min_eigenvalue, assessment.hessian_asymmetry
+        adhesion = certificate.AdhesiveEdges(assessment.work, *stability, rounding)
     return certificate.certify(
         problem.profile,
         state.pressure(),
         state.penetration,
-        assessment.work,
-        min_eigenvalue=assessment.min_eigenvalue,
-        hessian_asymmetry=assessment.hessian_asymmetry,
+        adhesion,
         compliance_ratio=problem.compliance_ratio,
-        intensity_rounding=state.rounding(problem.control.penetration_rate(state)),
         demands=certificate.Demands(closure=CLOSURE, interpenetration=max(1e-10, 1e-3 * tolerance)),
     )
 
@@ -160,59 +167,41 @@ def _margin(correction: float) -> float:
     return SAFETY * abs(correction) + ROUNDING
 
 
-def separated_state(problem: Problem, penetration: float, branch: str, target: bool, status: str, cost: Cost) -> State:
+def separated_state(problem: Problem, penetration: float, status: str, place: Place) -> State:
     """Surfaces apart, `penetration` <= 0 in units of the rms height."""
     depth = penetration * problem.scales.height
-    return _bare_state(
-        penetration=depth,
-        separation=problem.surface.max_height - depth,
-        total_displacement=_total_displacement(problem, depth, 0.0),
-        mean_pressure=0.0,
-        contact_fraction=0.0,
-        energies=(0.0, 0.0),
-        branch=branch,
-        target=target,
-        status=status,
-        cost=cost,
-    )
+    gap, total = problem.surface.max_height - depth, _total_displacement(problem, depth, 0.0)
+    return _bare_state(_Bare(status, depth, gap, total), place)
 
 
-def complete_state(
-    problem: Problem, complete: CompleteContact, load: float, branch: str, target: bool, cost: Cost
-) -> State:
+def complete_state(problem: Problem, complete: CompleteContact, load: float, place: Place) -> State:
     """Complete contact under a dimensionless load (nan where penetration control leaves it open)."""
-    scales = problem.scales
+    scales, depth = problem.scales, problem.surface.max_height
     mean_pressure = problem.mean_pressure(load)
-    return _bare_state(
-        penetration=problem.surface.max_height,
-        separation=0.0,
-        total_displacement=_total_displacement(problem, problem.surface.max_height, mean_pressure),
-        mean_pressure=mean_pressure,
-        contact_fraction=1.0,
-        energies=(complete.elastic_energy * scales.energy_per_area, complete.adhesion_energy * scales.energy_per_area),
+    bare = _Bare(
+        "complete_contact",
+        depth,
+        0.0,
+        _total_displacement(problem, depth, mean_pressure),
+        mean_pressure,
+        elastic_energy=complete.elastic_energy * scales.energy_per_area,
+        adhesion_energy=complete.adhesion_energy * scales.energy_per_area,
         left_out=complete.left_out * scales.energy_per_area,
-        branch=branch,
-        target=target,
-        status="complete_contact",
-        cost=cost,
     )
+    return _bare_state(bare, place)
 
 
 def flat_state(flat: FlatState, adhesion_energy: float, branch: str) -> State:
     """A state of two flat surfaces."""
-    joined = flat.status == "complete_contact"
-    return _bare_state(
-        penetration=flat.penetration,
-        separation=-flat.penetration,
-        total_displacement=flat.total_displacement,
-        mean_pressure=flat.mean_pressure,
-        contact_fraction=1.0 if joined else 0.0,
-        energies=(0.0, adhesion_energy if joined else 0.0),
-        branch=branch,
-        target=True,
-        status=flat.status,
-        cost=Cost(0, 0, 0.0),
+    bare = _Bare(
+        flat.status,
+        flat.penetration,
+        -flat.penetration,
+        flat.total_displacement,
+        flat.mean_pressure,
+        adhesion_energy=adhesion_energy if flat.status == "complete_contact" else 0.0,
     )
+    return _bare_state(bare, Place(branch, True, Cost(0, 0, 0.0)))
 
 
 def event_of(problem: Problem, event: PathEvent) -> Event:
@@ -236,42 +225,44 @@ def event_of(problem: Problem, event: PathEvent) -> Event:
     )
 
 
-def _bare_state(
-    penetration: float,
-    separation: float,
-    total_displacement: float | None,
-    mean_pressure: float,
-    contact_fraction: float,
-    energies: tuple[float, float],
-    branch: str,
-    target: bool,
-    status: str,
-    cost: Cost,
-    left_out: float = 0.0,
-) -> State:
-    """A state without edges: exact but for the energy of elastic effects that are left out."""
+@dataclass(frozen=True)
+class _Bare:
+    """A state without edges, SI: exact but for the elastic energy of effects that are left out."""
+
+    status: str
+    penetration: float
+    separation: float
+    total_displacement: float | None
+    mean_pressure: float = 0.0
+    elastic_energy: float = 0.0
+    adhesion_energy: float = 0.0
+    left_out: float = 0.0
+
+
+def _bare_state(bare: _Bare, place: Place) -> State:
+    """The same as a state of a result."""
     return State(
-        branch=branch,
-        penetration=penetration,
-        separation=separation,
-        total_displacement=total_displacement,
-        mean_pressure=mean_pressure,
-        contact_fraction=contact_fraction,
+        branch=place.branch,
+        penetration=bare.penetration,
+        separation=bare.separation,
+        total_displacement=bare.total_displacement,
+        mean_pressure=bare.mean_pressure,
+        contact_fraction=1.0 if bare.status == "complete_contact" else 0.0,
         n_patches=0,
         edges=(),
-        elastic_energy=energies[0],
-        adhesion_energy=energies[1],
-        total_energy=sum(energies),
+        elastic_energy=bare.elastic_energy,
+        adhesion_energy=bare.adhesion_energy,
+        total_energy=bare.elastic_energy + bare.adhesion_energy,
         stress_intensity_max=None,
         contact_stiffness=None,
         stable_at_fixed_load=None,
-        error_estimate=ErrorEstimate(0.0, 0.0, elastic_energy=left_out, total_energy=left_out),
-        certificate=Certificate(None, None, None, None, None, ok=status != "unreachable"),
-        unknowns=cost.unknowns,
-        evaluations=cost.evaluations,
-        cpu_seconds=cost.cpu_seconds,
-        status=status,
-        target=target,
+        error_estimate=ErrorEstimate(0.0, 0.0, elastic_energy=bare.left_out, total_energy=bare.left_out),
+        certificate=Certificate(None, None, None, None, None, ok=bare.status != "unreachable"),
+        unknowns=place.cost.unknowns,
+        evaluations=place.cost.evaluations,
+        cpu_seconds=place.cost.cpu_seconds,
+        status=bare.status,
+        target=place.target,
     )
 
 

@@ -3,6 +3,8 @@
 Packages that are compared share nothing.  Folders of a package stand in an order, and import from themselves and from
 those before them.  Imports inside functions, for type checkers, and by `import_module("name")` count like any other;
 the registry of cases, the table of studies and the faults name their modules as data, which does not.
+
+Functions of the solver can be read: few lines, few parameters, and no question of which path it holds.
 """
 
 import ast
@@ -67,6 +69,11 @@ APART = {  # besides the order: folders that these do not import from either
     "validation/replicate": ("validation/cases", "validation/studies"),
 }
 LARGEST = 15  # files of a folder besides __init__.py
+LONGEST = 50  # lines of a function besides its docstring
+PARAMETERS = 6  # of a function, besides what it is a method of
+PUBLIC = {"bem/contact_state.py:__init__": 7}  # a constructor of the public interface, mostly with defaults
+ONE_PATH = ("bem/solver.py", "bem/record.py")  # ask a path only what bem/loading/loading_path.py says
+LINES = 400  # of the solver
 
 
 def named(path: Path) -> Iterator[str]:
@@ -139,3 +146,39 @@ def test_no_circle_of_files():
 def test_a_folder_can_be_read_at_a_glance(folder):
     files = [path.name for path in SOURCES if path.parent == folder and path.name != "__init__.py"]
     assert len(files) <= LARGEST, f"{folder} holds {len(files)} files"
+
+
+def functions(path: Path) -> Iterator[ast.FunctionDef]:
+    """Every function and method of a file."""
+    yield from (node for node in ast.walk(ast.parse((ROOT / path).read_text())) if isinstance(node, ast.FunctionDef))
+
+
+SOLVER_FILES = [path for path in SOURCES if path.parts[0] == "bem"]
+
+
+@pytest.mark.parametrize("path", SOLVER_FILES, ids=str)
+def test_functions_are_short(path):
+    for function in functions(path):
+        first = function.body[0]
+        said = first.end_lineno - first.lineno + 1 if ast.get_docstring(function, clean=False) is not None else 0
+        lines = function.end_lineno - function.lineno + 1 - said
+        assert lines <= LONGEST, f"{path}:{function.name} has {lines} lines"
+
+
+@pytest.mark.parametrize("path", SOLVER_FILES, ids=str)
+def test_signatures_are_short(path):
+    for function in functions(path):
+        given = function.args
+        named = [each.arg for each in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+        count = len([name for name in named if name not in ("self", "cls")])
+        allowed = PUBLIC.get(f"{path}:{function.name}", PARAMETERS)
+        assert count <= allowed, f"{path}:{function.name} has {count} parameters"
+
+
+@pytest.mark.parametrize("path", ONE_PATH)
+def test_the_solver_does_not_ask_which_path_it_holds(path):
+    source = (ROOT / path).read_text()
+    asked = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Match)]
+    asked += [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Name) and node.id == "isinstance"]
+    assert not asked, f"{path}:{asked[0].lineno} asks for a type"
+    assert source.count("\n") <= LINES

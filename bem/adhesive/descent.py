@@ -3,8 +3,7 @@
 Small trust-region steps, measured in units of the room of each edge, minimise the potential at a fixed target; on the
 way patches may vanish, gaps close and crests touch.  Large steps would end in another basin: barriers between basins
 are as narrow as the shortest wavelength, and no edge moves by more than a fifth of it at once.  Dimensionless.
-Sources: Conn, Gould, Toint, Trust-Region Methods (2000), section 7.3, for the step; Barquins, J. Adhesion 26 (1988)
-1, for the width at which a lone contact pulls off.
+Source: Barquins, J. Adhesion 26 (1988) 1, for the width at which a lone contact pulls off.
 """
 
 from __future__ import annotations
@@ -15,19 +14,21 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
 from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
 from bem.adhesive.touching import CrestsAhead
+from bem.adhesive.trust_region import trust_region_step
 from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.geometry.patches import Patches
+from bem.loading.increments import Accuracy
 
 FloatArray = NDArray[np.float64]
 
 DESCENT_STEPS = 10_000  # evaluations; jumps of three realisations of the paper's profile took up to 47
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
+SMALLEST_RADIUS = 1e-12  # of a step, below which there is none
 LARGEST_ROOM = 0.5  # of the shortest wavelength, in which the steps of an edge are measured
 LARGEST_EXPANSION = 0.2  # of the shortest wavelength, by which an edge with K < 0 moves at once
 DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
@@ -36,6 +37,9 @@ CLOSED_GAP = 1e-7  # of the period
 LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
 TIED = 1e-3  # relative difference of gaps that close, or patches that vanish, at the same instant
 VANISHED_WIDTH = 0.02  # of the half width at which a lone JKR contact pulls off
+
+
+DescentStatus = Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,7 @@ class Descent:
         Crests that touched, dimensionless; their gaps are those of `patches`.
     """
 
-    status: Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
+    status: DescentStatus
     patches: Patches
     balance: Balance | None
     changes: tuple[Change, ...]
@@ -76,71 +80,36 @@ class Descent:
     touching: GapMinima | None = None
 
 
-def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:
-    """Minimiser of the quadratic model in a ball, (n,): by Cholesky inside, by eigendecomposition on its surface.
+@dataclass(frozen=True)
+class Steps:
+    """How a descent steps.
 
-    In the hard case (no force along the most negative mode) the step leaves along that mode, in the direction
-    in which its largest component is positive.
-
-    Examples
-    --------
-    >>> trust_region_step(np.array([3.0, 4.0]), np.eye(2), 10.0).round(9).tolist()
-    [-3.0, -4.0]
-    >>> trust_region_step(np.array([3.0, 4.0]), np.eye(2), 1.0).round(9).tolist()
-    [-0.6, -0.8]
+    Attributes
+    ----------
+    largest : float
+        Trust radius in units of the room of the edges; small values follow the descent path closely.
+    least_resolution : callable or None
+        Least resolution of given patches, where others than these are near.
+    ahead : CrestsAhead or None
+        Finds the crests that touch after a step; the descent ends there, or before edges reach patches that it knows.
+        Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
     """
-    try:
-        newton = -cho_solve(cho_factor(hessian, check_finite=False), gradient, check_finite=False)
-        if np.linalg.norm(newton) <= radius:
-            return np.asarray(newton)
-    except LinAlgError:  # not positive definite
-        pass
-    values, vectors = eigh(hessian)
-    force = vectors.T @ gradient
-    shift = _shift(values, force, radius)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        step = np.where(values + shift > 0, -force / (values + shift), 0.0)
-    missing = radius**2 - float(step @ step)
-    if values[0] < 0 and missing > 1e-3 * radius**2:
-        leading = vectors[np.argmax(np.abs(vectors[:, 0])), 0]
-        step[0] = np.copysign(np.sqrt(step[0] ** 2 + missing), step[0] if step[0] != 0 else leading)
-    return np.asarray(vectors @ step)
 
-
-def _shift(values: FloatArray, force: FloatArray, radius: float) -> float:
-    """The shift of the eigenvalues above the most negative one at which the step is as long as the radius.
-
-    The length falls as the shift grows, and its inverse is nearly linear: Newton on that, within bounds that close in.
-    Where every step is shorter (the hard case) the bounds close in on the most negative eigenvalue.
-    """
-    low, resolved = max(0.0, -float(values[0])), 1e-15 * float(np.abs(values).max())
-    high = low + float(np.sqrt(force @ force)) / radius
-    shift = low + 1e-3 * (high - low)
-    while high - low > max(1e-10 * high, resolved):
-        apart = values + shift
-        step = force / apart
-        square = float(step @ step)
-        excess = np.sqrt(square) / radius - 1
-        if abs(excess) <= 1e-10:
-            return shift
-        low, high = (shift, high) if excess > 0 else (low, shift)
-        newton = shift + excess * square / float(step @ (step / apart))
-        shift = newton if low < newton < high else (low + high) / 2
-    return high
+    largest: float
+    least_resolution: Callable[[Patches], Resolution] | None = None
+    ahead: CrestsAhead | None = None
 
 
 def descend(
-    system: System,
-    patches: Patches,
-    penetration: float,
-    target: float,
-    tolerance: float,
-    closure: float,
-    largest_step: float,
-    resolution_floor: Callable[[Patches], Resolution] | None = None,
-    contacts: CrestsAhead | None = None,
+    system: System, patches: Patches, penetration: float, target: float, accuracy: Accuracy, steps: Steps
 ) -> Descent:
     """Minimise the potential from the given edges, letting patches vanish and gaps close.
+
+    1. Evaluate the forces on the edges.
+    2. Take out gaps about to close and patches about to vanish, and move edges with K < 0 outward; then evaluate again.
+    3. Choose the step that minimises the quadratic model within the trust radius.  Where the residual is small and the
+       step inside the radius, the descent has converged.
+    4. Try it, and take it where the potential falls about as far as predicted, else shrink the radius.
 
     Parameters
     ----------
@@ -149,90 +118,147 @@ def descend(
         Start.
     penetration, target : float
         Start of the penetration under load control, and value of the control.
-    tolerance, closure : float
-        Of the evaluation, and of max |G/w - 1|.
-    largest_step : float
-        Trust radius in units of the room of the edges; small values follow the descent path closely.
-    resolution_floor : callable, optional
-        Least resolution of given patches, where others than `patches` are near.
-    contacts : CrestsAhead, optional
-        Finds the crests that touch after a step; the descent ends there, or before edges reach patches that it knows.
-        Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
+    accuracy : Accuracy
+        Of the evaluation, and of the equilibrium.
+    steps : Steps
     """
-    changes: list[Change] = []
-    seen = patches
-    others = None if contacts is None else contacts.occupied
-    radius = largest_step / 2
-    evaluations = 0
+    walk = _Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2)
+    try:
+        while walk.evaluations < DESCENT_STEPS and walk.radius >= SMALLEST_RADIUS:
+            here = walk.evaluated()
+            verdict = walk.reshaped(here)
+            if verdict is None:
+                step = walk.step(here)
+                inside = here.closed(accuracy.residual) and step.size < 0.9 * walk.radius
+                verdict = "converged" if inside else walk.tried(here, step)
+            if verdict != "again":
+                return walk.ended(verdict)
+    except IllConditionedSystemError:
+        return walk.ended("ill_conditioned")
+    return walk.ended("not_converged")
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """A trust-region step: the room of each edge, the parts of it moved, and the fall that the model predicts."""
+
+    room: FloatArray
+    parts: FloatArray
+    predicted: float
+
+    @property
+    def size(self) -> float:
+        return float(np.linalg.norm(self.parts))
+
+
+@dataclass(eq=False)
+class _Walk:
+    """Where one descent stands: edges, forces on them (None: to be evaluated), trust radius, what has happened."""
+
+    system: System
+    target: float
+    accuracy: Accuracy
+    steps: Steps
+    patches: Patches
+    penetration: float
+    seen: Patches
+    radius: float
     here: Balance | None = None
     resolution: Resolution | None = None
-    try:
-        while evaluations < DESCENT_STEPS:
-            if here is None:
-                resolution = _at_least(resolve(system.elastic, patches, tolerance), None)
-                if resolution_floor is not None:
-                    resolution = _at_least(resolution, resolution_floor(patches))
-                here = balance(system, patches, penetration, target, tolerance, resolution)
-                evaluations += 1
-            vanished = _closing(system, here)
-            if vanished is None and not here.opening:
-                wider = _expanded(system, here)
-                if wider is None or (others is not None and wider.joined(others) is None):
-                    return Descent("not_converged", patches, here, tuple(changes), evaluations)
-                patches, penetration, here = wider, here.state.penetration, None
-                continue
-            vanished = vanished or _vanishing(system, here)
-            if vanished is not None:
-                gone, remaining = vanished
-                changes += gone
-                if remaining is None:
-                    status: Literal["separated", "complete_contact"] = (
-                        "separated" if gone[0].kind == "detachment" else "complete_contact"
-                    )
-                    return Descent(status, patches, None, tuple(changes), evaluations)
-                patches, penetration, here, seen = remaining, here.state.penetration, None, remaining
-                radius = largest_step / 2
-                continue
-            room = _room(system, here, largest_step)
-            hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
-            gradient = here.gradient * room
-            step = trust_region_step(gradient, hessian, radius)
-            if here.closed(closure) and np.linalg.norm(step) < 0.9 * radius:
-                return Descent("converged", patches, here, tuple(changes), evaluations)
-            predicted = -float(gradient @ step + 0.5 * step @ hessian @ step)
-            trial = patches.moved(step * room)
-            if others is not None and trial.joined(others) is None:
-                return Descent("not_converged", patches, here, tuple(changes), evaluations)
-            wanted = _at_least(resolve(system.elastic, trial, tolerance), resolution)
-            if resolution is not None and not _equal(wanted, resolution):
-                resolution = wanted
-                here = balance(system, patches, penetration, target, tolerance, resolution)
-                evaluations += 1
-                continue
-            ahead = balance(system, trial, here.state.penetration, target, tolerance, resolution)
-            evaluations += 1
-            noise = 1e-13 * (abs(here.potential) + abs(ahead.potential))
-            noise += energy_noise(system, here, ahead, tolerance)
-            actual = here.potential - ahead.potential
-            if predicted < 100 * noise:  # energies cancel: the work of the forces along the step instead
-                actual = -0.5 * float((here.gradient + ahead.gradient) @ (step * room))
-            ratio = actual / predicted if predicted > 0 else -1.0
-            good = ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1]
-            closing = ahead.state.stress_intensity <= 0
-            if good and np.all(step[closing] > 0):
-                touching, seen = (None, seen) if contacts is None else contacts(seen, ahead)
-                patches, here, penetration = trial, ahead, ahead.state.penetration
-                if touching is not None:
-                    return Descent("touched", patches, here, tuple(changes), evaluations, touching)
-                if 0.5 < ratio < 1.5:
-                    radius = min(2 * radius, largest_step)
-            else:
-                radius = min(radius, float(np.linalg.norm(step))) / 3
-                if radius < 1e-12:
-                    break
-    except IllConditionedSystemError:
-        return Descent("ill_conditioned", patches, here, tuple(changes), evaluations)
-    return Descent("not_converged", patches, here, tuple(changes), evaluations)
+    changes: tuple[Change, ...] = ()
+    evaluations: int = 0
+    touching: GapMinima | None = None
+
+    def ended(self, status: DescentStatus) -> Descent:
+        """The outcome."""
+        return Descent(status, self.patches, self.here, self.changes, self.evaluations, self.touching)
+
+    def evaluated(self) -> Balance:
+        """Forces on the edges where they are; with the resolution that they ask for, where they come from elsewhere."""
+        if self.here is None:
+            self.resolution = resolve(self.system.elastic, self.patches, self.accuracy.tolerance)
+            if self.steps.least_resolution is not None:
+                self.resolution = _at_least(self.resolution, self.steps.least_resolution(self.patches))
+            self.here = self._balance(self.patches, self.penetration, self.resolution)
+        return self.here
+
+    def reshaped(self, here: Balance) -> DescentStatus | Literal["again"] | None:
+        """Gaps close, edges with K < 0 move, patches vanish; None where nothing of that is due."""
+        vanished = _closing(self.system, here)
+        if vanished is None and not here.opening:
+            wider = _expanded(self.system, here)
+            if wider is None or not self._is_free(wider):
+                return "not_converged"
+            self._stand_at(wider, here)
+            return "again"
+        vanished = vanished or _vanishing(self.system, here)
+        if vanished is None:
+            return None
+        gone, remaining = vanished
+        self.changes += gone
+        if remaining is None:
+            self.here = None
+            return "separated" if gone[0].kind == "detachment" else "complete_contact"
+        self._stand_at(remaining, here)
+        self.seen, self.radius = remaining, self.steps.largest / 2
+        return "again"
+
+    def step(self, here: Balance) -> _Step:
+        """The step that minimises the quadratic model within the trust radius."""
+        room = _room(self.system, here, self.steps.largest)
+        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
+        gradient = here.gradient * room
+        parts = trust_region_step(gradient, hessian, self.radius)
+        return _Step(room, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
+
+    def tried(self, here: Balance, step: _Step) -> DescentStatus | Literal["again"]:
+        """Try a step: take it where the potential falls about as far as predicted, else shrink the radius."""
+        trial = self.patches.moved(step.parts * step.room)
+        if not self._is_free(trial):
+            return "not_converged"
+        wanted = _at_least(resolve(self.system.elastic, trial, self.accuracy.tolerance), self.resolution)
+        if self.resolution is None or not _equal(wanted, self.resolution):
+            self.resolution = wanted
+            self.here = self._balance(self.patches, self.penetration, wanted)
+            return "again"
+        ahead = self._balance(trial, here.state.penetration, wanted)
+        ratio = self._ratio(here, ahead, step)
+        closing = ahead.state.stress_intensity <= 0
+        if not (ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1] and np.all(step.parts[closing] > 0)):
+            self.radius = min(self.radius, step.size) / 3
+            return "again"
+        if self.steps.ahead is not None:
+            self.touching, self.seen = self.steps.ahead(self.seen, ahead)
+        self.patches, self.here, self.penetration = trial, ahead, ahead.state.penetration
+        if self.touching is not None:
+            return "touched"
+        if 0.5 < ratio < 1.5:
+            self.radius = min(2 * self.radius, self.steps.largest)
+        return "again"
+
+    def _ratio(self, here: Balance, ahead: Balance, step: _Step) -> float:
+        """Fall of the potential over that predicted; by the work of the forces, where energies cancel."""
+        noise = 1e-13 * (abs(here.potential) + abs(ahead.potential))
+        noise += energy_noise(self.system, here, ahead, self.accuracy.tolerance)
+        actual = here.potential - ahead.potential
+        if step.predicted < 100 * noise:
+            actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.room))
+        return actual / step.predicted if step.predicted > 0 else -1.0
+
+    def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance:
+        """Forces on some edges, counted."""
+        found = balance(self.system, patches, penetration, self.target, self.accuracy.tolerance, resolution)
+        self.evaluations += 1
+        return found
+
+    def _is_free(self, patches: Patches) -> bool:
+        """Whether edges keep clear of the patches beside those that descend."""
+        others = None if self.steps.ahead is None else self.steps.ahead.occupied
+        return others is None or patches.joined(others) is not None
+
+    def _stand_at(self, patches: Patches, before: Balance) -> None:
+        """Go on from other edges, on which the forces are not known."""
+        self.patches, self.penetration, self.here = patches, before.state.penetration, None
 
 
 def _at_least(resolution: Resolution, floor: Resolution | None) -> Resolution:

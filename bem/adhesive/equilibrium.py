@@ -20,6 +20,7 @@ from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import Patches
 from bem.loading.control import Control
+from bem.loading.increments import Accuracy
 from bem.loading.interface_law import InterfaceLaw
 
 FloatArray = NDArray[np.float64]
@@ -202,9 +203,7 @@ class Corrected:
     evaluations: int
 
 
-def correct(
-    system: System, patches: Patches, penetration: float, target: float, tolerance: float, closure: float
-) -> Corrected:
+def correct(system: System, patches: Patches, penetration: float, target: float, accuracy: Accuracy) -> Corrected:
     """Newton iteration on K = 2 sqrt(w) from edges close to an equilibrium.
 
     K is closer to a linear function of the edges than G = K^2/4, above all where w is small and K changes sign on
@@ -218,7 +217,7 @@ def correct(
     start = patches
     for count in range(1, NEWTON_STEPS + 1):
         try:
-            here = balance(system, patches, penetration, target, tolerance, kept)
+            here = balance(system, patches, penetration, target, accuracy.tolerance, kept)
         except IllConditionedSystemError:
             return Corrected("ill_conditioned", None, count)
         room = patches.edge_room
@@ -227,13 +226,13 @@ def correct(
                 cho_factor(here.hessian_by_room, check_finite=False)
             except LinAlgError:
                 return Corrected("indefinite", None, count)
-            if here.closed(closure):
+            if here.closed(accuracy.residual):
                 return Corrected("converged", here, count)
         step = _newton_step(system, here)
         size = float(np.abs(step).max())
         if not size <= LARGEST_NEWTON_STEP:
             return Corrected("long_step", None, count)
-        if size > last / 2 and here.closure > 100 * closure:
+        if size > last / 2 and here.closure > 100 * accuracy.residual:
             return Corrected("stalled", None, count)
         last, kept = size, here.state.resolution if size < SHORT_NEWTON_STEP else None
         penetration = here.state.penetration

@@ -9,13 +9,13 @@ avalanche releases is the difference of the potential.  Dimensionless.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.adhesive.descent import descend, pull_off_half_width
+from bem.adhesive.descent import DescentStatus, Steps, descend, pull_off_half_width
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.touching import CrestsAhead
 from bem.elastic.collocation import Evaluation, Resolution, resolve
@@ -23,6 +23,7 @@ from bem.elastic.gap import GapMinima, gap_field, low_minima
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import DisplacementControl
+from bem.loading.increments import Accuracy
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -32,8 +33,6 @@ GLOBAL_STEP = 0.4
 NEIGHBOURS = 4
 AVALANCHE_ROUNDS = 200  # besides one for every touch of a crest
 TIED = 1e-3  # relative difference in depth of contacts that form at the same instant
-
-SettledStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +53,7 @@ class Settled:
         Evaluations of all patches, and of a few in the field of the others.
     """
 
-    status: SettledStatus
+    status: DescentStatus
     target: float
     balance: Balance | None
     changes: tuple[tuple[str, float], ...]
@@ -69,17 +68,35 @@ def interpenetration(system: System, state: Evaluation, allowed: float) -> GapMi
     return GapMinima(low.position[bad], low.depth[bad], low.gap[bad])
 
 
+@dataclass(frozen=True, eq=False)
+class Cause:
+    """What ended the last equilibrium.
+
+    Attributes
+    ----------
+    unstable : int array or None
+        Patches that are about to jump; they move first.
+    found : GapMinima or None
+        Where the equilibrium at the given edges interpenetrates.
+    state : Evaluation or None
+        The last equilibrium, from which far patches keep their pressure while near ones move first.
+    """
+
+    unstable: IntArray | None = None
+    found: GapMinima | None = None
+    state: Evaluation | None = None
+
+
+UNKNOWN = Cause()
+
+
 def settle(
     system: System,
     patches: Patches,
     penetration: float,
     target: float,
-    tolerance: float,
-    closure: float,
-    allowed: float,
-    unstable: IntArray | None = None,
-    found: GapMinima | None = None,
-    state: Evaluation | None = None,
+    accuracy: Accuracy,
+    cause: Cause = UNKNOWN,
 ) -> Settled:
     """Resolve an event at fixed target, starting from the given edges.
 
@@ -87,38 +104,30 @@ def settle(
     ----------
     system, patches, penetration, target
         Where the last equilibrium ended; `penetration` is its Delta.
-    tolerance, closure : float
-        As of a descent.
-    allowed : float
-        Interpenetration that is not yet a contact, dimensionless.
-    unstable : int array, optional
-        Patches that are about to jump; they move first.
-    found : GapMinima, optional
-        Where the equilibrium at the given edges interpenetrates.
-    state : Evaluation, optional
-        Of the last equilibrium, from which far patches keep their pressure while near ones move first.
+    accuracy : Accuracy
+        Of the equilibrium that is sought.
+    cause : Cause, optional
     """
     changes: list[tuple[str, float]] = []
     evaluations = local_evaluations = 0
-    active = unstable
-    if found is not None:
-        patches, active, formed = _with_new_contacts(system, patches, found)
+    active, state = cause.unstable, cause.state
+    if cause.found is not None:
+        patches, active, formed = _with_new_contacts(system, patches, cause.found)
         changes += formed
-    ahead = CrestsAhead(system, allowed)
+    steps = Steps(GLOBAL_STEP, ahead=CrestsAhead(system, accuracy.allowed))
     for _ in range(_most_rounds(system)):
         if active is not None and state is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
-            patches, local, count = _settled_locally(system, patches, state, target, tolerance, active, allowed)
+            patches, local, count = _settled_locally(system, patches, state, target, accuracy, active)
             changes += local
             local_evaluations += count
-        end = descend(system, patches, penetration, target, tolerance, closure, GLOBAL_STEP, None, ahead)
+        end = descend(system, patches, penetration, target, accuracy, steps)
         evaluations += end.evaluations
         changes += [(change.kind, change.position) for change in end.changes]
-        if end.status != "converged" and end.status != "touched":
+        if end.balance is None or end.status not in ("converged", "touched"):
             return Settled(end.status, target, end.balance, tuple(changes), evaluations, local_evaluations)
-        assert end.balance is not None
         patches, state = end.patches, end.balance.state
         penetration = state.penetration
-        found = interpenetration(system, state, allowed) if end.touching is None else end.touching
+        found = interpenetration(system, state, accuracy.allowed) if end.touching is None else end.touching
         if found.position.size == 0:
             return Settled("converged", target, end.balance, tuple(changes), evaluations, local_evaluations)
         patches, active, formed = _with_new_contacts(system, patches, found)
@@ -171,13 +180,7 @@ def _nearest(patches: Patches, position: float) -> int:
 
 
 def _settled_locally(
-    system: System,
-    patches: Patches,
-    state: Evaluation,
-    target: float,
-    tolerance: float,
-    active: IntArray,
-    allowed: float,
+    system: System, patches: Patches, state: Evaluation, target: float, accuracy: Accuracy, active: IntArray
 ) -> tuple[Patches, list[tuple[str, float]], int]:
     """Descend near the active patches in the frozen field of the others, touch by touch.
 
@@ -189,40 +192,26 @@ def _settled_locally(
     evaluations : int
     """
     count = patches.count
-    reach = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
-    members = np.unique((active[:, None] + reach) % count)
+    members = np.unique((active[:, None] + np.arange(-NEIGHBOURS, NEIGHBOURS + 1)) % count)
     if members.size > count // 2:
         return patches, [], 0
-    far = np.setdiff1d(np.arange(count), members)
     state = system.control.reach(state, target)
     penetration = system.control.guess(state.penetration, target)
-    apart = np.subtract.outer(state.patches.center, patches.center[members])
-    frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
-    keep = np.repeat(frozen, state.resolution.modes)
-    charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
-    nodes, charges = state.skeleton_nodes()[keep], charges[keep]
-    kernel = system.elastic.kernel
-    logarithmic = LogarithmicPotential(nodes, charges)
-
-    def field(x: FloatArray) -> FloatArray:
-        total = logarithmic(x)
-        if kernel is not None:
-            total += kernel.field(x, nodes, charges)
-        return total
-
-    local = System(replace(system.elastic, backgrounds=(field,)), system.law, DisplacementControl())
+    elastic = replace(system.elastic, backgrounds=(_frozen_field(system, patches, members, state, penetration),))
+    local = System(elastic, system.law, DisplacementControl())
+    far = np.setdiff1d(np.arange(count), members)
     inner, outer = (Patches(patches.left[who], patches.right[who]) for who in (members, far))
-    whole = resolve(system.elastic, patches, tolerance)
+    whole = resolve(system.elastic, patches, accuracy.tolerance)
     floor = Resolution(whole.nodes[members], whole.modes[members])
 
     def at_least(trial: Patches) -> Resolution:
-        return floor if trial.count == members.size else resolve(local.elastic, trial, tolerance)
+        return floor if trial.count == members.size else resolve(local.elastic, trial, accuracy.tolerance)
 
-    ahead = CrestsAhead(local, allowed, outer)
+    steps = Steps(LOCAL_STEP, at_least, CrestsAhead(local, accuracy.allowed, outer))
     changes: list[tuple[str, float]] = []
     evaluations = 0
     for _ in range(_most_rounds(system)):
-        end = descend(local, inner, penetration, penetration, tolerance, LOCAL_CLOSURE, LOCAL_STEP, at_least, ahead)
+        end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_CLOSURE), steps)
         evaluations += end.evaluations
         changes += [(change.kind, change.position) for change in end.changes]
         if end.touching is None:
@@ -233,3 +222,23 @@ def _settled_locally(
         return outer, changes, evaluations
     joined = None if end.status == "complete_contact" else outer.joined(end.patches)
     return (patches, [], evaluations) if joined is None else (joined, changes, evaluations)
+
+
+def _frozen_field(
+    system: System, patches: Patches, members: IntArray, state: Evaluation, penetration: float
+) -> Callable[[FloatArray], FloatArray]:
+    """What the patches of a state that are none of some members do to these, at a penetration."""
+    apart = np.subtract.outer(state.patches.center, patches.center[members])
+    frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
+    keep = np.repeat(frozen, state.resolution.modes)
+    charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
+    nodes, charges = state.skeleton_nodes()[keep], charges[keep]
+    kernel, logarithmic = system.elastic.kernel, LogarithmicPotential(nodes, charges)
+
+    def field(x: FloatArray) -> FloatArray:
+        total = logarithmic(x)
+        if kernel is not None:
+            total += kernel.field(x, nodes, charges)
+        return total
+
+    return field

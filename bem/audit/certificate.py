@@ -16,7 +16,8 @@ Cost: 0.03 s for 112 patches with 2900 coefficients on a profile of 1000 harmoni
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,16 +95,46 @@ class Certificate:
     reasons: tuple[str, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class AdhesiveEdges:
+    """What the solver hands in of a state with adhesion.
+
+    Attributes
+    ----------
+    work : (2 L,) array
+        w at all left edges, then all right ones.
+    min_eigenvalue, hessian_asymmetry : float or None
+        Of the Hessian of the energy; a state without them is not ok.
+    intensity_rounding : (2 L,) array or None
+        Accuracy of K in double precision: an edge is not asked for more than three times that.
+    """
+
+    work: FloatArray
+    min_eigenvalue: float | None = None
+    hessian_asymmetry: float | None = None
+    intensity_rounding: FloatArray | None = None
+
+    def attainable(self, closure: float) -> FloatArray | float:
+        """The closure that is demanded, or more where rounding leaves more."""
+        if self.intensity_rounding is None:
+            return closure
+        return np.asarray(np.maximum(closure, 3 * self.intensity_rounding / np.sqrt(self.work)))
+
+    def objections(self, asymmetry: float) -> Iterator[str]:
+        """Reasons against the stability of the state, and the symmetry of its Hessian."""
+        if self.min_eigenvalue is None or not self.min_eigenvalue > 0:
+            yield f"smallest eigenvalue of the Hessian is {self.min_eigenvalue}, must be > 0"
+        if self.hessian_asymmetry is None or not self.hessian_asymmetry <= asymmetry:
+            yield f"asymmetry of the Hessian is {self.hessian_asymmetry}, limit {asymmetry:.0e}"
+
+
 def certify(
     profile: Profile,
     pressure: PatchPressure,
     penetration: float,
-    work_of_adhesion: FloatArray | None,
+    adhesion: AdhesiveEdges | None,
     *,
-    min_eigenvalue: float | None = None,
-    hessian_asymmetry: float | None = None,
     compliance_ratio: ComplianceRatio | None = None,
-    intensity_rounding: FloatArray | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
     """Check a state with at least one patch and one gap.
@@ -116,14 +147,10 @@ def certify(
         Edges and series, dimensionless.
     penetration : float
         Delta, dimensionless.
-    work_of_adhesion : (2 L,) array or None
-        w at all left edges, then all right ones; None without adhesion.
-    min_eigenvalue, hessian_asymmetry : float, optional
-        Of the Hessian of the energy, from the solver; an adhesive state without them is not ok.
+    adhesion : AdhesiveEdges or None
+        None without adhesion.
     compliance_ratio : callable, optional
         Compliance of a layer over that of the half-space for orders m >= 1 (n,), tending to 1.
-    intensity_rounding : (2 L,) array, optional
-        Accuracy of K in double precision, from the solver: an edge is not asked for more than three times that.
     demands : Demands, optional
         Limits.
 
@@ -153,59 +180,55 @@ def certify(
     behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
     if left.size == 0 or not (np.all(right > left) and np.all(behind > 0)):
         raise ValueError("pressure: at least one patch, positive widths and gaps, in order on the circle")
-    field = DisplacementField(pressure, compliance_ratio)
-    reasons: list[str] = []
+    displacement = DisplacementField(pressure, compliance_ratio)
+    verdict = Verdict(left.size)
+    place, eigenvalue, asymmetry = "at an edge of patch", None, None
+    if adhesion is None:
+        closure = verdict.judge("closure", _closure(pressure, None), demands.closure, place)
+        verdict.judge("tension without adhesion", _tension(pressure), demands.closure, "on patch")
+    else:
+        limit = adhesion.attainable(demands.closure)
+        closure = verdict.judge("closure", _closure(pressure, adhesion.work), limit, place)
+        verdict.reasons.extend(adhesion.objections(demands.hessian_asymmetry))
+        eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
+    truncation = verdict.judge("truncation", _truncation(pressure), demands.truncation, "on patch")
+    magnitude = max(1.0, max(float(np.max(np.abs(q))) for q in pressure.charges))
+    misfit, least = _contact_residuals(profile, displacement, penetration), ROUNDING * magnitude
+    residual = verdict.judge("contact residual", misfit, max(demands.contact_residual, least), "on patch")
+    depth, gap_integrals, unresolved = _gaps(profile, displacement, penetration, behind, RESOLVED * magnitude)
+    min_gap = -verdict.judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
+    verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
+    error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - (profile.max_height - penetration))
+    mean_gap_error = verdict.judge("mean gap less separation", error, demands.mean_gap_error, "")
+    return Certificate(
+        closure=closure,
+        min_gap=min_gap,
+        min_eigenvalue=eigenvalue,
+        truncation=truncation,
+        hessian_asymmetry=asymmetry,
+        contact_residual=residual,
+        mean_gap_error=mean_gap_error,
+        ok=not verdict.reasons,
+        reasons=tuple(verdict.reasons),
+    )
 
-    def judge(name: str, values: FloatArray | float, limit: FloatArray | float, place: str) -> float:
+
+@dataclass(eq=False)
+class Verdict:
+    """Figures against their limits; the reasons against a state of some patches, figure by figure."""
+
+    patches: int
+    reasons: list[str] = field(default_factory=list)
+
+    def judge(self, name: str, values: FloatArray | float, limit: FloatArray | float, place: str) -> float:
+        """The figure farthest beyond its limit, a reason where it exceeds it."""
         array = np.atleast_1d(values)
         limits = np.broadcast_to(limit, array.shape)
         worst = int(np.argmax(np.where(np.isnan(array), np.inf, array / limits)))
         if not array[worst] <= limits[worst]:  # also when it is not a number
-            at = f" {place} {worst % left.size}" if place else ""
-            reasons.append(f"{name} {array[worst]:.2e} exceeds {limits[worst]:.0e}{at}")
+            at = f" {place} {worst % self.patches}" if place else ""
+            self.reasons.append(f"{name} {array[worst]:.2e} exceeds {limits[worst]:.0e}{at}")
         return float(array[worst])
-
-    within: FloatArray | float = demands.closure
-    if intensity_rounding is not None and work_of_adhesion is not None:
-        within = np.maximum(within, 3 * intensity_rounding / np.sqrt(work_of_adhesion))
-    closure = judge("closure", _closure(pressure, work_of_adhesion), within, "at an edge of patch")
-    if work_of_adhesion is None:
-        judge("tension without adhesion", _tension(pressure), demands.closure, "on patch")
-    else:
-        if min_eigenvalue is None or not min_eigenvalue > 0:
-            reasons.append(f"smallest eigenvalue of the Hessian is {min_eigenvalue}, must be > 0")
-        if hessian_asymmetry is None or not hessian_asymmetry <= demands.hessian_asymmetry:
-            reasons.append(f"asymmetry of the Hessian is {hessian_asymmetry}, limit {demands.hessian_asymmetry:.0e}")
-    truncation = judge(
-        "truncation",
-        _truncation(pressure),
-        demands.truncation,
-        "on patch",
-    )
-    magnitude = max(1.0, max(float(np.max(np.abs(q))) for q in pressure.charges))
-    residual = judge(
-        "contact residual",
-        _contact_residuals(profile, field, penetration),
-        max(demands.contact_residual, ROUNDING * magnitude),
-        "on patch",
-    )
-    depth, gap_integrals, unresolved = _gaps(profile, field, penetration, behind, RESOLVED * magnitude)
-    min_gap = -judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
-    reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
-    separation = profile.max_height - penetration
-    error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - separation)
-    mean_gap_error = judge("mean gap less separation", error, demands.mean_gap_error, "")
-    return Certificate(
-        closure=closure,
-        min_gap=min_gap,
-        min_eigenvalue=min_eigenvalue,
-        truncation=truncation,
-        hessian_asymmetry=hessian_asymmetry,
-        contact_residual=residual,
-        mean_gap_error=mean_gap_error,
-        ok=not reasons,
-        reasons=tuple(reasons),
-    )
 
 
 def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> FloatArray:

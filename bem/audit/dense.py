@@ -158,31 +158,20 @@ def evaluate_dense(
     if not (np.all(right > left) and np.all(behind > 0)):
         raise ValueError("left, right: patches must have positive widths and gaps, in order on the circle")
     nodes = dense_nodes(profile, left, right) if nodes is None else nodes
-    count = left.size
     radius = (right - left) / 2
     blocks = [slice(stop - n, stop) for n, stop in zip(nodes, np.cumsum(nodes), strict=True)]
     grids = [np.cos((np.arange(n) + 0.5) * np.pi / n) for n in nodes]
     x = np.concatenate([(a + b) / 2 + r * t for a, b, r, t in zip(left, right, radius, grids, strict=True)])
-
     kernel, slope = _kernel_and_slope(x, blocks, grids, radius)
     if smooth_kernel is not None:
         difference = np.subtract.outer(x, x)
         kernel += smooth_kernel.value(difference)
         slope += smooth_kernel.derivative(difference)
     factor = lu_factor(kernel, overwrite_a=True, check_finite=False)
-
     height, height_slope = profile.height(x), profile.slope(x)
     target = height - profile.max_height + penetration
     charges = lu_solve(factor, -np.pi * target, check_finite=False)
-
-    motion = np.zeros((x.size, 2 * count))  # dx of every node as an edge moves outward by one
-    stretch = np.zeros((x.size, 2 * count))  # dr/r, the limit of the slope term on the diagonal
-    at_edge = np.zeros((2 * count, x.size))  # q(-1), q(+1) from charges
-    for i, (block, t, r) in enumerate(zip(blocks, grids, radius, strict=True)):
-        motion[block, i], motion[block, count + i] = (t - 1) / 2, (t + 1) / 2
-        stretch[block, [i, count + i]] = 0.5 / r
-        at_edge[i, block], at_edge[count + i, block] = _edge_rows(t.size)
-
+    motion, stretch, at_edge = _with_edges(blocks, grids, radius)
     # the matrix is the kernel itself, kernel y = -pi target, hence the factors -pi
     moved = motion * (slope @ charges)[:, None] - slope @ (motion * charges[:, None]) + stretch * charges[:, None]
     rhs = -np.pi * motion * height_slope[:, None] - moved
@@ -192,7 +181,7 @@ def evaluate_dense(
     stress_intensity = scale * (at_edge @ charges)
     rates = scale[:, None] * (at_edge @ solved)
     jacobian = rates[:, :-1]
-    same_patch = np.tile(np.eye(count), (2, 2))
+    same_patch = np.tile(np.eye(radius.size), (2, 2))
     jacobian -= same_patch * (stress_intensity / (4 * np.tile(radius, 2)))[:, None]
     totals = solved.sum(axis=0)
     series = tuple(_coefficients(charges[block] * (block.stop - block.start) / np.pi) for block in blocks)
@@ -207,6 +196,23 @@ def evaluate_dense(
         load_jacobian=totals[:-1],
         elastic_energy=float(charges @ target) / 2,
     )
+
+
+def _with_edges(
+    blocks: list[slice], grids: list[FloatArray], radius: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """How nodes follow edges and edges read nodes, (n, 2 L), (n, 2 L) and (2 L, n).
+
+    dx of every node as an edge moves outward by one; dr/r, the limit of the slope term on the diagonal; and q(-1),
+    q(+1) from charges.
+    """
+    size, count = blocks[-1].stop, radius.size
+    motion, stretch, at_edge = np.zeros((size, 2 * count)), np.zeros((size, 2 * count)), np.zeros((2 * count, size))
+    for i, (block, t, r) in enumerate(zip(blocks, grids, radius, strict=True)):
+        motion[block, i], motion[block, count + i] = (t - 1) / 2, (t + 1) / 2
+        stretch[block, [i, count + i]] = 0.5 / r
+        at_edge[i, block], at_edge[count + i, block] = _edge_rows(t.size)
+    return motion, stretch, at_edge
 
 
 def _kernel_and_slope(

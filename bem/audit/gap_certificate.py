@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.audit.certificate import Certificate, Demands
+from bem.audit.certificate import Certificate, Demands, Verdict
 from bem.audit.displacement import ComplianceRatio
 from bem.geometry.profile import Profile
 
@@ -76,14 +76,29 @@ class OpenGaps:
         return np.asarray(following - np.roll(self.half_width, -1) - self.center - self.half_width)
 
 
+@dataclass(frozen=True)
+class Levels:
+    """The numbers of a state besides its gaps, dimensionless.
+
+    Attributes
+    ----------
+    deficit, mean_pressure : float
+        What the mean pressure lacks to that of complete contact without tension, and itself.
+    separation, penetration : float
+        s and Delta.
+    """
+
+    deficit: float
+    mean_pressure: float
+    separation: float
+    penetration: float
+
+
 def certify_gaps(
     profile: Profile,
     gaps: OpenGaps,
-    deficit: float,
-    mean_pressure: float,
-    separation: float,
+    levels: Levels,
     *,
-    penetration: float,
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
@@ -94,10 +109,7 @@ def certify_gaps(
     profile : Profile
         Dimensionless (period 2 pi, unit rms height).
     gaps : OpenGaps
-    deficit, mean_pressure : float
-        What the mean pressure lacks to that of complete contact without tension, and itself.
-    separation, penetration : float
-        s and Delta.
+    levels : Levels
     compliance_ratio : callable, optional
         Compliance of a layer over that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.
     demands : Demands, optional
@@ -112,33 +124,25 @@ def certify_gaps(
     demands = Demands() if demands is None else demands
     if gaps.anchor.size == 0 or not (np.all(gaps.half_width > 0) and np.all(gaps.contact_after > 0)):
         raise ValueError("gaps: at least one, of positive width, in order on the circle, with contact between them")
-    field = _Pressure(profile, gaps, deficit, compliance_ratio)
-    reasons: list[str] = []
-
-    def judge(name: str, values: FloatArray | float, limits: FloatArray | float) -> float:
-        value, limit = np.broadcast_arrays(np.atleast_1d(values), limits)
-        worst = int(np.argmax(np.where(np.isnan(value), np.inf, value / limit)))
-        if not value[worst] <= limit[worst]:  # also when it is not a number
-            reasons.append(
-                f"{name} {value[worst]:.2e} exceeds {limit[worst]:.0e}" + f" in gap {worst}" * (value.size > 1)
-            )
-        return float(value[worst])
-
+    field = _Pressure(profile, gaps, levels.deficit, compliance_ratio)
+    verdict, gap = Verdict(gaps.anchor.size), "in gap" * (gaps.anchor.size > 1)
     noise = ROUNDING * field.scale
     first = np.array([np.max(np.abs(g)) for g in gaps.opening])
     noisy = SUMMED * noise * gaps.half_width / first
-    closure = judge("closure", np.array([_end_value(g) for g in gaps.opening]), np.maximum(demands.closure, noisy))
+    ends = np.array([_end_value(g) for g in gaps.opening])
+    closure = verdict.judge("closure", ends, np.maximum(demands.closure, noisy), gap)
     tails = np.array([np.max(np.abs(g[-3:])) for g in gaps.opening]) / first
-    truncation = judge("truncation", tails, np.maximum(demands.truncation, noisy))
+    truncation = verdict.judge("truncation", tails, np.maximum(demands.truncation, noisy), gap)
     held, left = field.in_gaps()
-    judge("pressure in a gap", left, np.maximum(demands.contact_residual * held, noise))
-    judge("tension without adhesion", -field.lowest_in_contact(), np.maximum(TENSION * held.max(), noise))
+    verdict.judge("pressure in a gap", left, np.maximum(demands.contact_residual * held, noise), gap)
+    verdict.judge("tension without adhesion", -field.lowest_in_contact(), max(TENSION * held.max(), noise), "")
     overlap, lowest = _overlap(gaps.opening)
-    judge("interpenetration", overlap, np.maximum(demands.interpenetration, noisy))
+    verdict.judge("interpenetration", overlap, np.maximum(demands.interpenetration, noisy), gap)
     volume = math.fsum(a * g[0] / 4 for a, g in zip(gaps.half_width, gaps.opening, strict=True))
-    judge("mean gap over separation", abs(volume / separation - 1), RELATIVE)
-    error = judge("mean gap less separation", abs(profile.max_height - penetration - volume), demands.mean_gap_error)
-    judge("deficit", abs(field.least_mean - deficit - mean_pressure), noise)
+    verdict.judge("mean gap over separation", abs(volume / levels.separation - 1), RELATIVE, "")
+    error = abs(profile.max_height - levels.penetration - volume)
+    mean_gap_error = verdict.judge("mean gap less separation", error, demands.mean_gap_error, "")
+    verdict.judge("deficit", abs(field.least_mean - levels.deficit - levels.mean_pressure), noise, "")
     return Certificate(
         closure=closure,
         min_gap=lowest,
@@ -146,9 +150,9 @@ def certify_gaps(
         truncation=truncation,
         hessian_asymmetry=None,
         contact_residual=float(np.max(left / np.maximum(held, noise))),
-        mean_gap_error=error,
-        ok=not reasons,
-        reasons=tuple(reasons),
+        mean_gap_error=mean_gap_error,
+        ok=not verdict.reasons,
+        reasons=tuple(verdict.reasons),
     )
 
 

@@ -12,17 +12,22 @@ the gap that a row of cracks has at that load (opening.py).  Without adhesion lo
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
+from typing import Protocol, Self
 
 import numpy as np
 from scipy.optimize import brentq
 
+from bem.adhesive.equilibrium import System
 from bem.continuation.opening import FINEST_GAP, Flaw, opening_load, with_gap
-from bem.continuation.path import Path, restart
-from bem.continuation.path_point import Point
+from bem.continuation.path_point import Equilibrium, Point, WithEdges
 from bem.elastic.collocation import evaluate
+from bem.geometry.patches import Patches
+from bem.loading.complete_contact import CompleteContact
 from bem.loading.control import LoadControl
+from bem.loading.increments import Accuracy, Increments
 
 SECANT_STEPS = 30
 NEWTON_STEPS = 6
@@ -33,26 +38,65 @@ REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # of evaluations in finer incre
 COARSE_CLOSURE = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
 
 
-def at_load(path: Path, before: Point, after: Point, load: float) -> Point | None:
-    """The polished point between two points at which the load is `load`; None where there is none.
+class Branches(Protocol):
+    """What is asked of the path between the points (path.py)."""
+
+    @property
+    def system(self) -> System:
+        """Edges, law and control."""
+        ...
+
+    @property
+    def increments(self) -> Increments:
+        """Sizes and accuracies."""
+        ...
+
+    @property
+    def complete(self) -> CompleteContact:
+        """Complete contact."""
+        ...
+
+    def advance(self, point: Point, goal: float) -> Iterator[Point]:
+        """Points on the way to a goal."""
+        ...
+
+    def corrected(self, patches: Patches, penetration: float, value: float) -> Equilibrium | None:
+        """The equilibrium near given edges."""
+        ...
+
+    def refined_at(self, point: WithEdges, value: float) -> Equilibrium | None:
+        """The point of the same branch at another value."""
+        ...
+
+    def interpenetrates(self, point: WithEdges) -> bool:
+        """Whether contact forms beside the edges."""
+        ...
+
+    def with_increments(self, increments: Increments) -> Self:
+        """The same path in other increments."""
+        ...
+
+
+def at_load(path: Branches, before: Point, after: Point, load: float) -> Equilibrium | None:
+    """The refined point between two points at which the load is `load`; None where there is none.
 
     Parameters
     ----------
-    path : Path
+    path : Branches
     before, after : Point
         Of one branch; complete contact, at one end, has no edges.
     load : float
         Dimensionless load per period.
     """
-    if before.balance is None or after.balance is None:
-        return _in_last_gap(path, after if before.balance is None else before, load)
-    return _first(path, before, after, load, REFINEMENTS)
+    if isinstance(before, WithEdges) and isinstance(after, WithEdges):
+        return _first(path, before, after, load, REFINEMENTS)
+    beside = [point for point in (before, after) if isinstance(point, WithEdges)]
+    return _in_last_gap(path, beside[0], load) if beside else None
 
 
-def _in_last_gap(path: Path, point: Point, load: float) -> Point | None:
+def _in_last_gap(path: Branches, point: WithEdges, load: float) -> Equilibrium | None:
     """The point at a load between complete contact and a point with one gap."""
-    assert point.balance is not None
-    patches, system, tolerance = point.balance.state.patches, path.system, path.increments.tolerance
+    patches, system, tolerance = point.state.patches, path.system, path.increments.coarse.tolerance
     widest = float(patches.gap_after[0])
     center = float(patches.right[0]) + widest / 2
 
@@ -64,20 +108,21 @@ def _in_last_gap(path: Path, point: Point, load: float) -> Point | None:
     crack = with_gap(center, float(brentq(miss, FINEST_GAP, widest, rtol=COARSE_LOAD_ACCURACY)))
     highest = system.elastic.profile.max_height
     depth = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load).penetration
-    found = restart(path, crack, depth, depth)
-    return None if found.balance is None else _newton(path, found, _ahead(path, found, load), load, LOAD_ACCURACY)
+    found = path.corrected(crack, depth, depth)
+    return None if found is None else _newton(path, found, _ahead(path, found, load), load, LOAD_ACCURACY)
 
 
-def _first(path: Path, before: Point, after: Point, load: float, refinements: int) -> Point | None:
+def _first(path: Branches, before: WithEdges, after: WithEdges, load: float, refinements: int) -> Equilibrium | None:
     """The state in which the load is first reached; where Newton does not reach so far, in that many finer paths."""
     found = _root(path, before, after, load)
     if found is not None or refinements == 0:
         return found
     reach = abs(after.value - before.value)
-    points = [before, *_refined(path, reach).advance(before, after.value)]
-    if points[-1].balance is None:
+    start = replace(before, increment=None) if isinstance(before, Equilibrium) else before
+    points = [before, *_refined(path, reach).advance(start, after.value)]
+    if points[-1].state is None:
         return _root(path, before, after, load)
-    for first, last in pairwise(points):
+    for first, last in pairwise(point for point in points if isinstance(point, WithEdges)):
         if not first.last and may_meet(path, first, last, load):
             found = _first(path, first, last, load, refinements - 1)
             if found is not None:
@@ -85,49 +130,49 @@ def _first(path: Path, before: Point, after: Point, load: float, refinements: in
     return None
 
 
-def _refined(path: Path, reach: float) -> Path:
+def _refined(path: Branches, reach: float) -> Branches:
     """The same path in smaller increments, with finer evaluations; it books its effort on the same account."""
     inc = path.increments
-    finer = replace(
-        inc,
-        largest=reach / REFINEMENT,
-        smallest=min(reach, inc.smallest) / REFINEMENT,
-        tolerance=min(inc.tolerance, REFINED_TOLERANCE),
-        closure=min(inc.closure, REFINED_CLOSURE),
+    accuracy = replace(
+        inc.coarse,
+        tolerance=min(inc.coarse.tolerance, REFINED_TOLERANCE),
+        residual=min(inc.coarse.residual, REFINED_CLOSURE),
     )
-    return replace(path, increments=finer, step=0.0)
+    return path.with_increments(
+        Increments(reach / REFINEMENT, min(reach, inc.smallest) / REFINEMENT, accuracy, inc.fine)
+    )
 
 
-def _root(path: Path, before: Point, after: Point, load: float) -> Point | None:
+def _root(path: Branches, before: WithEdges, after: WithEdges, load: float) -> Equilibrium | None:
     """The point of this load on the branch before the event, if there is one, else on that after it."""
     coarse, ends = _tracking(path), (min(before.value, after.value), max(before.value, after.value))
     found = _newton(coarse, before, _ahead(path, before, load), load, COARSE_LOAD_ACCURACY, ends)
     if found is None:
         found = _between(coarse, before, after, load, COARSE_LOAD_ACCURACY)
-    polished = None if found is None else _newton(path, found, found.value, load, LOAD_ACCURACY)
-    if polished is None:
-        polished = _between(path, before, after, load, LOAD_ACCURACY)
-    return None if polished is None or path.interpenetrates(polished) else polished
+    refined = None if found is None else _newton(path, found, found.value, load, LOAD_ACCURACY)
+    if refined is None:
+        refined = _between(path, before, after, load, LOAD_ACCURACY)
+    return None if refined is None or path.interpenetrates(refined) else refined
 
 
-def may_meet(path: Path, before: Point, after: Point, load: float) -> bool:
+def may_meet(path: Branches, before: WithEdges, after: WithEdges, load: float) -> bool:
     """Whether the load is met between two points with edges, or may have been before an event that lowered it."""
-    if min(_load(before), _load(after)) < load <= max(_load(before), _load(after)):
+    if min(before.state.load, after.state.load) < load <= max(before.state.load, after.state.load):
         return True
     low, high = sorted((before.value, after.value))
     return after.last and low <= _ahead(path, before, load) <= high
 
 
-def _tracking(path: Path) -> Path:
+def _tracking(path: Branches) -> Branches:
     """The same path, whose points are only as accurate as between targets; it books its effort on the same account."""
     inc = path.increments
-    coarse = replace(inc, fine_tolerance=inc.tolerance, fine_closure=COARSE_CLOSURE * inc.closure)
-    return replace(path, increments=coarse)
+    accuracy = Accuracy(inc.coarse.tolerance, COARSE_CLOSURE * inc.coarse.residual, inc.fine.allowed)
+    return path.with_increments(replace(inc, fine=accuracy))
 
 
-def _between(path: Path, before: Point, after: Point, load: float, accuracy: float) -> Point | None:
+def _between(path: Branches, before: WithEdges, after: WithEdges, load: float, accuracy: float) -> Equilibrium | None:
     """The point of this load on the branch between two points, to a relative accuracy of the load."""
-    ends = (before.value, _load(before) - load), (after.value, _load(after) - load)
+    ends = (before.value, before.state.load - load), (after.value, after.state.load - load)
     if ends[0][1] * ends[1][1] > 0:
         return None
     found = _secant(path, before, *ends, load, accuracy)
@@ -135,14 +180,19 @@ def _between(path: Path, before: Point, after: Point, load: float, accuracy: flo
 
 
 def _secant(
-    path: Path, base: Point, first: tuple[float, float], second: tuple[float, float], load: float, accuracy: float
-) -> Point | None:
+    path: Branches,
+    base: WithEdges,
+    first: tuple[float, float],
+    second: tuple[float, float],
+    load: float,
+    accuracy: float,
+) -> Equilibrium | None:
     """The point on the branch of `base` between two control values whose misses of the load differ in sign."""
     (low, low_miss), (high, high_miss) = first, second
     last_side = 0
     for _ in range(SECANT_STEPS):
-        found = path.polished_at(base, low - low_miss * (high - low) / (high_miss - low_miss))
-        if found is None or found.state is None:
+        found = path.refined_at(base, low - low_miss * (high - low) / (high_miss - low_miss))
+        if found is None:
             return None
         miss = found.state.load - load
         if abs(miss) <= accuracy * max(abs(load), 1e-3):
@@ -159,20 +209,20 @@ def _secant(
 
 
 def _newton(
-    path: Path,
-    point: Point,
+    path: Branches,
+    point: WithEdges,
     value: float,
     load: float,
     accuracy: float,
     ends: tuple[float, float] = (-np.inf, np.inf),
-) -> Point | None:
+) -> Equilibrium | None:
     """The point of this load on the branch of `point`, by Newton from a control value; None where that leaves it.
 
     Points are as accurate as between targets: a finer root next to one of them may lie beyond it.
     """
     for _ in range(NEWTON_STEPS):
-        found = path.polished_at(point, value) if ends[0] <= value <= ends[1] else None
-        if found is None or found.state is None:
+        found = path.refined_at(point, value) if ends[0] <= value <= ends[1] else None
+        if found is None:
             return None
         if abs(found.state.load - load) <= accuracy * max(abs(load), 1e-3):
             return found
@@ -180,14 +230,8 @@ def _newton(
     return None
 
 
-def _ahead(path: Path, point: Point, load: float) -> float:
+def _ahead(path: Branches, point: WithEdges, load: float) -> float:
     """The control value at which the tangent of the branch at a point has this load."""
-    assert point.balance is not None
     control = path.system.control
     miss = point.balance.state.load - load
     return point.value - miss * (control.penetration_weight / point.balance.stiffness + control.load_weight)
-
-
-def _load(point: Point) -> float:
-    assert point.state is not None
-    return point.state.load

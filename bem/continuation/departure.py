@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import System, balance
 from bem.continuation.limit_points import LimitPoint, is_pushed
+from bem.loading.increments import Accuracy
 
 FloatArray = NDArray[np.float64]
 
@@ -19,14 +20,14 @@ LEAST_FORCE = 3.0  # times the closure between targets
 TIED = 1e-6  # relative difference of patches that are equal
 
 
-def departure(system: System, limit: LimitPoint, tolerance: float, closure: float) -> tuple[FloatArray, bool, int]:
+def departure(system: System, limit: LimitPoint, accuracy: Accuracy) -> tuple[FloatArray, bool, int]:
     """A way from a limit point, whether forces lead on along it, and the number of evaluations.
 
     Parameters
     ----------
     system : System
     limit : LimitPoint
-    tolerance, closure : float
+    accuracy : Accuracy
         Of the evaluations, and of max |G/w - 1|: weaker forces say nothing.
 
     Returns
@@ -43,12 +44,12 @@ def departure(system: System, limit: LimitPoint, tolerance: float, closure: floa
     for part in DEPARTURES:
         for sign in (1.0,) if limit.kind == "fold" else (1.0, -1.0):
             moved = state.patches.moved(sign * part * motion)
-            here = balance(system, moved, state.penetration, limit.exact.value, tolerance)
+            here = balance(system, moved, state.penetration, limit.exact.value, accuracy.tolerance)
             evaluations += 1
             along = -sign * float(here.gradient @ motion) / float(here.work @ np.abs(motion))
             if along > force:
                 force, outward = along, sign * part * motion
-        if force > LEAST_FORCE * closure:
+        if force > LEAST_FORCE * accuracy.residual:
             return outward, True, evaluations
     return outward * (DEPARTURES[-1] / float(np.max(np.abs(outward) / state.patches.edge_room))), False, evaluations
 

@@ -9,24 +9,27 @@ jump begins from the last good edges, and the increment is its error.  Dimension
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.branch import misses_energy, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
-from bem.adhesive.events import Settled, interpenetration, settle
+from bem.adhesive.events import Cause, Settled, interpenetration, settle
 from bem.continuation.departure import departure
 from bem.continuation.limit_points import LimitPoint, at_rest, locate_limit_point
 from bem.continuation.opening import complete_potential
-from bem.continuation.path_point import Point
-from bem.continuation.touch_points import locate_touch
+from bem.continuation.path_point import BranchEnd, Equilibrium, Point
+from bem.continuation.touch_points import Bracket, locate_touch
+from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import Exact, path_events
+from bem.loading.path_events import Exact, PathEvent, path_events
+from bem.loading.path_point import Complete, Failed, Separated
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -58,13 +61,12 @@ class Jumps:
     @property
     def _fine(self) -> tuple[float, float]:
         """Tolerances of the two evaluations that give an event its numbers."""
-        finest = self.increments.fine_tolerance
-        return max(min(FINE, self.increments.tolerance), finest), finest
+        finest = self.increments.fine.tolerance
+        return max(min(FINE, self.increments.coarse.tolerance), finest), finest
 
-    def from_touch(self, point: Point, ahead: Point, found: GapMinima) -> list[Point]:
+    def from_touch(self, point: Equilibrium, ahead: Equilibrium, found: GapMinima) -> list[Point]:
         """The touch between two points of a branch and the state behind its jump; nothing where it is not located."""
-        assert point.balance is not None and ahead.balance is not None
-        before = point.balance.state
+        before = point.state
         behind = before.patches.right[found.gap]
         inside = (found.position > behind) & (found.position < behind + before.patches.gap_after[found.gap])
         if not np.all(inside):
@@ -74,28 +76,26 @@ class Jumps:
             self.system,
             lambda value: _interpolated(point, ahead, value),
             before.penetration,
-            (point.value, ahead.value),
-            gaps,
-            found,
+            Bracket((point.value, ahead.value), gaps, found),
             self._fine,
         )
         if touch is None:
             return []
         self.effort.evaluations += touch.evaluations
-        end = self._with_tangent(Point("converged", touch.exact.value, touch.balance, last=True))
-        settled = self._settled(touch.balance, touch.balance.state.patches, touch.exact.value, None, touch.touching)
+        end = self._equilibrium(touch.exact.value, touch.balance, last=True)
+        state = touch.balance.state
+        settled = self._settled(state, state.patches, touch.exact.value, found=touch.touching)
         after = self.behind(touch.exact, touch.error, settled, settled.changes)
         return [] if after is None else [end, after]
 
-    def limit_point(self, point: Point, reach: float, thorough: bool) -> LimitPoint | None:
+    def limit_point(self, point: Equilibrium, reach: float, thorough: bool) -> LimitPoint | None:
         """The limit point that ends the branch of a point within about `reach` of the control, if there is one."""
-        assert point.balance is not None
-        coarse = self.increments.tolerance
+        coarse = self.increments.coarse.tolerance
         limit = locate_limit_point(self.system, point.balance, point.value, reach, (coarse, *self._fine), thorough)
         if limit is None:
             return None
         self.effort.evaluations += limit.evaluations
-        touched = interpenetration(self.system, limit.balance.state, self.increments.allowed)
+        touched = interpenetration(self.system, limit.balance.state, self.increments.fine.allowed)
         return None if touched.position.size else limit
 
     def from_limit(self, limit: LimitPoint, reach: float) -> list[Point]:
@@ -105,7 +105,7 @@ class Jumps:
         behind, in the direction of `reach`.
         """
         inc, value, patches = self.increments, limit.exact.value, limit.balance.state.patches
-        outward, leads_on, evaluations = departure(self.system, limit, inc.tolerance, inc.closure)
+        outward, leads_on, evaluations = departure(self.system, limit, inc.coarse)
         self.effort.evaluations += evaluations
         size = np.abs(outward) / patches.edge_room
         moving = np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)
@@ -115,60 +115,54 @@ class Jumps:
         broken = limit.kind == "bifurcation"
         if not leads_on and not broken:
             return []
-        settled = self._settled(limit.balance, patches.moved(outward), value, moving, fine=not leads_on)
+        state, away = limit.balance.state, patches.moved(outward)
+        settled = self._settled(state, away, value, moving, fine=not leads_on)
         if not leads_on:
             leads_on = bool(settled.changes) or _departed(patches, settled, float(size.max()))
         if not leads_on:
             value += float(np.copysign(inc.smallest, reach))
-            settled = self._settled(limit.balance, patches.moved(outward), value, moving)
+            settled = self._settled(state, away, value, moving)
         changes = (place, *settled.changes) if broken or not settled.changes else settled.changes
         if settled.balance is None and not settled.changes:
             return []
         behind = self.behind(limit.exact, limit.error, settled, changes, leads_on or bool(settled.changes))
-        if behind is None and broken:
-            events = path_events((place,), limit.exact, limit.error, 0.0, 0.0)
-            return [self._with_tangent(Point("converged", value, settled.balance, events))]
-        end = Point("converged", limit.exact.value, limit.balance, last=True, fold=None if broken else limit)
-        return [] if behind is None else [end, behind]
+        if behind is not None:
+            return [BranchEnd(limit.exact.value, limit), behind]
+        if not broken or settled.balance is None:
+            return []
+        return [self._equilibrium(value, settled.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
 
-    def unlocated(self, start: Point, value: float, found: GapMinima | None, fine: bool = False) -> Point:
+    def unlocated(self, start: Equilibrium, value: float, found: GapMinima | None, fine: bool = False) -> Point:
         """The state at `value` behind an end of the branch that was not located, from the last good edges.
 
         What the accuracy between targets leaves undecided (a shallow minimum, or none) that of targets decides.
         A jump of the edges that releases no energy is none: Newton only did not reach that far.
         """
-        assert start.balance is not None
-        here, state = start.balance, start.balance.state
+        here, state = start.balance, start.state
         unstable = unstable_patches(here) if found is None else None
-        settled = self._settled(here, state.patches, value, unstable, found, fine)
+        settled = self._settled(state, state.patches, value, unstable, found, fine)
         pushed = self._exact(here, start.value, value)
-        moved = settled.balance
-        if moved is not None and not settled.changes:
-            ahead = self._with_tangent(Point(settled.status, value, moved))
+        if settled.balance is not None and not settled.changes:
+            ahead = self._equilibrium(value, settled.balance)
             if not self.misses_energy(start, ahead):
-                return ahead
+                return self._resting(settled)
         width, control, stiffness = abs(value - start.value), self.system.control, here.stiffness
         deeper = abs(width / (control.penetration_weight + control.load_weight * stiffness))
         error = Exact(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = settled.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
-        behind = self.behind(pushed, error, settled, changes, bool(settled.changes))
-        if behind is None:
-            assert settled.balance is not None
-            return self._with_tangent(Point(settled.status, value, settled.balance))
-        return behind
+        return self.behind(pushed, error, settled, changes, bool(settled.changes)) or self._resting(settled)
 
-    def misses_energy(self, start: Point, end: Point) -> bool:
+    def misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether more energy went missing between two points than the forces along one branch account for.
 
         Newton can step over a short unstable stretch of the path.  What the coarse evaluations suspect, the accuracy
         of targets decides: coarse energies and tangents may be no better than what adhesion adds to them.
         """
-        assert start.balance is not None and end.balance is not None and start.rate is not None and end.rate is not None
         inc, system, change, rates = self.increments, self.system, end.value - start.value, (start.rate, end.rate)
-        if not misses_energy(system, (start.balance, end.balance), rates, change, inc.tolerance):
+        if not misses_energy(system, (start.balance, end.balance), rates, change, inc.coarse.tolerance):
             return False
         ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
-        return misses_energy(system, ends, rates, change, inc.fine_tolerance)
+        return misses_energy(system, ends, rates, change, inc.fine.tolerance)
 
     def behind(
         self,
@@ -191,16 +185,9 @@ class Jumps:
         moved : bool
             Whether something surely did; else the energy released must exceed its error.
         """
-        system, value = self.system, settled.target
         if settled.balance is None:
-            released = np.nan
-            if settled.status == "separated":
-                changes = (*changes[:-1], ("pull_off", changes[-1][1]))
-                if system.control.penetration_weight:  # a dead tension falls for ever
-                    released = at.potential
-            elif settled.status == "complete_contact":
-                released = at.potential - complete_potential(system, self.complete, value)
-            return Point(settled.status, value, None, path_events(changes, at, error, released, error.potential))
+            return self._without_edges(at, error, settled, changes)
+        system, value = self.system, settled.target
         found = at_rest(system, settled.balance, value, self._fine)
         self.effort.evaluations += 2
         here, after, uncertain = (settled.balance, self._exact(settled.balance, value, value), np.inf)
@@ -212,27 +199,56 @@ class Jumps:
         doubt = error.potential + uncertain + error.value * eased  # of a jump elsewhere
         if not moved and released <= DOUBT * doubt:
             return None
-        return self._with_tangent(Point(settled.status, value, here, path_events(changes, at, error, released, doubt)))
+        events = path_events(changes, at, error, released, doubt)
+        return self._equilibrium(value, here, events) if settled.status == "converged" else _failed(settled, events)
+
+    def _without_edges(
+        self, at: Exact, error: Exact, settled: Settled, changes: tuple[tuple[str, float], ...]
+    ) -> Separated | Complete | Failed:
+        """The point behind a jump that leaves no edges, or did not end."""
+        released = np.nan
+        if settled.status == "separated":
+            changes = (*changes[:-1], ("pull_off", changes[-1][1]))
+            if self.system.control.penetration_weight:  # a dead tension falls for ever
+                released = at.potential
+        elif settled.status == "complete_contact":
+            released = at.potential - complete_potential(self.system, self.complete, settled.target)
+        events = path_events(changes, at, error, released, error.potential)
+        if settled.status == "separated":
+            return Separated(settled.target, events=events)
+        if settled.status == "complete_contact":
+            return Complete(settled.target, events=events)
+        return _failed(settled, events)
 
     def _settled(
         self,
-        here: Balance,
+        before: Evaluation,
         patches: Patches,
         value: float,
-        unstable: IntArray | None,
+        unstable: IntArray | None = None,
         found: GapMinima | None = None,
         fine: bool = False,
     ) -> Settled:
         """Where the forces lead; what the accuracy between targets leaves open that of targets decides."""
-        inc, state = self.increments, here.state
-        for tolerance, closure in ((inc.tolerance, inc.closure), (inc.fine_tolerance, inc.fine_closure))[int(fine) :]:
-            settled = settle(
-                self.system, patches, state.penetration, value, tolerance, closure, inc.allowed, unstable, found, state
-            )
+        cause = Cause(unstable, found, before)
+        for accuracy in (self.increments.coarse, self.increments.fine)[int(fine) :]:
+            settled = settle(self.system, patches, before.penetration, value, accuracy, cause)
             self.effort.book(settled.evaluations, settled.local_evaluations)
             if settled.status != "not_converged":
                 break
         return settled
+
+    def _resting(self, settled: Settled) -> Equilibrium | Failed:
+        """The state that forces led to, as a point of the branch that went there."""
+        if settled.balance is None or settled.status != "converged":
+            return _failed(settled)
+        return self._equilibrium(settled.target, settled.balance)
+
+    def _equilibrium(
+        self, value: float, here: Balance, events: tuple[PathEvent, ...] = (), last: bool = False
+    ) -> Equilibrium:
+        """A point with its tangent."""
+        return Equilibrium(value, here, tangent(self.system.control, here), events=events, last=last)
 
     def _exact(self, here: Balance, start: float, value: float) -> Exact:
         """Numbers of a state after a change of the control at fixed edges."""
@@ -251,11 +267,15 @@ class Jumps:
         """The forces on the same edges at the accuracy of a target."""
         self.effort.evaluations += 1
         state = here.state
-        return balance(self.system, state.patches, state.penetration, value, self.increments.fine_tolerance)
+        return balance(self.system, state.patches, state.penetration, value, self.increments.fine.tolerance)
 
-    def _with_tangent(self, point: Point) -> Point:
-        assert point.balance is not None
-        return replace(point, rate=tangent(self.system.control, point.balance))
+
+def _failed(settled: Settled, events: tuple[PathEvent, ...] = ()) -> Failed:
+    """An event that does not end in a state, with what happened until then."""
+    status: Literal["not_converged", "ill_conditioned"] = "not_converged"
+    if settled.status == "ill_conditioned":
+        status = "ill_conditioned"
+    return Failed(settled.target, status, events=events)
 
 
 def _departed(start: Patches, settled: Settled, pushed: float) -> bool:
@@ -266,11 +286,10 @@ def _departed(start: Patches, settled: Settled, pushed: float) -> bool:
     return float(moved.max()) > 2 * pushed
 
 
-def _interpolated(first: Point, last: Point, value: float) -> Patches:
+def _interpolated(first: Equilibrium, last: Equilibrium, value: float) -> Patches:
     """Edges between two points of a branch, by the cubic that has their places and tangents."""
-    assert first.balance is not None and last.balance is not None and first.rate is not None and last.rate is not None
     width = last.value - first.value
-    here, there = first.balance.state.patches, last.balance.state.patches
+    here, there = first.state.patches, last.state.patches
     moved = np.concatenate([here.left - there.left, there.right - here.right])
     t = (value - first.value) / width
     curved = (1 - t) * (first.rate * width - moved) + t * (moved - last.rate * width)

@@ -20,10 +20,19 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
-from bem.adhesive.equilibrium import Balance, System, balance, forces
-from bem.elastic.collocation import Resolution, finer, resolve
+from bem.adhesive.equilibrium import Balance, System, balance
+from bem.continuation.softness import (
+    LostError,
+    Soft,
+    after_step,
+    eigenvalue_gradient,
+    forces_at,
+    refined,
+    softness,
+    to_rest,
+)
+from bem.elastic.collocation import finer, resolve
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.geometry.patches import Patches
 from bem.loading.path_events import Exact
@@ -35,7 +44,6 @@ LONGEST_STEP = 0.2  # of the room of an edge
 NEAR = 1e-3  # of the room: the rest of a step is left to finer evaluations
 CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
 CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
-SIDEWAYS = 1e-4  # of the room, over which D_v H is a difference
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
 SIDES = (1.0, 0.3, 3.0)  # cube roots of the push on a mode: where Newton for the fold beside it begins
@@ -69,39 +77,6 @@ class LimitPoint:
     evaluations: int
 
 
-@dataclass(frozen=True, eq=False)
-class _Soft:
-    """Forces on the edges in fixed units of length, with the modes of their Hessian."""
-
-    here: Balance
-    value: float
-    scale: FloatArray
-    gradient: FloatArray
-    hessian: FloatArray
-    pull: FloatArray
-    eigenvalues: FloatArray
-    modes: FloatArray
-    eigenvalue_rate: float
-
-    @property
-    def mode(self) -> FloatArray:
-        """The softest one, (2 L,)."""
-        return np.asarray(self.modes[:, 0])
-
-    @property
-    def room(self) -> FloatArray:
-        """Room of the edges, (2 L,)."""
-        return np.asarray(self.here.state.patches.edge_room / self.scale)
-
-    def size(self, step: FloatArray) -> float:
-        """Largest part of its room by which an edge moves in a step."""
-        return float(np.max(np.abs(step) / self.room))
-
-
-class _LostError(Exception):
-    """A step that leads away from all equilibria."""
-
-
 def locate_limit_point(
     system: System,
     start: Balance,
@@ -125,12 +100,12 @@ def locate_limit_point(
         Whether the branch is followed around its fold where Newton fails: almost symmetric profiles turn sharply.
     """
     try:
-        soft, broken = _softness(system, start, value, start.scale), None
+        soft, broken = softness(system, start, value, start.scale), None
         if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
-            soft = _softness(system, start, value, start.scale, every=True)
+            soft = softness(system, start, value, start.scale, every=True)
             for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
-                here = _refined(system, soft, _to_rest(soft), value, tolerances[1], False)
-                soft = _softness(system, here, value, start.scale, every=True)
+                here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
+                soft = softness(system, here, value, start.scale, every=True)
             broken = _neutral(system, soft, reach, tolerances, breaking=True)
             if broken is not None and not is_pushed(broken):
                 return broken
@@ -142,135 +117,119 @@ def locate_limit_point(
         if found is None and (thorough or broken is not None):
             found = _around(system, soft, reach, tolerances)
         return found or (broken if thorough else None)
-    except (_LostError, IllConditionedSystemError, np.linalg.LinAlgError):
+    except (LostError, IllConditionedSystemError, np.linalg.LinAlgError):
         return None
 
 
-def _softness(
-    system: System, here: Balance, value: float, scale: FloatArray, last: FloatArray | None = None, every: bool = False
-) -> _Soft:
-    """Forces of a balance, and its two softest modes or `every` one; the first has the sign of `last`."""
-    hessian = _scaled(here, scale)
-    eigenvalues, modes = eigh(hessian, subset_by_index=None if every else [0, 1], check_finite=False)
-    if last is not None:
-        modes *= np.sign(modes[:, 0] @ last) or 1.0
-    state, mode = here.state, modes[:, 0]
-    rate = system.control.rate(state)
-    change = 1e-2 * float(np.median(np.abs(state.stress_intensity / (state.stress_intensity_rate * rate))))
-    ahead, behind = (
-        float(mode @ _scaled(forces(system, state.shifted(by * rate), value + by), scale) @ mode)
-        for by in (change, -change)
-    )
-    return _Soft(
-        here=here,
-        value=value,
-        scale=scale,
-        gradient=here.gradient * scale,
-        hessian=hessian,
-        pull=here.load_gradient * scale * rate,
-        eigenvalues=eigenvalues,
-        modes=modes,
-        eigenvalue_rate=(ahead - behind) / (2 * change),
-    )
+def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, float]:
+    """Newton step of the edges and of the control towards g = 0, mu = 0; modes that break a symmetry stay at rest.
 
-
-def _scaled(here: Balance, scale: FloatArray) -> FloatArray:
-    return np.asarray((here.hessian + here.hessian.T) / 2 * np.outer(scale, scale))
-
-
-def _at(system: System, soft: _Soft, step: FloatArray, value: float, tolerance: float, like: Resolution) -> Balance:
-    """Forces after a step of the edges at a value of the control."""
-    state = soft.here.state
-    patches = state.patches.moved(step * soft.scale)
-    if not patches.is_ordered:
-        raise _LostError
-    here = balance(system, patches, state.penetration, value, tolerance, like)
-    if not here.opening:
-        raise _LostError
-    return here
-
-
-def _eigenvalue_gradient(system: System, soft: _Soft, tolerance: float) -> FloatArray:
-    """D_v H v, the derivative of the smallest eigenvalue by the edges, (2 L,)."""
-    step = SIDEWAYS / soft.size(soft.mode) * soft.mode
-    beside = _at(system, soft, step, soft.value, tolerance, soft.here.state.resolution)
-    return np.asarray((_scaled(beside, soft.scale) - soft.hessian) @ soft.mode * (soft.size(soft.mode) / SIDEWAYS))
-
-
-def _step(soft: _Soft, eigenvalue_gradient: FloatArray, breaking: bool) -> tuple[FloatArray, float]:
-    """Newton step of the edges and of the control towards g = 0, mu = 0; modes that break a symmetry stay at rest."""
+    `slope` is the derivative of the smallest eigenvalue by the edges, (2 L,).
+    """
     basis = soft.modes[:, ~_broken(soft)] if breaking else np.eye(soft.pull.size)
     size = basis.shape[1]
     matrix = np.empty((size + 1, size + 1))
     matrix[:size, :size], matrix[:size, size] = basis.T @ soft.hessian @ basis, basis.T @ soft.pull
-    matrix[size, :size], matrix[size, size] = eigenvalue_gradient @ basis, soft.eigenvalue_rate
+    matrix[size, :size], matrix[size, size] = slope @ basis, soft.eigenvalue_rate
     step = np.linalg.solve(matrix, -np.append(basis.T @ soft.gradient, soft.eigenvalues[0]))
     if not np.all(np.isfinite(step)):
-        raise _LostError
+        raise LostError
     return np.asarray(basis @ step[:size]), float(step[size])
 
 
-def _broken(soft: _Soft) -> NDArray[np.bool_]:
+def _broken(soft: Soft) -> NDArray[np.bool_]:
     """Which soft modes break a symmetry that loading keeps, (number of modes,)."""
     cosine = np.abs(soft.modes.T @ soft.pull) / np.linalg.norm(soft.pull)
     return np.asarray((cosine < SYMMETRIC) & (soft.eigenvalues < 2 * abs(soft.eigenvalues[0]) + SOFT))
 
 
+@dataclass(frozen=True, eq=False)
+class _Newton:
+    """An iterate of Newton's method on the equilibrium and its neutrality, with the step to the next."""
+
+    soft: Soft
+    gradient: FloatArray
+    step: FloatArray
+    change: float
+    evaluations: int
+
+    @property
+    def size(self) -> float:
+        """Of the step, in parts of the room of an edge."""
+        return self.soft.size(self.step)
+
+
 def _neutral(
-    system: System, soft: _Soft, reach: float, tolerances: tuple[float, float, float], breaking: bool
+    system: System, soft: Soft, reach: float, tolerances: tuple[float, float, float], breaking: bool
 ) -> LimitPoint | None:
-    """Newton on the equilibrium and its neutrality: a fold, or the point where a symmetry breaks."""
-    coarse, fine, finest = tolerances
+    """A fold, or the point where a symmetry breaks: reached by coarse evaluations, then improved by finer ones."""
+    near = _approached(system, soft, reach, tolerances[0], breaking)
+    improved = None if near is None else _improved(system, near, tolerances[1:], breaking)
+    if improved is None:
+        return None
+    at, found = improved
+    soft, error = at.soft, found[-1].apart(found[-2], system.control.force(at.soft.here.state))
+    if breaking:
+        broken = _broken(soft)
+        if not broken[0]:
+            return None
+        modes = soft.modes[:, broken] * soft.scale[:, None]
+        pushed = _push(soft.here, modes) ** (2 / 3)
+        shift = pushed / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
+        error = replace(error, value=error.value + shift)
+        return LimitPoint("bifurcation", soft.here, found[-1], error, modes, 0.0, at.evaluations)
+    cubic, work = float(at.gradient @ soft.mode), float(soft.pull @ soft.mode)
+    if soft.eigenvalues[1:2].min(initial=1.0) <= 0 or cubic * work * reach <= 0:
+        return None  # another limit point lies before this one, or this one begins a branch
+    mode = -np.sign(cubic) * soft.mode * soft.scale
+    return LimitPoint("fold", soft.here, found[-1], error, mode[:, None], cubic / (2 * work), at.evaluations)
+
+
+def _approached(system: System, soft: Soft, reach: float, tolerance: float, breaking: bool) -> _Newton | None:
+    """Newton until the next step is short; None where steps do not shrink, or lead farther than `reach`."""
     begin, evaluations, size = soft.value, 0, np.inf
-    resolution = resolve(system.elastic, soft.here.state.patches, coarse)
+    resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
     for count in range(STEPS):
-        gradient = _eigenvalue_gradient(system, soft, coarse)
+        gradient = eigenvalue_gradient(system, soft, tolerance)
         step, change = _step(soft, gradient, breaking)
         evaluations += 1
         size, before = soft.size(step), size
         if size <= NEAR:
-            break
+            return _Newton(soft, gradient, step, change, evaluations)
         if count > 1 and size > before:
             return None
         part = min(1.0, LONGEST_STEP / size)
         value = soft.value + part * change
         if not -0.5 <= (value - begin) / reach <= 2:
             return None
-        here = _at(system, soft, part * step, value, coarse, resolution)
-        soft = _softness(system, here, value, soft.scale, soft.mode, breaking)
+        here = forces_at(system, soft, part * step, value, tolerance, resolution)
+        soft = softness(system, here, value, soft.scale, soft.mode, breaking)
         evaluations += 1
-    else:
-        return None
+    return None
+
+
+def _improved(
+    system: System, at: _Newton, tolerances: tuple[float, ...], breaking: bool
+) -> tuple[_Newton, list[Exact]] | None:
+    """Finer steps until they are close, and a last one with another resolution; the numbers after each."""
+    fine, finest = tolerances
     found: list[Exact] = []
     for last, tolerance in (*(((False, fine),) * STEPS), (True, finest)):
-        if found and not last and size <= CLOSE:
+        if found and not last and at.size <= CLOSE:
             continue
-        here = _refined(system, soft, step, soft.value + change, tolerance, last)
-        soft = _softness(system, here, soft.value + change, soft.scale, soft.mode, breaking)
-        evaluations += 1
+        value, gradient, evaluations = at.soft.value + at.change, at.gradient, at.evaluations + 1
+        here = refined(system, at.soft, at.step, value, tolerance, last)
+        soft = softness(system, here, value, at.soft.scale, at.soft.mode, breaking)
         step, change = _step(soft, gradient, breaking)
         if not last and soft.size(step) > CLOSE:
-            gradient = _eigenvalue_gradient(system, soft, tolerance)
+            gradient = eigenvalue_gradient(system, soft, tolerance)
             evaluations += 1
             step, change = _step(soft, gradient, breaking)
-        size = soft.size(step)
-        if size > 10 * NEAR:
+        at = _Newton(soft, gradient, step, change, evaluations)
+        if at.size > 10 * NEAR:
             return None
-        found.append(_after_step(system, here, soft.value, step * soft.scale, change))
-    error = found[-1].apart(found[-2], system.control.force(soft.here.state))
-    if breaking:
-        broken = _broken(soft)
-        if not broken[0]:
-            return None
-        modes = soft.modes[:, broken] * soft.scale[:, None]
-        shift = _push(here, modes) ** (2 / 3) / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
-        error = replace(error, value=error.value + shift)
-        return LimitPoint("bifurcation", here, found[-1], error, modes, 0.0, evaluations)
-    cubic, work = float(gradient @ soft.mode), float(soft.pull @ soft.mode)
-    if soft.eigenvalues[1:2].min(initial=1.0) <= 0 or cubic * work * reach <= 0:
-        return None  # another limit point lies before this one, or this one begins a branch
-    mode = -np.sign(cubic) * soft.mode * soft.scale
-    return LimitPoint("fold", soft.here, found[-1], error, mode[:, None], cubic / (2 * work), evaluations)
+        found.append(after_step(system, here, value, step * soft.scale, change))
+    return at, found
 
 
 def before_fold(limit: LimitPoint, value: float) -> Patches:
@@ -309,7 +268,7 @@ def at_rest(
         size = float(np.max(np.abs(outward) / here.state.patches.edge_room))
         if size > LONGEST_STEP:
             return None
-        found.append(_after_step(system, here, value, outward, 0.0))
+        found.append(after_step(system, here, value, outward, 0.0))
     return here, found[-1], found[-1].apart(found[-2], 0.0)
 
 
@@ -326,13 +285,13 @@ def _beside(
     middle = float(np.cbrt(_push(broken.balance, broken.modes)))
     for side in SIDES:
         here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, tolerances[0])
-        found = _neutral(system, _softness(system, here, value, scale), reach, tolerances, breaking=False)
+        found = _neutral(system, softness(system, here, value, scale), reach, tolerances, breaking=False)
         if found is not None:
             return replace(found, evaluations=found.evaluations + broken.evaluations)
     return None
 
 
-def _around(system: System, soft: _Soft, reach: float, tolerances: tuple[float, float, float]) -> LimitPoint | None:
+def _around(system: System, soft: Soft, reach: float, tolerances: tuple[float, float, float]) -> LimitPoint | None:
     """The fold of a branch that turns sharply, met by following it by its length, with the control as an unknown.
 
     Source: Keller, Numerical Methods in Bifurcation Problems (1987), section 5.
@@ -347,7 +306,7 @@ def _around(system: System, soft: _Soft, reach: float, tolerances: tuple[float, 
                 found = _neutral(system, near, reach, tolerances, breaking=False)
                 if found is not None:
                     return found
-        except _LostError:
+        except LostError:
             ahead = None
         within = ahead is not None and ahead.eigenvalues[0] > 0 and -0.5 <= (ahead.value - begin) / reach <= 2
         if ahead is not None and within:
@@ -359,65 +318,38 @@ def _around(system: System, soft: _Soft, reach: float, tolerances: tuple[float, 
     return None
 
 
-def _to_rest(soft: _Soft) -> FloatArray:
-    """Newton step of the edges to the equilibrium at the same control, (2 L,)."""
-    return np.asarray(-np.linalg.solve(soft.hessian, soft.gradient))
-
-
-def _along(soft: _Soft) -> FloatArray:
+def _along(soft: Soft) -> FloatArray:
     """Motion of the edges along the branch by the control, (2 L,)."""
     return np.asarray(-np.linalg.solve(soft.hessian, soft.pull))
 
 
-def _tangent(soft: _Soft, along: FloatArray) -> tuple[FloatArray, float]:
+def _tangent(soft: Soft, along: FloatArray) -> tuple[FloatArray, float]:
     """Motion of edges and control along a branch, on the side of a given motion, as long as the room of an edge."""
     step = np.linalg.solve(_bordered(soft, along), np.append(np.zeros(along.size), 1.0))
     size = soft.size(step[:-1]) * float(np.sign(along @ step[:-1]))
     return np.asarray(step[:-1] / size), float(step[-1]) / size
 
 
-def _continued(system: System, soft: _Soft, length: float, way: tuple[FloatArray, float], tolerance: float) -> _Soft:
+def _continued(system: System, soft: Soft, length: float, way: tuple[FloatArray, float], tolerance: float) -> Soft:
     """The state of the branch a length along its tangent."""
     resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
     step, change = length * way[0], length * way[1]
     for _ in range(CORRECTIONS):
-        here = _at(system, soft, step, soft.value + change, tolerance, resolution)
-        soft = _softness(system, here, soft.value + change, soft.scale, soft.mode)
+        here = forces_at(system, soft, step, soft.value + change, tolerance, resolution)
+        soft = softness(system, here, soft.value + change, soft.scale, soft.mode)
         both = np.linalg.solve(_bordered(soft, way[0]), -np.append(soft.gradient, 0.0))
         step, change = both[:-1], float(both[-1])
         if soft.size(step) <= NEAR * length:
             return soft
-    raise _LostError
+    raise LostError
 
 
-def _bordered(soft: _Soft, along: FloatArray) -> FloatArray:
+def _bordered(soft: Soft, along: FloatArray) -> FloatArray:
     """Derivatives of the forces by edges and control, and a last row for the motion along a direction."""
     size = along.size
     matrix = np.zeros((size + 1, size + 1))
     matrix[:size, :size], matrix[:size, size], matrix[size, :size] = soft.hessian, soft.pull, along
     return matrix
-
-
-def _refined(system: System, soft: _Soft, step: FloatArray, value: float, tolerance: float, other: bool) -> Balance:
-    """Forces after a step, at a finer tolerance; with another resolution than it asks for, where errors are wanted."""
-    wanted = resolve(system.elastic, soft.here.state.patches.moved(step * soft.scale), tolerance)
-    return _at(system, soft, step, value, tolerance, finer(wanted) if other else wanted)
-
-
-def _after_step(system: System, here: Balance, value: float, outward: FloatArray, change: float) -> Exact:
-    """Numbers of the state to which short motions of the edges and of the control lead, to second order."""
-    state, control = here.state, system.control
-    rate = control.rate(state)
-    carried = float(here.load_gradient @ outward)
-    deeper = rate * (change - control.load_weight * carried)
-    work = float(here.gradient @ outward + outward @ here.hessian @ outward / 2) + change * rate * carried
-    work += change * (control.force(state) + change / 2 * control.force_rate(state))
-    return Exact(
-        value + change,
-        state.penetration + deeper,
-        state.load + carried + state.load_rate * deeper,
-        here.potential + work,
-    )
 
 
 def is_pushed(limit: LimitPoint) -> bool:

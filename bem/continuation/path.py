@@ -6,13 +6,17 @@ stays on its branch (K > 0, positive definite Hessian, small steps along both ta
 interpenetrates.  Otherwise the end of the branch in between is located by its own equation: the touch of a crest, or a
 limit point (touch_points.py, limit_points.py), from which the contact jumps (jumps.py).  The path yields both the last
 state of a branch and the first one behind the jump.  That neither depends on the increments is a property that tests
-show; where no end is located, increments shrink until the jump begins from the last good edges.  Dimensionless.
+show; where no end is located, increments shrink until the jump begins from the last good edges.
+
+A point carries all that the path needs to go on from it, the next increment among it: a path holds no state of its
+own besides counts of its work.  Dimensionless.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,34 +24,53 @@ from numpy.typing import NDArray
 from bem.adhesive.branch import strays, tangent
 from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
-from bem.adhesive.events import Settled, first_contact, interpenetration, settle
+from bem.adhesive.events import interpenetration
+from bem.continuation import crossing
+from bem.continuation.bare_states import BareStates
 from bem.continuation.jumps import Jumps
 from bem.continuation.limit_points import before_fold
-from bem.continuation.opening import (
-    Flaw,
-    complete_potential,
-    first_gap,
-    flawed_potential,
-    lowest_pressure,
-    opened_gap,
-    opening_load,
-)
-from bem.continuation.path_point import Point
+from bem.continuation.opening import Flaw
+from bem.continuation.path_point import Equilibrium, Point, WithEdges
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
-from bem.loading.complete_contact import CompleteContact, closing_place
+from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, path_events
+from bem.loading.path_point import Complete, Failed, Separated
 
 FloatArray = NDArray[np.float64]
-
 
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
 CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
 
 
-@dataclass
+@dataclass(frozen=True)
+class Pace:
+    """How the path goes on: its next increment, and a value of the control that Newton did not reach."""
+
+    increment: float
+    blocked: float | None = None
+
+
+@dataclass(frozen=True)
+class Trial:
+    """An increment to try: its size and end, the shortest worth trying, and how far the path goes before it closes."""
+
+    step: float
+    value: float
+    shortest: float
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """What Newton found: the point ahead (None: it left the branch), and where that interpenetrates."""
+
+    ahead: Equilibrium | None = None
+    found: GapMinima | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Path:
     """Follows the equilibrium of a system from point to point.
 
@@ -69,120 +92,67 @@ class Path:
     complete: CompleteContact
     flaw: Flaw | None = None
     effort: Effort = field(default_factory=Effort)
-    step: float = 0.0
+    has_history: ClassVar[bool] = True
 
     @property
     def jumps(self) -> Jumps:
         """What finds the ends of branches and jumps from them."""
         return Jumps(self.system, self.increments, self.complete, self.effort)
 
-    def advance(self, point: Point, goal: float) -> Iterator[Point]:
-        """Yield every accepted point from `point` to the goal; the last one is at the goal or has failed."""
-        self.step = self.step or self.increments.largest / 4
-        direction = np.sign(goal - point.value)
-        closing = self._closing_value
-        blocked: float | None = None
+    @property
+    def bare(self) -> BareStates:
+        """What leads to and from states without edges."""
+        return BareStates(self.jumps, self.crests, self.flaw)
+
+    def with_increments(self, increments: Increments) -> Path:
+        """The same path in other increments; it books its effort on the same account."""
+        return replace(self, increments=increments)
+
+    def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
+        """Sign of the motion of the control from a point to a goal, which `separation` only repeats."""
+        return float(np.sign(goal - point.value))
+
+    def advance(self, point: Point, goal: float, separation: float | None = None) -> Iterator[Point]:
+        """Yield every accepted point from `point` to the goal; the last one is at the goal or has failed.
+
+        1. Without edges: to first touch, to where complete contact opens, or to the goal.
+        2. Choose an increment; where none is left before the gaps close, contact is complete.
+        3. Try it: Newton from the edges that the branch predicts.
+        4. Accepted: the next increment is up to twice as long.
+        5. Refused: jump from the end of the branch in between, or try a shorter increment.
+        """
+        direction, pace = self.direction(point, goal), self._pace(point)
         while point.value != goal:
-            if point.balance is None:
-                apart = point.status == "separated"
-                point = self._advance_without_edges(point, goal)
+            if not isinstance(point, Equilibrium):
+                start, point = point, self.bare.advance(point, goal)
                 yield point
-                if point.balance is None and not (apart and point.status == "complete_contact"):
+                joined = isinstance(start, Separated) and isinstance(point, Complete)
+                if not isinstance(point, Equilibrium) and not joined:
                     return
                 continue
-            last = self._last_increment(point, closing)
-            if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
-                point = Point("complete_contact", goal, None, self._closed(point, goal))
-                yield point
+            trial = self._trial(point, goal, direction, pace)
+            if trial is None:
+                yield self.bare.closed(point, goal)
                 return
-            step = min(self.step, self.increments.largest, self._step_within_reach(point))
-            shortest = self._shortest(point)
-            if blocked is not None:
-                if direction * (blocked - point.value) <= 0:
-                    blocked = None
-                else:
-                    step = min(step, max(abs(blocked - point.value) / 2, shortest))
-            step = max(step, shortest if blocked is not None else shortest * BRACKET)
-            end = min(goal, closing - last) if goal >= closing else goal
-            if step >= abs(end - point.value) * (1 - 1e-12):
-                step, value = abs(end - point.value), end
-            else:
-                value = point.value + direction * step
-            accepted, found = self._attempt(point, value)
-            if accepted is not None and found is None:
+            attempt = self._attempt(point, trial.value)
+            if attempt.ahead is not None and attempt.found is None:
                 self.effort.accepted += 1
-                self.step = min(2 * step, self.increments.largest)
-                point = accepted
+                pace = replace(pace, increment=min(2 * trial.step, self.increments.largest))
+                point = replace(attempt.ahead, increment=pace.increment)
                 yield point
                 continue
             self.effort.rejected += 1
-            overshoot, shorter = self._bracket(point, found, step, shortest)
-            points = self._past_event(point, accepted, found, (value, end), overshoot <= 1.05 * shortest)
-            if not points and overshoot > 1.05 * shortest:
-                if found is None:
-                    blocked = value
-                self.step = shorter
+            points, shorter = self._past_refusal(point, attempt, trial)
+            if not points:
+                pace = Pace(shorter, trial.value if attempt.found is None else pace.blocked)
                 continue
-            points = points or [self.jumps.unlocated(point if accepted is None else accepted, value, found)]
-            yield from points
-            point = points[-1]
-            self.step = max(step, self.increments.largest / 8)
-            blocked = None
-            if point.status in ("not_converged", "ill_conditioned"):
+            pace = Pace(max(trial.step, self.increments.largest / 8))
+            point = _with_increment(points[-1], pace.increment)
+            yield from (*points[:-1], point)
+            if isinstance(point, Failed):
                 return
 
-    def _past_event(
-        self,
-        point: Point,
-        ahead: Point | None,
-        found: GapMinima | None,
-        ends: tuple[float, float],
-        thorough: bool,
-    ) -> list[Point]:
-        """The end of the branch of a point and the state behind the jump; nothing where it is not located.
-
-        Parameters
-        ----------
-        point, ahead : Point
-            On the branch; None where Newton left it on the way.
-        found : GapMinima or None
-            Where the second interpenetrates.
-        ends : (float, float)
-            Where it was to be, and how far the path goes.
-        thorough : bool
-            Whether shorter increments are no alternative.
-        """
-        if ahead is not None and found is not None:
-            return self.jumps.from_touch(point, ahead, found)
-        reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
-        limit = self.jumps.limit_point(point, reach, thorough)
-        if limit is None:  # it may lie behind the point: coarse evaluations lead a little farther than the branch
-            return []
-        if direction * (limit.exact.value - ends[1]) <= 0:
-            return self.jumps.from_limit(limit, reach)
-        state = limit.balance.state
-        if limit.kind == "bifurcation":
-            return []
-        near = self._corrected(before_fold(limit, ends[1]), state.penetration, ends[1])
-        return [] if near is None or self.interpenetrates(near) else [near]
-
-    def _corrected(self, patches: Patches, penetration: float, value: float) -> Point | None:
-        """The equilibrium near given edges at the accuracy of a target, if Newton finds one."""
-        if not patches.is_ordered:
-            return None
-        inc = self.increments
-        fine = correct(self.system, patches, penetration, value, inc.fine_tolerance, inc.fine_closure)
-        self.effort.evaluations += fine.evaluations
-        if fine.balance is None:
-            return None
-        return Point("converged", value, fine.balance, (), tangent(self.system.control, fine.balance))
-
-    def interpenetrates(self, point: Point) -> bool:
-        """Whether contact forms beside the edges of a point."""
-        assert point.balance is not None
-        return bool(interpenetration(self.system, point.balance.state, self.increments.allowed).position.size)
-
-    def polish(self, point: Point, direction: float) -> Point:
+    def refine(self, point: Point, direction: float) -> Point:
         """The point at the accuracy of a target; a branch that ends within the coarse accuracy is left here.
 
         Parameters
@@ -191,199 +161,195 @@ class Path:
         direction : float
             Sign of the motion of the control that led here.
         """
-        if point.balance is None:
-            return Point(point.status, point.value)
-        inc, state, value = self.increments, point.balance.state, point.value
-        fine = correct(self.system, state.patches, state.penetration, value, inc.fine_tolerance, inc.fine_closure)
+        if not isinstance(point, Equilibrium):
+            return replace(point, events=())
+        inc, state, value = self.increments, point.state, point.value
+        fine = correct(self.system, state.patches, state.penetration, value, inc.fine)
         self.effort.evaluations += fine.evaluations
         found = None
         if fine.balance is not None:
-            polished = Point("converged", value, fine.balance, (), point.rate, point.curvature)
-            found = interpenetration(self.system, fine.balance.state, inc.allowed)
+            refined = replace(point, balance=fine.balance, events=(), last=False)
+            found = interpenetration(self.system, fine.balance.state, inc.fine.allowed)
             if found.position.size == 0:
-                return polished
-            before = self.polished_at(polished, value - direction * inc.smallest / 8)
-            points = [] if before is None else self.jumps.from_touch(before, polished, found)
+                return refined
+            before = self.refined_at(refined, value - direction * inc.smallest / 8)
+            points = [] if before is None else self.jumps.from_touch(before, refined, found)
         else:
-            points = self._past_event(point, None, None, (value + direction * inc.smallest / 8, value), True)
+            points = self._past_event(point, Attempt(), (value + direction * inc.smallest / 8, value), True)
         if not points:
-            return self.jumps.unlocated(point, value, found, fine=True)
-        if points[-1].value != value and points[-1].balance is not None:
+            return _with_increment(self.jumps.unlocated(point, value, found, fine=True), point.increment)
+        points = [*points[:-1], _with_increment(points[-1], point.increment)]
+        if points[-1].value != value and points[-1].state is not None:
             points += self.advance(points[-1], value)
         events = [event for behind in points for event in behind.events]
-        final = self.polish(points[-1], direction)
+        final = self.refine(points[-1], direction)
         return replace(final, events=(*events, *final.events))
 
-    def afresh(self, point: Point) -> Point:
-        """A point from which the path goes on as if it began there, so that a stored state restarts it exactly."""
-        self.step = 0.0
-        rate = None if point.balance is None else tangent(self.system.control, point.balance)
-        return Point(point.status, point.value, point.balance, (), rate)
+    def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> Point:
+        """The point at given equilibrium edges, from which the path goes on as if it began there."""
+        return self.corrected(patches, penetration, value) or Failed(value, "not_converged")
 
-    def polished_at(self, point: Point, value: float) -> Point | None:
+    def corrected(self, patches: Patches, penetration: float, value: float) -> Equilibrium | None:
+        """The equilibrium near given edges at the accuracy of a target, if Newton finds one."""
+        if not patches.is_ordered:
+            return None
+        fine = correct(self.system, patches, penetration, value, self.increments.fine)
+        self.effort.evaluations += fine.evaluations
+        if fine.balance is None:
+            return None
+        return Equilibrium(value, fine.balance, tangent(self.system.control, fine.balance))
+
+    def refined_at(self, point: WithEdges, value: float) -> Equilibrium | None:
         """The point of the same branch at another value of the control, at the accuracy of a target, or None.
 
         The branch goes on where contact forms beside it.
         """
-        assert point.balance is not None
-        state = point.balance.state
-        if point.fold is None:
-            patches = state.patches.moved(self._predicted(point, value))
-        else:
-            patches = before_fold(point.fold, value)
-        return self._corrected(patches, state.penetration, value)
+        return self.corrected(point.predicted(value), point.state.penetration, value)
 
-    def _predicted(self, point: Point, value: float) -> FloatArray:
-        """Outward motion of the edges from a point to another control value, to second order."""
-        assert point.rate is not None
-        change = value - point.value
-        outward = change * point.rate
-        return outward if point.curvature is None else outward + change**2 * point.curvature
+    def interpenetrates(self, point: WithEdges) -> bool:
+        """Whether contact forms beside the edges of a point."""
+        return bool(interpenetration(self.system, point.state, self.increments.fine.allowed).position.size)
 
-    def assess(self, point: Point) -> Assessment:
+    def assess(self, point: WithEdges) -> Assessment:
         """Stability, stiffness and estimated errors, from finer evaluations."""
-        assert point.balance is not None
         self.effort.evaluations += 2
-        return assess_equilibrium(self.system, point.balance, point.value, 1e-2 * self.increments.fine_tolerance)
+        return assess_equilibrium(self.system, point.balance, point.value, 1e-2 * self.increments.fine.tolerance)
 
-    def _advance_without_edges(self, point: Point, goal: float) -> Point:
-        """From separated surfaces to first touch (at value 0), from complete contact to its opening, or to the goal."""
-        if point.status == "complete_contact":
-            return self._opened(point, goal)
-        if point.status != "separated" or goal < 0:
-            return Point(point.status, goal)
-        touch = max(point.value, 0.0)
-        settled = self._settled(first_contact(self.system, self.crests), touch, touch)
-        changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
-        touched = self.jumps.behind(FIRST_TOUCH, NO_ERROR, settled, changes)
-        return Point("not_converged", touch) if touched is None else touched
+    def load_of(self, point: Point) -> float | None:
+        """Load at a point; None without edges, but for a gap that narrows under a tension without bound."""
+        if point.state is not None:
+            return point.state.load
+        narrowing = self.system.control.load_weight == 0 and isinstance(point, Complete)
+        return -np.inf if narrowing else None
 
-    @property
-    def _closing_value(self) -> float:
-        """Penetration at which contact is complete; infinite when the load takes part in the control."""
-        return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
+    def may_meet(self, before: Point, after: Point, load: float) -> bool:
+        """Whether a load is met between two points, or may have been before an event that lowered it."""
+        if before.last:
+            return False
+        if isinstance(before, WithEdges) and isinstance(after, WithEdges):
+            return crossing.may_meet(self, before, after, load)
+        start, end = self.load_of(before), self.load_of(after)
+        return start is not None and end is not None and min(start, end) < load <= max(start, end)
 
-    def _last_increment(self, point: Point, closing: float) -> float:
+    def at_load(self, before: Point, after: Point, load: float) -> Point | None:
+        """The refined point at a load between two points; None where the path jumps over it."""
+        return crossing.at_load(self, before, after, load)
+
+    def _pace(self, point: Point) -> Pace:
+        """How a path goes on from a point: as the point says, or as from a beginning."""
+        known = point.increment if isinstance(point, Equilibrium) else None
+        return Pace(known or self.increments.largest / 4)
+
+    def _trial(self, point: Equilibrium, goal: float, direction: float, pace: Pace) -> Trial | None:
+        """The increment to try: within reach of Newton, halfway to what it did not reach; None where the gaps close."""
+        closing = self.bare.closing_value
+        last = self._last_increment(point, closing)
+        if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
+            return None
+        step, shortest = min(pace.increment, self.increments.largest, _within_reach(point)), self._shortest(point)
+        least = shortest * BRACKET
+        if pace.blocked is not None and direction * (pace.blocked - point.value) > 0:
+            step, least = min(step, max(abs(pace.blocked - point.value) / 2, shortest)), shortest
+        step, end = max(step, least), min(goal, closing - last) if goal >= closing else goal
+        if step >= abs(end - point.value) * (1 - 1e-12):
+            return Trial(abs(end - point.value), end, shortest, end)
+        return Trial(step, point.value + direction * step, shortest, end)
+
+    def _attempt(self, point: Equilibrium, value: float) -> Attempt:
+        """Newton from the predicted edges, and the gaps beside the edges that it finds."""
+        inc, change, predicted = self.increments, value - point.value, point.predicted(value)
+        if not predicted.is_ordered:
+            return Attempt()
+        corrected = correct(self.system, predicted, point.state.penetration, value, inc.coarse)
+        self.effort.evaluations += corrected.evaluations
+        if corrected.balance is None:
+            return Attempt()
+        self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
+        rate = tangent(self.system.control, corrected.balance)
+        ahead = Equilibrium(value, corrected.balance, rate, (rate - point.rate) / (2 * change))
+        ends, rates = (point.balance, corrected.balance), (point.rate, rate)
+        if strays(ends, rates, change, inc.coarse.residual) or self.jumps.misses_energy(point, ahead):
+            return Attempt()
+        found = interpenetration(self.system, corrected.balance.state, inc.coarse.allowed)
+        return Attempt(ahead, found if found.position.size else None)
+
+    def _past_refusal(self, point: Equilibrium, attempt: Attempt, trial: Trial) -> tuple[list[Point], float]:
+        """The points behind the event in a refused increment, or none where a shorter one comes first, and that one."""
+        overshoot, shorter = self._bracket(point, attempt.found, trial.step, trial.shortest)
+        thorough = overshoot <= 1.05 * trial.shortest
+        points = self._past_event(point, attempt, (trial.value, trial.end), thorough)
+        if points or not thorough:
+            return points, shorter
+        start = point if attempt.ahead is None else attempt.ahead
+        return [self.jumps.unlocated(start, trial.value, attempt.found)], shorter
+
+    def _past_event(
+        self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool
+    ) -> list[Point]:
+        """The end of the branch of a point and the state behind the jump; nothing where it is not located.
+
+        Parameters
+        ----------
+        point : Equilibrium
+        attempt : Attempt
+            To follow the branch.
+        ends : (float, float)
+            Where it was to lead, and how far the path goes.
+        thorough : bool
+            Whether shorter increments are no alternative.
+        """
+        if attempt.ahead is not None and attempt.found is not None:
+            return self.jumps.from_touch(point, attempt.ahead, attempt.found)
+        reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
+        limit = self.jumps.limit_point(point, reach, thorough)
+        if limit is None:  # it may lie behind the point: coarse evaluations lead a little farther than the branch
+            return []
+        if direction * (limit.exact.value - ends[1]) <= 0:
+            return self.jumps.from_limit(limit, reach)
+        if limit.kind == "bifurcation":
+            return []
+        near = self.corrected(before_fold(limit, ends[1]), limit.balance.state.penetration, ends[1])
+        return [] if near is None or self.interpenetrates(near) else [near]
+
+    def _last_increment(self, point: Equilibrium, closing: float) -> float:
         """The increment before complete contact: the smallest; half the way, where several gaps are left."""
-        assert point.balance is not None
-        if point.balance.state.patches.count == 1:
+        if point.state.patches.count == 1:
             return self.increments.smallest
         return max((closing - point.value) / 2, CLOSED)
 
-    def _closed(self, point: Point, value: float) -> tuple[PathEvent, ...]:
-        """The last gap closes where the separation vanishes: a continuous end of the branch, no energy is released."""
-        assert point.balance is not None
-        patches = point.balance.state.patches
-        last = int(np.argmax(patches.gap_after))  # others release energy when they close before it
-        near = float(patches.right[last] + patches.gap_after[last] / 2)
-        place = closing_place(self.complete, self.system.elastic.profile, self.system.law, near)
-        return path_events((("complete_contact", place),), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
-
-    def _fully_joined(self, value: float) -> Exact:
-        """Complete contact at a value of the control; the tension under which the last gap closes has no bound."""
-        control, highest = self.system.control, self.system.elastic.profile.max_height
-        value = value if control.load_weight else highest
-        potential = complete_potential(self.system, self.complete, value)
-        return Exact(value, highest, control.load(highest, value), potential)
-
-    def _opened(self, point: Point, goal: float) -> Point:
-        """Complete contact at the goal, or the equilibrium into which it opens on the way there."""
-        if self.system.control.load_weight > 0:
-            return self._opened_at_flaw(point, goal)
-        if goal >= self._closing_value:
-            return Point("complete_contact", goal)
-        system, highest = self.system, self.system.elastic.profile.max_height
-        value = max(goal, highest - self.increments.smallest)
-        settled = self._settled(first_gap(system, self.complete, highest - value), value, value)
-        if settled.balance is None or settled.changes:
-            return Point("not_converged", value)
-        opening = ("opening", lowest_pressure(self.complete))
-        events = path_events((opening,), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
-        return Point("converged", value, settled.balance, events, tangent(system.control, settled.balance))
-
-    def _opened_at_flaw(self, point: Point, goal: float) -> Point:
-        """The same where the load takes part in the control: without a flaw complete contact stays."""
-        flaw, system, complete, inc = self.flaw, self.system, self.complete, self.increments
-        if flaw is None:
-            return Point("complete_contact", goal)
-        highest = system.elastic.profile.max_height
-        load = opening_load(system, complete, flaw, inc.fine_tolerance)
-        value = min(point.value, system.control.value(highest, load))
-        if goal > value:
-            return Point("complete_contact", goal)
-        joined = self._fully_joined(value)
-        settled = self._settled(opened_gap(system, complete, flaw, joined.load), highest, value)
-        joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, inc.fine_tolerance))
-        behind = self.jumps.behind(joined, NO_ERROR, settled, (("opening", flaw.center), *settled.changes))
-        return Point("not_converged", value) if behind is None else behind
-
-    def _settled(self, start: Patches, penetration: float, value: float) -> Settled:
-        inc = self.increments
-        settled = settle(self.system, start, penetration, value, inc.tolerance, inc.closure, inc.allowed)
-        self.effort.book(settled.evaluations, settled.local_evaluations)
-        return settled
-
-    def _attempt(self, point: Point, value: float) -> tuple[Point | None, GapMinima | None]:
-        """Newton from the predicted edges; the new point (None: left the branch) and its interpenetrations."""
-        assert point.balance is not None and point.rate is not None
-        inc, here = self.increments, point.balance.state
-        change = value - point.value
-        predicted = here.patches.moved(self._predicted(point, value))
-        if not predicted.is_ordered:
-            return None, None
-        corrected = correct(self.system, predicted, here.penetration, value, inc.tolerance, inc.closure)
-        self.effort.evaluations += corrected.evaluations
-        if corrected.balance is None:
-            return None, None
-        self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
-        rate = tangent(self.system.control, corrected.balance)
-        ahead = Point("converged", value, corrected.balance, (), rate, (rate - point.rate) / (2 * change))
-        if strays(
-            (point.balance, corrected.balance), (point.rate, rate), change, inc.closure
-        ) or self.jumps.misses_energy(point, ahead):
-            return None, None
-        found = interpenetration(self.system, corrected.balance.state, inc.allowed)
-        return ahead, (found if found.position.size else None)
-
-    def _bracket(self, point: Point, found: GapMinima | None, step: float, shortest: float) -> tuple[float, float]:
+    def _bracket(
+        self, point: Equilibrium, found: GapMinima | None, step: float, shortest: float
+    ) -> tuple[float, float]:
         """How far a failed increment went beyond its event at most, and the increment to try instead."""
-        assert point.balance is not None
         if found is None:
             return step, max(step / 4, shortest)
-        state = point.balance.state
-        patches = state.patches
+        patches = point.state.patches
         behind = patches.right[found.gap]
         inside = (found.position > behind) & (found.position < behind + patches.gap_after[found.gap])
         if not np.all(inside):
             return step, max(step / 4, shortest)
-        before = gap_field(self.system.elastic, state)(found.position, found.gap)
+        before = gap_field(self.system.elastic, point.state)(found.position, found.gap)
         fraction = float(np.min(np.maximum(before, 0.0) / (np.maximum(before, 0.0) - found.depth)))
         return step * (1 - fraction), max(min(step * fraction + shortest / 2, 0.9 * step), shortest)
 
-    def _shortest(self, point: Point) -> float:
+    def _shortest(self, point: Equilibrium) -> float:
         """Where the end of a branch is not located, the increment in which it is bracketed.
 
         A part of the smallest; less where within that edges at rest would lose all their stress intensity.
 
         Thin layers are so stiff that edges would close, and energies before and after an event not be comparable.
         """
-        assert point.balance is not None
         here, control = point.balance, self.system.control
         loss = np.abs(here.state.stress_intensity_rate) * control.rate(here.state) / (2 * np.sqrt(here.work))
         return min(self.increments.smallest, 1 / float(loss.max())) / BRACKET
 
-    def _step_within_reach(self, point: Point) -> float:
-        """The increment whose predicted motion uses half of what Newton may travel."""
-        assert point.balance is not None and point.rate is not None
-        speed = float(np.max(np.abs(point.rate) / point.balance.state.patches.edge_room))
-        return 0.5 * LARGEST_NEWTON_STEP / speed if speed > 0 else np.inf
+
+def _within_reach(point: Equilibrium) -> float:
+    """The increment whose predicted motion uses half of what Newton may travel."""
+    speed = float(np.max(np.abs(point.rate) / point.state.patches.edge_room))
+    return 0.5 * LARGEST_NEWTON_STEP / speed if speed > 0 else np.inf
 
 
-def restart(path: Path, patches: Patches, penetration: float, value: float) -> Point:
-    """The point of a path at given equilibrium edges; status `not_converged` when they are none."""
-    inc = path.increments
-    found = correct(path.system, patches, penetration, value, inc.fine_tolerance, inc.fine_closure)
-    path.effort.evaluations += found.evaluations
-    if found.balance is None:
-        return Point("not_converged", value)
-    return Point("converged", value, found.balance, (), tangent(path.system.control, found.balance))
+def _with_increment(point: Point, increment: float | None) -> Point:
+    """The point with the increment with which the path goes on from there, where it has edges."""
+    return replace(point, increment=increment) if isinstance(point, Equilibrium) else point

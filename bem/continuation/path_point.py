@@ -1,51 +1,91 @@
-"""A point of an adhesive path.  Dimensionless."""
+"""Points of an adhesive path that have edges: equilibria, and limit points that end their branch.  Dimensionless."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance
-from bem.continuation.limit_points import LimitPoint
+from bem.continuation.limit_points import LimitPoint, before_fold
 from bem.elastic.collocation import Evaluation
-from bem.loading.path_events import PathEvent, PathStatus
+from bem.geometry.patches import Patches
+from bem.loading.path_events import PathStatus
+from bem.loading.path_point import Complete, Failed, PathPoint, Separated
 
 FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
-    """A state on the path: an equilibrium, or none where the surfaces are apart or fully joined.
+class Equilibrium(PathPoint):
+    """A stable equilibrium of the edges.
 
     Attributes
     ----------
-    value : float
-        Of the control.
-    balance : Balance or None
-        Forces on the edges, where there are any.
-    events : tuple of PathEvent
-        What happened on the way here.
-    rate, curvature : (2 L,) arrays or None
-        First derivative and half the second derivative of the outward motion of the edges by the control; None at a
-        fold, and where a tangent is not known.
+    balance : Balance
+        Forces on the edges.
+    rate : (2 L,) array
+        Derivative of the outward motion of the edges by the control.
+    curvature : (2 L,) array or None
+        Half its second derivative, where the point before on the same branch is known.
+    increment : float or None
+        With which the path goes on from here; None for that of a beginning.
     last : bool
-        Whether a branch ends here: the next point is at the same value, behind a jump.
-    fold : LimitPoint or None
-        The fold, where one ends the branch.
+        Whether the branch ends here, where a crest touches.
     """
 
-    status: PathStatus
-    value: float
-    balance: Balance | None = None
-    events: tuple[PathEvent, ...] = ()
-    rate: FloatArray | None = None
+    balance: Balance
+    rate: FloatArray
     curvature: FloatArray | None = None
-    last: bool = False
-    fold: LimitPoint | None = None
+    increment: float | None = field(default=None, kw_only=True)
+    last: bool = field(default=False, kw_only=True)
+    status: ClassVar[PathStatus] = "converged"
 
     @property
-    def state(self) -> Evaluation | None:
+    def state(self) -> Evaluation:
         """The evaluation behind the balance."""
-        return None if self.balance is None else self.balance.state
+        return self.balance.state
+
+    def predicted(self, value: float) -> Patches:
+        """Edges at another value of the control, to second order; they may overlap."""
+        change = value - self.value
+        outward = change * self.rate
+        return self.state.patches.moved(outward if self.curvature is None else outward + change**2 * self.curvature)
+
+
+@dataclass(frozen=True, eq=False)
+class BranchEnd(PathPoint):
+    """A limit point: the next point is behind the jump from it.
+
+    Attributes
+    ----------
+    limit : LimitPoint
+    """
+
+    limit: LimitPoint
+    status: ClassVar[PathStatus] = "converged"
+
+    @property
+    def last(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def balance(self) -> Balance:
+        """Forces on the edges."""
+        return self.limit.balance
+
+    @property
+    def state(self) -> Evaluation:
+        """The evaluation behind the balance."""
+        return self.limit.balance.state
+
+    def predicted(self, value: float) -> Patches:
+        """Edges on the branch at a value of the control close before its end."""
+        return before_fold(self.limit, value) if self.limit.kind == "fold" else self.state.patches
+
+
+WithEdges = Equilibrium | BranchEnd
+Point = Separated | Complete | Failed | Equilibrium | BranchEnd

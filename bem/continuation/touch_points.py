@@ -18,6 +18,7 @@ from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import Balance, System, correct
 from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.geometry.patches import Patches
+from bem.loading.increments import Accuracy
 from bem.loading.path_events import Exact
 
 FloatArray = NDArray[np.float64]
@@ -51,13 +52,39 @@ class TouchPoint:
     evaluations: int
 
 
+@dataclass(frozen=True, eq=False)
+class Bracket:
+    """Where gaps beside a branch close.
+
+    Attributes
+    ----------
+    ends : (float, float)
+        Values of the control before and behind the touch.
+    gaps : ((n,) array, (n,) array)
+        The gaps in question there; some of the first may, all of the second must be negative.
+    found : GapMinima
+        Where these gaps are.
+    """
+
+    ends: tuple[float, float]
+    gaps: tuple[FloatArray, FloatArray]
+    found: GapMinima
+
+    @property
+    def width(self) -> float:
+        """Distance of the ends."""
+        return abs(self.ends[1] - self.ends[0])
+
+    def reaches(self, value: float) -> bool:
+        """Whether a value of the control lies between the ends, or hardly beside them."""
+        return min(self.ends) - self.width / 10 <= value <= max(self.ends) + self.width / 10
+
+
 def locate_touch(
     system: System,
     branch: Callable[[float], Patches],
     penetration: float,
-    ends: tuple[float, float],
-    gaps: tuple[FloatArray, FloatArray],
-    found: GapMinima,
+    bracket: Bracket,
     tolerances: tuple[float, float],
 ) -> TouchPoint | None:
     """The touch between two points of a branch; None where Newton does not follow the branch.
@@ -69,33 +96,28 @@ def locate_touch(
         Edges near those of the branch at a value of the control.
     penetration : float
         From which load control starts.
-    ends : (float, float)
-        Values of the control before and behind the touch.
-    gaps : ((n,) array, (n,) array)
-        The gaps in question there; some of the first may, all of the second must be negative.
-    found : GapMinima
-        Where these gaps are.
+    bracket : Bracket
     tolerances : (float, float)
         Of the evaluations that lead to the touch, and of the last.
     """
-    first, last = ends
-    crossing = gaps[0] / (gaps[0] - gaps[1])
+    first, last = bracket.ends
+    crossing = bracket.gaps[0] / (bracket.gaps[0] - bracket.gaps[1])
     value = first + (last - first) * float(np.clip(crossing.min(), 0.0, 1.0))
     before: Exact | None = None
-    slope = float(gaps[1].min() - gaps[0].min()) / (last - first)
-    near, patches, evaluations = found, branch(value), 0
+    slope = float(bracket.gaps[1].min() - bracket.gaps[0].min()) / (last - first)
+    near, patches, evaluations = bracket.found, branch(value), 0
     known: list[tuple[float, float]] = []  # of one accuracy: gaps at the ends may be off by what they are apart
     for _ in range(STEPS):
         tolerance = tolerances[int(before is not None)]
         if not patches.is_ordered:
             return None
-        corrected = correct(system, patches, penetration, value, tolerance, CLOSURE * tolerance)
+        corrected = correct(system, patches, penetration, value, Accuracy(tolerance, CLOSURE * tolerance))
         evaluations += corrected.evaluations
         if corrected.balance is None:
             return None
         here, at = corrected.balance, value
         rate = tangent(system.control, here)
-        near = minima_near(gap_field(system.elastic, here.state), near.position, found.gap)
+        near = minima_near(gap_field(system.elastic, here.state), near.position, bracket.found.gap)
         depth = float(near.depth.min())
         if known:
             other, there = min(known, key=lambda point: abs(point[0] - value))
@@ -103,13 +125,7 @@ def locate_touch(
                 slope = (depth - there) / (value - other)
         known.append((value, depth))
         change = -depth / slope
-        deeper = change / (system.control.penetration_weight + system.control.load_weight * here.stiffness)
-        exact = Exact(
-            value + change,
-            here.state.penetration + deeper,
-            here.state.load + deeper * here.stiffness,
-            here.potential + change * system.control.force(here.state),
-        )
+        exact = _at_touch(system, here, value, change)
         if before is not None and abs(depth) <= TOUCHED:
             tied = near.depth <= near.depth.min() + TIED
             touching = GapMinima(near.position[tied], np.full(int(tied.sum()), -TOUCHED), near.gap[tied])
@@ -119,6 +135,18 @@ def locate_touch(
             before, known = exact, []
         value += change
         patches = here.state.patches.moved(rate * (value - at))
-        if not min(ends) - abs(last - first) / 10 <= value <= max(ends) + abs(last - first) / 10:
+        if not bracket.reaches(value):
             return None
     return None
+
+
+def _at_touch(system: System, here: Balance, value: float, change: float) -> Exact:
+    """Numbers of the state on the branch a small change of the control away."""
+    control = system.control
+    deeper = change / (control.penetration_weight + control.load_weight * here.stiffness)
+    return Exact(
+        value + change,
+        here.state.penetration + deeper,
+        here.state.load + deeper * here.stiffness,
+        here.potential + change * control.force(here.state),
+    )

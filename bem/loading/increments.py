@@ -1,4 +1,4 @@
-"""What every path has, with adhesion or without: sizes of its increments and counts of its work.
+"""What every path has, with adhesion or without: its accuracies, sizes of its increments and counts of its work.
 
 Dimensionless.
 """
@@ -9,6 +9,29 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
+class Accuracy:
+    """How accurate a state is.
+
+    Parameters
+    ----------
+    tolerance : float
+        Of the evaluation.
+    residual : float
+        Largest |G/w - 1| of an equilibrium; without adhesion largest |K| over that of a flat punch of equal load.
+    allowed : float
+        Interpenetration that is not a contact, in units of the rms height.
+    """
+
+    tolerance: float
+    residual: float
+    allowed: float = 1e-10
+
+
+COARSE = Accuracy(1e-3, 1e-4)
+FINE = Accuracy(1e-8, 1e-9)
+
+
+@dataclass(frozen=True)
 class Increments:
     """Sizes of the increments in units of the control value, and accuracies.
 
@@ -16,21 +39,14 @@ class Increments:
     ----------
     largest, smallest : float
         Increments; an event is resolved within the smallest, or less in thin layers.
-    tolerance, closure : float
-        Of the evaluations, and of max |G/w - 1|, between targets.
-    fine_tolerance, fine_closure : float
-        The same at targets.
-    allowed : float
-        Interpenetration that is not a contact, in units of the rms height.
+    coarse, fine : Accuracy
+        Between targets, and at targets.
     """
 
     largest: float
     smallest: float
-    tolerance: float = 1e-3
-    closure: float = 1e-4
-    fine_tolerance: float = 1e-8
-    fine_closure: float = 1e-9
-    allowed: float = 1e-10
+    coarse: Accuracy = COARSE
+    fine: Accuracy = FINE
 
 
 @dataclass

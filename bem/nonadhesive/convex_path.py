@@ -11,15 +11,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic, Evaluation
+from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.control import Control, LoadControl
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, PathStatus, path_events
+from bem.loading.path_point import Complete, Failed, PathPoint, Separated
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.nonadhesive.gap_series import GapEvaluation
@@ -37,20 +40,17 @@ LONE = 0.3  # largest half width of a gap, over the shortest wavelength / 2 pi, 
 
 
 @dataclass(frozen=True, eq=False)
-class ContactPoint:
-    """A state on the path; no evaluation where the surfaces are apart or fully joined.
+class ContactPoint(PathPoint):
+    """A state with edges."""
 
-    `separation` is what was asked for where that is more than its difference to `value`, which is rounded.
-    """
-
-    status: PathStatus
-    value: float
-    state: Evaluation | GapEvaluation | None = None
-    events: tuple[PathEvent, ...] = ()
-    separation: float | None = None
+    state: Evaluation | GapEvaluation
+    status: ClassVar[PathStatus] = "converged"
 
 
-@dataclass
+ConvexPoint = Separated | Complete | Failed | ContactPoint
+
+
+@dataclass(frozen=True, eq=False)
 class ConvexPath:
     """Solves the contact problem without adhesion at one target after the other.
 
@@ -72,19 +72,36 @@ class ConvexPath:
     body: CompletedBody
     crests: FloatArray
     effort: Effort = field(default_factory=Effort)
+    has_history: ClassVar[bool] = False
 
-    def advance(self, point: ContactPoint, goal: float, separation: float | None = None) -> Iterator[ContactPoint]:
+    def direction(self, point: ConvexPoint, goal: float, separation: float | None = None) -> float:
+        """Sign of the motion from a point to a goal, which may be the same value but for a rounded separation."""
+        if goal != point.value or separation is None:
+            return float(np.sign(goal - point.value))
+        return float(np.sign((point.separation or 0.0) - separation))
+
+    def advance(self, point: ConvexPoint, goal: float, separation: float | None = None) -> Iterator[ConvexPoint]:
         """Yield the point at the goal, at this separation where that is what is controlled."""
         if point.value == goal and point.separation == separation:
             return
         ahead = self.at(goal, separation)
-        if ahead.status in ("not_converged", "ill_conditioned"):
+        if isinstance(ahead, Failed):
             self.effort.rejected += 1
         else:
             self.effort.accepted += 1
         yield replace(ahead, events=self._events(point, ahead))
 
-    def _events(self, before: ContactPoint, after: ContactPoint) -> tuple[PathEvent, ...]:
+    def refine(self, point: ConvexPoint, direction: float) -> ConvexPoint:
+        """The point itself: every one is solved to the accuracy of a target."""
+        return replace(point, events=())
+
+    def restart(
+        self, patches: Patches, penetration: float, value: float, separation: float | None = None
+    ) -> ConvexPoint:
+        """The point at a value of the control, whatever was stored; what it takes was counted with the stored state."""
+        return replace(self, effort=Effort()).at(value, separation)
+
+    def _events(self, before: ConvexPoint, after: ConvexPoint) -> tuple[PathEvent, ...]:
         """First touch and complete contact between two points: continuous, where they happen at any increment."""
         events: tuple[PathEvent, ...] = ()
         if before.status == "separated" and after.status in ("converged", "complete_contact"):
@@ -103,71 +120,74 @@ class ConvexPath:
         value = self.control.value(highest, load)
         return Exact(value, highest, load, self.control.potential(highest, load, self.body.complete.elastic_energy))
 
-    def at(self, value: float, separation: float | None = None) -> ContactPoint:
+    def at(self, value: float, separation: float | None = None) -> ConvexPoint:
         """The point at a value of the control, at this separation where that is what is controlled."""
         return replace(self._solved(self.control, value, separation), separation=separation)
 
-    def at_load(self, load: float) -> ContactPoint:
+    def load_of(self, point: ConvexPoint) -> float | None:
+        """Load at a point: nothing apart, and in complete contact what the control says, or the least."""
+        if isinstance(point, ContactPoint):
+            return point.state.load
+        if isinstance(point, Complete):
+            fixed = self.control.load_weight == 0
+            return self.body.complete.least_load if fixed else self.control.load(self.body.max_height, point.value)
+        return 0.0 if isinstance(point, Separated) else None
+
+    def may_meet(self, before: ConvexPoint, after: ConvexPoint, load: float) -> bool:
+        """Whether a load lies between those of two points: the load grows with the penetration."""
+        start, end = self.load_of(before), self.load_of(after)
+        return start is not None and end is not None and min(start, end) < load <= max(start, end)
+
+    def at_load(self, before: ConvexPoint, after: ConvexPoint, load: float) -> ConvexPoint:
         """The point at a load, whatever the control: where the path crosses it."""
         found = self._solved(LOAD_CONTROL, load)
         penetration = self.elastic.profile.max_height if found.state is None else found.state.penetration
         return replace(found, value=self.control.value(penetration, load))
 
-    def polish(self, point: ContactPoint) -> ContactPoint:
-        """The point itself: every one is solved to the accuracy of a target."""
-        return point
-
     def assess(self, point: ContactPoint) -> Assessment:
         """Stiffness and estimated errors, from a finer evaluation."""
-        assert point.state is not None
         self.effort.evaluations += 1
         if isinstance(point.state, GapEvaluation):
             return assess_gaps(point.state, condition_of(self.body, self.control, point.value, point.separation))
-        tolerance = 1e-2 * self.increments.fine_tolerance
+        tolerance = 1e-2 * self.increments.fine.tolerance
         return assess_contact(self.elastic, self.control, point.state, point.value, tolerance)
 
-    def _solved(self, control: Control, value: float, separation: float | None = None) -> ContactPoint:
+    def _solved(self, control: Control, value: float, separation: float | None = None) -> ConvexPoint:
         """The state at a value of a control: by its patches, or by its gaps where these are narrow."""
         if value <= ROUNDED * control.penetration_weight * self.body.max_height:
-            return ContactPoint("separated", value)
+            return Separated(value)
         joined = control.value(self.body.max_height, self.body.complete.least_load)
         if separation <= 0 if separation is not None else value >= joined * (1 - ROUNDED):
-            return ContactPoint("complete_contact", value)
+            return Complete(value)
         condition = condition_of(self.body, control, value, separation)
         gaps, deficit = lone_cracks(self.body, condition)
         if self._are_narrow(gaps):
             return self._by_gaps(condition, value, gaps, deficit)
-        inc, start = self.increments, self._grid.patches(control, value)
-        solved = solve_contact(
-            self.elastic,
-            control,
-            start,
-            self.body.max_height / 2,
-            value,
-            inc.fine_tolerance,
-            inc.fine_closure,
-            inc.allowed,
-        )
+        start, middle = self._grid.patches(control, value), self.body.max_height / 2
+        solved = solve_contact(self.elastic, control, start, middle, value, self.increments.fine)
         self.effort.evaluations += solved.evaluations
-        if solved.status != "converged":  # there is contact, and a gap, at any value between
-            known = gaps if solved.patches is None else gaps_of(solved.patches)
-            found = self._by_gaps(condition, value, known, deficit)
-            if found.state is not None or solved.state is None:
-                return found
-        assert solved.state is not None  # also where that gap is too much for unknowns in gaps, and taken for contact
-        self.effort.unknowns = max(self.effort.unknowns, solved.state.unknowns)
-        return ContactPoint("converged", value, solved.state)
+        if solved.state is not None and solved.status == "converged":
+            return self._touching(value, solved.state)
+        known = gaps if solved.patches is None else gaps_of(solved.patches)
+        found = self._by_gaps(condition, value, known, deficit)  # there is contact, and a gap, at any value between
+        if solved.state is None or isinstance(found, ContactPoint):
+            return found
+        return self._touching(value, solved.state)  # that gap is too much for unknowns in gaps, and taken for contact
 
-    def _by_gaps(self, condition: Condition, value: float, gaps: Gaps, deficit: float) -> ContactPoint:
+    def _by_gaps(self, condition: Condition, value: float, gaps: Gaps, deficit: float) -> ConvexPoint:
         """The state found from these gaps."""
         solved = solve_gaps(self.body, condition, gaps, deficit)
         self.effort.evaluations += solved.evaluations
         if solved.status == "closed":
-            return ContactPoint("complete_contact", value)
+            return Complete(value)
         if solved.state is None or solved.status != "converged":
-            return ContactPoint("ill_conditioned" if solved.status == "ill_conditioned" else "not_converged", value)
-        self.effort.unknowns = max(self.effort.unknowns, solved.state.unknowns)
-        return ContactPoint("converged", value, solved.state)
+            return Failed(value, "ill_conditioned" if solved.status == "ill_conditioned" else "not_converged")
+        return self._touching(value, solved.state)
+
+    def _touching(self, value: float, state: Evaluation | GapEvaluation) -> ContactPoint:
+        """A point with edges; its unknowns are counted."""
+        self.effort.unknowns = max(self.effort.unknowns, state.unknowns)
+        return ContactPoint(value, state)
 
     def _are_narrow(self, gaps: Gaps) -> bool:
         """Whether gaps are so narrow, one of them at least, that lone cracks are a start and patches none."""

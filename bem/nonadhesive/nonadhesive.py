@@ -18,7 +18,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
@@ -27,6 +26,8 @@ from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
+from bem.loading.increments import Accuracy
+from bem.nonadhesive.tension import dips, minimum, nodes, under_tension
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -40,7 +41,6 @@ NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs th
 COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too early is opened then
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the closure and the contact: what the edges may still have to move, for invariances to 1e-10
-TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
 ROUNDED = 1e-13  # of the highest crest: charges known no better, measured 1e-14
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
@@ -108,11 +108,13 @@ def solve_contact(
     patches: Patches,
     penetration: float,
     target: float,
-    tolerance: float,
-    closure: float,
-    allowed: float,
+    accuracy: Accuracy,
 ) -> Contact:
     """Find the patches on which K = 0 at the target.
+
+    1. Evaluate the state of the patches, coarsely until the edges are near.
+    2. Where K vanishes: open gaps and add contacts that are missing; with none missing, the contact is found.
+    3. Else every edge makes its Newton step, patches are split where they are in tension, and joined where gaps close.
 
     Parameters
     ----------
@@ -122,61 +124,118 @@ def solve_contact(
         Where to start; any patches that cover some contact will do.
     penetration, target : float
         Start of Delta under load control, and value of the control.
-    tolerance, closure : float
-        Of the evaluation; of `edge_closure` and of the contact fraction, where rounding does not limit them.
-    allowed : float
-        Interpenetration that is not a contact, dimensionless.
+    accuracy : Accuracy
+        Of the evaluation; its residual is that of `edge_closure` and of the contact fraction, where rounding does not
+        limit them.
     """
-    measure = remaining = np.inf
+    search = _Search(elastic, control, target, accuracy, patches, penetration)
     rounded = ROUNDED * elastic.profile.max_height
-    accuracy, closed_gap, opened = COARSEST, COARSELY_CLOSED, 0
-    damping, last_sign, steps = np.ones(2 * patches.count), np.zeros(2 * patches.count), 0
     for count in range(1, ITERATIONS + 1):
-        if _modes_beside_gaps(patches, max(tolerance, accuracy)) > MOST_MODES:
-            return Contact("narrow_gaps", None, measure, count - 1, patches)
+        if _modes_beside_gaps(search.patches, search.tolerance) > MOST_MODES:
+            return Contact("narrow_gaps", None, search.measure, count - 1, search.patches)
         try:
-            at = control.guess(penetration, target)
-            state = control.reach(evaluate(elastic, patches, at, max(tolerance, accuracy)), target)
+            state = search.evaluated()
         except IllConditionedSystemError:
-            return Contact("ill_conditioned", None, measure, count)
-        penetration = state.penetration
-        measure = edge_closure(state)
+            return Contact("ill_conditioned", None, search.measure, count)
         pressure = state.pressure()
-        tensile = _under_tension(pressure, rounded)
+        tensile = under_tension(pressure, rounded)
         changed: Patches | None = None
-        finer = accuracy
-        if not tensile and accuracy <= tolerance and _closed(state, control, closure):
-            changed, left = _with_opened_gaps(elastic, pressure)
-            opened += changed is not None
-            if left or opened > MOST_OPENED:
-                return Contact("narrow_gaps", state if changed is None else None, measure, count, patches)
-            changed = changed or _with_new_contacts(elastic, state, allowed)
-            if changed is None:
-                before, remaining = remaining, _remaining(state)
-                if remaining <= LEFT_OVER * closure * np.sum(patches.width) or remaining > 0.5 * before:
-                    return Contact("converged", state, measure, count, patches)
-            else:
-                finer = COARSE
+        coarseness = COARSE
+        if not tensile and search.is_closed(state):
+            changed, narrow = search.mended(state, pressure)
+            if narrow:
+                return Contact("narrow_gaps", state if changed is None else None, search.measure, count, search.patches)
+            if changed is None and search.is_at_rest(state):
+                return Contact("converged", state, search.measure, count, search.patches)
         if changed is None:
-            sign = np.sign(state.stress_intensity)
-            if steps >= DAMPED_AFTER:
-                damping = np.where(sign * last_sign < 0, damping / 2, np.minimum(1.0, damping * 1.5))
-            last_sign = sign
-            moved = patches.moved(damping * _edge_steps(state, elastic.profile.max_order))
-            changed = _joined(elastic, _split(patches, moved, pressure, tensile), closed_gap)
-            if not tensile and accuracy > COARSE and _is_small(state, control, NEAR):
-                finer = COARSE
-            elif not tensile and tolerance < accuracy <= COARSE and _is_small(state, control, CLOSE):
-                finer, closed_gap = tolerance, CLOSED_GAP
+            changed, coarseness = search.moved(state, pressure, tensile)
         if changed is None:
             return Contact("complete_contact", None, 0.0, count)
         if changed.count == 0:
             return Contact("separated", None, 0.0, count)
-        steps += 1
-        if changed.count != patches.count or finer != accuracy:
-            damping, last_sign, steps = np.ones(2 * changed.count), np.zeros(2 * changed.count), 0
-        patches, accuracy = changed, finer
-    return Contact("not_converged", state, measure, ITERATIONS)
+        search.stand_at(changed, coarseness)
+    return Contact("not_converged", state, search.measure, ITERATIONS)
+
+
+@dataclass(eq=False)
+class _Search:
+    """Where one solution stands: patches, coarseness of the evaluation, damping of the edges, gaps opened so far."""
+
+    elastic: Elastic
+    control: Control
+    target: float
+    accuracy: Accuracy
+    patches: Patches
+    penetration: float
+    coarseness: float = COARSEST
+    closed_gap: float = COARSELY_CLOSED
+    opened: int = 0
+    measure: float = np.inf
+    remaining: float = np.inf
+
+    def __post_init__(self) -> None:
+        self._undamped()
+
+    def _undamped(self) -> None:
+        """Forget the signs that K had at edges that are others now."""
+        edges = 2 * self.patches.count
+        self.damping, self.last_sign, self.steps = np.ones(edges), np.zeros(edges), 0
+
+    @property
+    def tolerance(self) -> float:
+        """Of the next evaluation."""
+        return max(self.accuracy.tolerance, self.coarseness)
+
+    def evaluated(self) -> Evaluation:
+        """The state of the patches at the target."""
+        at = self.control.guess(self.penetration, self.target)
+        state = self.control.reach(evaluate(self.elastic, self.patches, at, self.tolerance), self.target)
+        self.penetration, self.measure = state.penetration, edge_closure(state)
+        return state
+
+    def is_closed(self, state: Evaluation) -> bool:
+        """Whether K vanishes, in an evaluation as fine as wanted."""
+        return self.coarseness <= self.accuracy.tolerance and _closed(state, self.control, self.accuracy.residual)
+
+    def mended(self, state: Evaluation, pressure: PatchPressure) -> tuple[Patches | None, bool]:
+        """Patches with gaps and contacts that are missing (None: nothing is), and whether gaps are too narrow here."""
+        changed, left = _with_opened_gaps(self.elastic, pressure)
+        self.opened += changed is not None
+        if left or self.opened > MOST_OPENED:
+            return changed, True
+        return changed or _with_new_contacts(self.elastic, state, self.accuracy.allowed), False
+
+    def is_at_rest(self, state: Evaluation) -> bool:
+        """Whether the steps still to be made are negligible, or shrink no more."""
+        before, self.remaining = self.remaining, _remaining(state)
+        negligible = LEFT_OVER * self.accuracy.residual * np.sum(self.patches.width)
+        return bool(self.remaining <= negligible or self.remaining > 0.5 * before)
+
+    def moved(
+        self, state: Evaluation, pressure: PatchPressure, tensile: dict[int, list[tuple[int, int]]]
+    ) -> tuple[Patches | None, float]:
+        """Patches after a Newton step of each edge (None: no gap is left), and how coarse the next evaluation is."""
+        sign = np.sign(state.stress_intensity)
+        if self.steps >= DAMPED_AFTER:
+            self.damping = np.where(sign * self.last_sign < 0, self.damping / 2, np.minimum(1.0, self.damping * 1.5))
+        self.last_sign = sign
+        moved = self.patches.moved(self.damping * _edge_steps(state, self.elastic.profile.max_order))
+        changed = _joined(self.elastic, _split(self.patches, moved, pressure, tensile), self.closed_gap)
+        if not tensile and self.coarseness > COARSE and _is_small(state, self.control, NEAR):
+            return changed, COARSE
+        wanted = self.accuracy.tolerance
+        if not tensile and wanted < self.coarseness <= COARSE and _is_small(state, self.control, CLOSE):
+            self.closed_gap = CLOSED_GAP
+            return changed, wanted
+        return changed, self.coarseness
+
+    def stand_at(self, patches: Patches, coarseness: float) -> None:
+        """Go on from other patches."""
+        known = patches.count == self.patches.count and coarseness == self.coarseness
+        self.patches, self.coarseness = patches, coarseness
+        self.steps += 1
+        if not known:
+            self._undamped()
 
 
 def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:
@@ -223,8 +282,8 @@ def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> tuple[Patche
     there may be one that is too narrow to be opened here.
     """
     left_over = False
-    for i, between in _dips(pressure).items():
-        at, value, bend = min((_minimum(pressure.charges[i], *span) for span in between), key=lambda found: found[1])
+    for i, between in dips(pressure).items():
+        at, value, bend = min((minimum(pressure.charges[i], *span) for span in between), key=lambda found: found[1])
         if not (value < DOUBTFUL * abs(float(pressure.charges[i][0])) and bend > 0):
             continue
         left_over = True
@@ -240,74 +299,6 @@ def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> tuple[Patche
     return None, left_over
 
 
-def _dips(pressure: PatchPressure) -> dict[int, list[tuple[float, float, float]]]:
-    """Patches inside which the pressure may fall below zero between its nodes: where, and the nodes on either side."""
-    found: dict[int, list[tuple[float, float, float]]] = {}
-    for who, values in _at_nodes(pressure.charges):
-        before, inner, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
-        bend = before - 2 * inner + after  # more than what a minimum between the nodes may lie lower
-        nodes = _nodes(pressure.charges[who[0]])
-        for row, k in zip(*np.nonzero((inner < before) & (inner <= after) & (inner < bend)), strict=True):
-            found.setdefault(int(who[row]), []).append((float(nodes[k + 1]), float(nodes[k]), float(nodes[k + 2])))
-    return dict(sorted(found.items()))
-
-
-def _minimum(charge: FloatArray, at: float, lower: float, upper: float) -> tuple[float, float, float]:
-    """Position near a place in (-1, 1), value and second derivative of a minimum of a series between two bounds."""
-    slope = np.polynomial.chebyshev.chebder(charge)
-    bend = np.polynomial.chebyshev.chebder(slope)
-    for _ in range(3):
-        step = -np.polynomial.chebyshev.chebval(at, slope) / np.polynomial.chebyshev.chebval(at, bend)
-        at = float(np.clip(at + step, lower, upper))
-    return (
-        at,
-        float(np.polynomial.chebyshev.chebval(at, charge)),
-        float(np.polynomial.chebyshev.chebval(at, bend)),
-    )
-
-
-def _nodes(charge: FloatArray) -> FloatArray:
-    """Twice as many Chebyshev nodes as a series has coefficients, from left to right."""
-    return chebyshev.basis_nodes(2 * charge.size)[::-1]
-
-
-def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArray]]:
-    """Patches with series of equal length, and the values of these at their nodes by rows."""
-    sizes = np.array([charge.size for charge in charges])
-    found: list[tuple[IntArray, FloatArray]] = []
-    for size in np.unique(sizes):
-        who = np.flatnonzero(sizes == size)
-        halved = np.zeros((who.size, 2 * size))
-        halved[:, :size] = np.stack([charges[i] for i in who]) / 2
-        halved[:, 0] *= 2
-        found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
-    return found
-
-
-def _under_tension(pressure: PatchPressure, rounded: float) -> dict[int, list[tuple[int, int]]]:
-    """Patches whose pressure is tensile somewhere inside: first and last nodes of the parts of each that are not."""
-    found: dict[int, list[tuple[int, int]]] = {}
-    for who, values in _at_nodes(pressure.charges):
-        most = values.max(axis=1)
-        for k in np.flatnonzero((values.min(axis=1) <= -TENSILE * most - rounded) | (most <= 0)):
-            parts = _compressive(values[k], float(pressure.charges[who[k]][0]), rounded)
-            if parts != [(0, values.shape[1] - 1)]:
-                found[int(who[k])] = parts
-    return found
-
-
-def _compressive(values: FloatArray, mean: float, rounded: float) -> list[tuple[int, int]]:
-    """First and last nodes of the parts of a patch in compression; where the patch carries a load, its ends are."""
-    if values.max() <= 0:
-        return []
-    compressive = values > -TENSILE * values.max() - rounded
-    starts = np.flatnonzero(compressive & ~np.append(False, compressive[:-1]))
-    stops = np.flatnonzero(compressive & ~np.append(compressive[1:], False))
-    if mean > 0:
-        starts[0], stops[-1] = 0, values.size - 1
-    return list(zip(starts.tolist(), stops.tolist(), strict=True))
-
-
 def _split(
     patches: Patches, moved: Patches, pressure: PatchPressure, tensile: dict[int, list[tuple[int, int]]]
 ) -> Patches:
@@ -317,7 +308,7 @@ def _split(
     kept = np.array([i not in tensile for i in range(patches.count)])
     left, right = moved.left[kept].tolist(), moved.right[kept].tolist()
     for i, parts in tensile.items():
-        x = patches.center[i] + patches.half_width[i] * _nodes(pressure.charges[i])
+        x = patches.center[i] + patches.half_width[i] * nodes(pressure.charges[i])
         middle = (x[1:] + x[:-1]) / 2
         for first, last in parts:
             left.append(min(patches.left[i], moved.left[i]) if first == 0 else middle[first - 1])

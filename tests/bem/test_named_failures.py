@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
-from bem import solver, states
+from bem import record, solver, states
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.solver import NUMERICAL_FAILURES, solve
 
@@ -32,7 +32,7 @@ def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():
 
 @pytest.mark.parametrize("failure", [kind for kind in NUMERICAL_FAILURES if kind is not MemoryError])
 def test_numerical_failures_end_the_path_by_name(failure, monkeypatch):
-    described = solver.equilibrium_state
+    described = record.equilibrium_state
 
     def failing(*arguments):
         state = described(*arguments)
@@ -40,7 +40,7 @@ def test_numerical_failures_end_the_path_by_name(failure, monkeypatch):
             raise failure("told here")
         return state
 
-    monkeypatch.setattr(solver, "equilibrium_state", failing)
+    monkeypatch.setattr(record, "equilibrium_state", failing)
     result = solve(rough_scene(TARGETS))
     assert result.status == "not_converged"
     assert result.failure == f"{failure.__name__}: told here"
@@ -52,7 +52,7 @@ def test_a_fault_of_the_program_is_not_called_a_numerical_failure(monkeypatch):
     def faulty(*_):
         raise IndexError("a fault")
 
-    monkeypatch.setattr(solver, "equilibrium_state", faulty)
+    monkeypatch.setattr(record, "equilibrium_state", faulty)
     with pytest.raises(IndexError, match="a fault"):
         solve(rough_scene(TARGETS))
 
@@ -88,9 +88,10 @@ def test_what_is_not_certified_is_not_called_converged(monkeypatch):
     """The path goes on, its other states are good; who reads any status sees it."""
     judged = states.certificate.certify
 
-    def strict(profile, pressure, penetration, work, **options):
+    def strict(profile, pressure, penetration, adhesion, **options):
         demands = replace(options.pop("demands"), closure=1e-30 if pressure.left.size == 3 else 1e-8)
-        return judged(profile, pressure, penetration, work, **(options | {"intensity_rounding": None}), demands=demands)
+        exact = replace(adhesion, intensity_rounding=None)
+        return judged(profile, pressure, penetration, exact, **options, demands=demands)
 
     monkeypatch.setattr(states.certificate, "certify", strict)
     result = solve(rough_scene(TARGETS))

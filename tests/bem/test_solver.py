@@ -9,7 +9,7 @@ from rough_surfaces import rough_scene
 
 from bem import solver
 from bem.continuation.path import Path
-from bem.continuation.path_point import Point
+from bem.loading.path_point import Failed
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
@@ -125,6 +125,7 @@ RESUMED = {
     "separation": {"control": "separation", "targets": TARGETS},
     "met pressures": {"control": "separation", "targets": [30e-6, 60e-6], "at_mean_pressures": [500.0, 3000.0]},
     "load": {"control": "mean_pressure", "targets": [300.0, 800.0, -30.0]},
+    "apart": {"control": "separation", "targets": [40e-6, 400e-6, 40e-6]},
     "joined": {"control": "separation", "targets": [20e-6, 0.0, 20e-6, 60e-6]},
 }
 
@@ -220,15 +221,15 @@ def test_a_far_way_up_without_adhesion_is_no_separation():
     assert abs(far[1].contact_fraction - direct.contact_fraction) <= 1e-10
 
 
-def test_a_state_between_targets_that_cannot_be_polished_ends_the_path(monkeypatch):
+def test_a_state_between_targets_that_cannot_be_refined_ends_the_path(monkeypatch):
     """It would be stored at the accuracy between targets, under the name of a converged one."""
-    polish, asked = Path.polish, []
+    refine, asked = Path.refine, []
 
     def failing(path, point, direction):
         asked.append(point.value)
-        return polish(path, point, direction) if len(asked) < 3 else Point("not_converged", point.value)
+        return refine(path, point, direction) if len(asked) < 3 else Failed(point.value, "not_converged")
 
-    monkeypatch.setattr(Path, "polish", failing)
+    monkeypatch.setattr(Path, "refine", failing)
     found = solve(rough_scene(TARGETS))
     assert found.status == "not_converged"
     assert (len(asked), len(found.states)) == (3, 2)

@@ -7,12 +7,13 @@ import pytest
 
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.branch import misses_energy, strays, tangent, unstable_patches
-from bem.adhesive.descent import descend
+from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, balance
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl
+from bem.loading.increments import Accuracy
 
 SYSTEM = System(Elastic(Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])), UniformLaw(0.1), DisplacementControl())
 WIDE_AND_TINY = Patches(np.array([0.0, 3.0]), np.array([1.0, 3.001]))
@@ -39,7 +40,7 @@ SMALLER, LARGER = 0.8, 0.9  # half widths from which the edges come to rest on o
 
 def at_rest(start, target):
     patches = Patches(np.array([-start]), np.array([start]))
-    return descend(RIPPLED, patches, target, target, 1e-8, 1e-9, 0.1).balance
+    return descend(RIPPLED, patches, target, target, Accuracy(1e-8, 1e-9), Steps(0.1)).balance
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import descend
+from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, balance
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl
+from bem.loading.increments import Accuracy
 
 TOLERANCE, CLOSURE = 1e-8, 1e-8
 RIPPLES = {  # orders, height of the ripple, work of adhesion, penetration, half width from which the edges start
@@ -35,7 +36,7 @@ def test_no_minimum_lies_between_start_and_end(name, step):
     """All the way K stays below its critical value, so that the edges cannot have been at rest before the end."""
     order, ripple, work, target, start = RIPPLES[name]
     system = rippled(order, ripple, work)
-    end = descend(system, symmetric(start), target, target, TOLERANCE, CLOSURE, step)
+    end = descend(system, symmetric(start), target, target, Accuracy(TOLERANCE, CLOSURE), Steps(step))
     assert end.status == "converged"
     reached = float(end.patches.right[0])
     assert reached > start + 0.2 * TWO_PI / order

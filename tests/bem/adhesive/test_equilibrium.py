@@ -7,12 +7,14 @@ from hypothesis import strategies as st
 
 from bem.adhesive import descent
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import descend, pull_off_half_width, trust_region_step
+from bem.adhesive.descent import Steps, descend, pull_off_half_width
 from bem.adhesive.equilibrium import System, balance, correct
+from bem.adhesive.trust_region import trust_region_step
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl
+from bem.loading.increments import Accuracy
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 ALPHA = 0.3
@@ -91,7 +93,7 @@ def test_trust_region_step_leaves_a_saddle_without_force():
 def test_newton_finds_johnsons_contact(fraction, offset):
     start = patch(fraction).moved(offset * patch(fraction).edge_room)
     target = float(penetration_of(fraction))
-    found = correct(SYSTEM, start, target, target, 1e-13, 1e-12)
+    found = correct(SYSTEM, start, target, target, Accuracy(1e-13, 1e-12))
     assert found.status == "converged"
     assert found.balance.state.patches.contact_fraction == pytest.approx(fraction, abs=1e-12)  # measured 1e-13
     assert found.balance.state.load == pytest.approx(float(load_of(fraction)), abs=2e-12)
@@ -100,13 +102,15 @@ def test_newton_finds_johnsons_contact(fraction, offset):
 def test_newton_converges_quadratically():
     target = float(penetration_of(0.4))
     start = patch(0.4).moved(0.05 * patch(0.4).edge_room)
-    counts = [correct(SYSTEM, start, target, target, 1e-13, closure).evaluations for closure in (1e-3, 1e-6, 1e-12)]
+    counts = [
+        correct(SYSTEM, start, target, target, Accuracy(1e-13, closure)).evaluations for closure in (1e-3, 1e-6, 1e-12)
+    ]
     assert counts[2] - counts[1] <= 1
     assert counts[2] <= 6
 
 
 def test_newton_finds_johnsons_contact_under_load():
-    found = correct(UNDER_LOAD, patch(0.41), 0.3, float(load_of(0.4)), 1e-13, 1e-12)
+    found = correct(UNDER_LOAD, patch(0.41), 0.3, float(load_of(0.4)), Accuracy(1e-13, 1e-12))
     assert found.balance.state.patches.contact_fraction == pytest.approx(0.4, abs=1e-12)
     assert found.balance.state.penetration == pytest.approx(float(penetration_of(0.4)), abs=1e-12)
 
@@ -117,19 +121,19 @@ def test_newton_refuses_the_unstable_branch():
     target = float(penetration_of(fraction))
     for offset in (0.0, 0.03):
         start = patch(fraction).moved(offset * patch(fraction).edge_room)
-        found = correct(SYSTEM, start, target, target, 1e-12, 1e-10)
+        found = correct(SYSTEM, start, target, target, Accuracy(1e-12, 1e-10))
         assert (found.status, found.balance, found.evaluations) == ("indefinite", None, 1)
 
 
 def test_newton_refuses_to_go_far():
     target = float(penetration_of(0.8))
-    assert correct(SYSTEM, patch(0.3), target, target, 1e-8, 1e-8).status == "long_step"
+    assert correct(SYSTEM, patch(0.3), target, target, Accuracy(1e-8, 1e-8)).status == "long_step"
 
 
 def test_newton_says_when_it_stands_on_no_branch():
     """Beyond pull-off there is no equilibrium."""
     target = float(penetration_of(fold(penetration_of))) - 0.02
-    found = correct(SYSTEM, patch(fold(penetration_of)), target, target, 1e-8, 1e-8)
+    found = correct(SYSTEM, patch(fold(penetration_of)), target, target, Accuracy(1e-8, 1e-8))
     assert found.status != "converged"
     assert found.balance is None
 
@@ -174,7 +178,7 @@ def test_closure_measures_the_release_rate():
 @pytest.mark.parametrize("goal", [0.4, 0.6])
 def test_descent_ends_in_johnsons_contact(start, goal):
     target = float(penetration_of(goal))
-    end = descend(SYSTEM, patch(start), target, target, 1e-12, 1e-10, 0.4)
+    end = descend(SYSTEM, patch(start), target, target, Accuracy(1e-12, 1e-10), Steps(0.4))
     assert (end.status, end.changes) == ("converged", ())
     assert end.balance.state.patches.contact_fraction == pytest.approx(goal, abs=1e-9)
 
@@ -182,20 +186,20 @@ def test_descent_ends_in_johnsons_contact(start, goal):
 def test_descent_lowers_the_potential():
     target = float(penetration_of(0.5))
     before = balance(SYSTEM, patch(0.3), target, target, 1e-12).potential
-    assert descend(SYSTEM, patch(0.3), target, target, 1e-12, 1e-10, 0.4).balance.potential < before
+    assert descend(SYSTEM, patch(0.3), target, target, Accuracy(1e-12, 1e-10), Steps(0.4)).balance.potential < before
 
 
 def test_descent_leaves_the_unstable_branch_downwards():
     fraction = 0.5 * fold(penetration_of)
     target = float(penetration_of(fraction))
-    end = descend(SYSTEM, patch(fraction * 1.01), target, target, 1e-12, 1e-10, 0.4)
+    end = descend(SYSTEM, patch(fraction * 1.01), target, target, Accuracy(1e-12, 1e-10), Steps(0.4))
     assert end.status == "converged"
     assert end.balance.state.patches.contact_fraction > fold(penetration_of)
 
 
 def test_descent_separates_beyond_pull_off():
     target = float(penetration_of(fold(penetration_of))) - 0.02
-    end = descend(SYSTEM, patch(0.1), target, target, 1e-6, 1e-6, 0.4)
+    end = descend(SYSTEM, patch(0.1), target, target, Accuracy(1e-6, 1e-6), Steps(0.4))
     assert end.status == "separated"
     assert [change.kind for change in end.changes] == ["detachment"]
     assert abs((end.changes[0].position + np.pi) % (2 * np.pi) - np.pi) < 1e-6
@@ -203,7 +207,7 @@ def test_descent_separates_beyond_pull_off():
 
 def test_descent_closes_the_last_gap_under_a_load_that_no_branch_carries():
     """Johnson: at 1.0 p* the branch ends in complete contact."""
-    end = descend(UNDER_LOAD, patch(0.9), 1.0, 2 * np.pi * 1.0, 1e-6, 1e-6, 0.4)
+    end = descend(UNDER_LOAD, patch(0.9), 1.0, 2 * np.pi * 1.0, Accuracy(1e-6, 1e-6), Steps(0.4))
     assert end.status == "complete_contact"
     assert [change.kind for change in end.changes] == ["complete_contact"]
     assert end.changes[-1].position == pytest.approx(np.pi, abs=1e-3)
@@ -213,7 +217,7 @@ def test_descent_moves_edges_with_negative_stress_intensity_outward():
     target = float(penetration_of(0.6))
     squeezed = balance(SYSTEM, patch(0.2), target, target, 1e-12)
     assert not squeezed.opening
-    end = descend(SYSTEM, patch(0.2), target, target, 1e-12, 1e-10, 0.4)
+    end = descend(SYSTEM, patch(0.2), target, target, Accuracy(1e-12, 1e-10), Steps(0.4))
     assert end.balance.opening
     assert end.balance.state.patches.contact_fraction == pytest.approx(0.6, abs=1e-9)
 
@@ -222,7 +226,7 @@ def test_narrow_gap_between_two_patches_coalesces():
     profile = Profile.from_harmonics(2 * np.pi, [1, 2], [1.0, 0.01])
     system = System(Elastic(profile), UniformLaw(0.3), DisplacementControl())
     halves = Patches(np.array([-1.5, 0.01]), np.array([-0.01, 1.5]))
-    end = descend(system, halves, 0.5, 0.5, 1e-8, 1e-8, 0.4)
+    end = descend(system, halves, 0.5, 0.5, Accuracy(1e-8, 1e-8), Steps(0.4))
     assert end.status == "converged"
     assert [change.kind for change in end.changes] == ["coalescence"]
     assert end.patches.count == 1
@@ -243,9 +247,9 @@ def test_narrow_gaps_close_in_few_steps(monkeypatch):
     profile = Profile.from_harmonics(2 * np.pi, [1, 2], [1.0, 0.01])
     system = System(Elastic(profile), UniformLaw(0.3), DisplacementControl())
     halves = Patches(np.array([-1.5, 0.1]), np.array([-0.1, 1.5]))
-    fast = descend(system, halves, 1.0, 1.0, 1e-8, 1e-8, 0.1)
+    fast = descend(system, halves, 1.0, 1.0, Accuracy(1e-8, 1e-8), Steps(0.1))
     monkeypatch.setattr(descent, "CLOSING_STEP", 0.1)
-    slow = descend(system, halves, 1.0, 1.0, 1e-8, 1e-8, 0.1)
+    slow = descend(system, halves, 1.0, 1.0, Accuracy(1e-8, 1e-8), Steps(0.1))
     assert [change.kind for change in fast.changes] == ["coalescence"]
     assert fast.evaluations <= slow.evaluations - 5  # 16 and 23
     np.testing.assert_allclose(fast.patches.right, slow.patches.right, rtol=0, atol=1e-8)

@@ -7,20 +7,21 @@ from rough_surfaces import rough_profile
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.descent import pull_off_half_width
 from bem.adhesive.equilibrium import System, balance, correct
-from bem.adhesive.events import first_contact, interpenetration, settle
+from bem.adhesive.events import Cause, first_contact, interpenetration, settle
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl
+from bem.loading.increments import Accuracy
 
-ACCURACY = {"tolerance": 1e-8, "closure": 1e-9, "allowed": 1e-10}
+ACCURACY = Accuracy(1e-8, 1e-9, 1e-10)
 TWO_CRESTS = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])
 SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), DisplacementControl())
 
 
 def settled(system, patches, target, penetration=None, **changes):
     start = target if penetration is None else penetration
-    return settle(system, patches, start, target, **ACCURACY, **changes)
+    return settle(system, patches, start, target, ACCURACY, Cause(**changes))
 
 
 def kinds(end):
@@ -48,14 +49,14 @@ def test_second_crest_makes_contact_where_the_first_state_overlaps():
 
 def test_settled_state_is_a_stable_equilibrium_without_overlap():
     end = settled(SYSTEM, one_patch(0.5), 0.6)
-    assert end.balance.closed(ACCURACY["closure"])
+    assert end.balance.closed(ACCURACY.residual)
     assert end.balance.smallest_eigenvalue > 0
     assert interpenetration(SYSTEM, end.balance.state, 1e-10).position.size == 0
 
 
 def test_new_contact_releases_energy():
     # the lower crest is touched at a penetration of 0.33
-    start = correct(SYSTEM, one_patch(0.5), 0.335, 0.335, 1e-8, 1e-9)
+    start = correct(SYSTEM, one_patch(0.5), 0.335, 0.335, Accuracy(1e-8, 1e-9))
     assert start.status == "converged"
     assert interpenetration(SYSTEM, start.balance.state, 1e-10).position.size == 1
     end = settled(SYSTEM, start.balance.state.patches, 0.335)
@@ -64,7 +65,7 @@ def test_new_contact_releases_energy():
 
 
 def test_overlap_allowed_is_no_new_contact():
-    start = correct(SYSTEM, one_patch(0.62), 0.6, 0.6, 1e-8, 1e-9).balance.state
+    start = correct(SYSTEM, one_patch(0.62), 0.6, 0.6, Accuracy(1e-8, 1e-9)).balance.state
     depth = -interpenetration(SYSTEM, start, 1e-10).depth[0]
     assert interpenetration(SYSTEM, start, 0.9 * depth).position.size == 1
     assert interpenetration(SYSTEM, start, 1.1 * depth).position.size == 0
@@ -103,7 +104,7 @@ def test_last_patch_separates():
 
 def test_load_that_no_branch_carries_ends_in_complete_contact():
     system = System(SYSTEM.elastic, SYSTEM.law, LoadControl())
-    end = settle(system, one_patch(0.6), 1.0, 30.0, tolerance=1e-4, closure=1e-5, allowed=1e-7)
+    end = settle(system, one_patch(0.6), 1.0, 30.0, Accuracy(1e-4, 1e-5, 1e-7))
     assert end.status == "complete_contact"
     assert kinds(end)[-1] == "complete_contact"
 

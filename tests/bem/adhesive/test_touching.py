@@ -5,15 +5,16 @@ import pytest
 
 from bem.adhesive import events
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import descend
+from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, balance
-from bem.adhesive.events import settle
+from bem.adhesive.events import Cause, settle
 from bem.adhesive.touching import CrestsAhead
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl
+from bem.loading.increments import Accuracy
 
 TWO_CRESTS = Profile.from_harmonics(TWO_PI, [1, 2], [0.2, 1.0])  # at 0 the higher, at pi the lower one
 SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), DisplacementControl())
@@ -117,7 +118,7 @@ TOUCHES = ["new_contact"] * 2 + ["coalescence"] * 2
 
 
 def test_a_descent_stops_where_crests_touch():
-    end = descend(RIPPLED, NARROW, DEPTH, DEPTH, 1e-6, 1e-7, 0.4, None, CrestsAhead(RIPPLED, 1e-10))
+    end = descend(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7), Steps(0.4, ahead=CrestsAhead(RIPPLED, 1e-10)))
     assert end.status == "touched"
     np.testing.assert_allclose(end.touching.position, -end.touching.position[::-1] + TWO_PI, atol=1e-9)
     assert end.patches is end.balance.state.patches
@@ -125,8 +126,10 @@ def test_a_descent_stops_where_crests_touch():
 
 def test_a_descent_does_not_run_into_other_patches():
     other = around(0.7, 0.05, 0.05)
-    end = descend(RIPPLED, NARROW, DEPTH, DEPTH, 1e-6, 1e-7, 0.4, None, CrestsAhead(RIPPLED, 1e3, other))
-    free = descend(RIPPLED, NARROW, DEPTH, DEPTH, 1e-6, 1e-7, 0.4)
+    end = descend(
+        RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7), Steps(0.4, ahead=CrestsAhead(RIPPLED, 1e3, other))
+    )
+    free = descend(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7), Steps(0.4))
     assert end.status == "not_converged"
     assert end.patches.joined(other) is not None
     assert free.patches.joined(other) is None
@@ -135,7 +138,7 @@ def test_a_descent_does_not_run_into_other_patches():
 def test_a_jump_goes_on_with_the_crests_that_touched(monkeypatch):
     """Touches do not use up the rounds that an avalanche may have."""
     monkeypatch.setattr(events, "AVALANCHE_ROUNDS", 1)
-    end = settle(RIPPLED, NARROW, DEPTH, DEPTH, 1e-6, 1e-7, 1e-10)
+    end = settle(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10))
     assert end.status == "converged"
     assert [kind for kind, _ in end.changes] == TOUCHES
 
@@ -155,13 +158,20 @@ def test_in_the_field_of_others_the_same_crests_touch():
         TWO_PI, MANY.elastic.profile.orders, MANY.elastic.profile.amplitudes, -MANY.elastic.profile.orders * centers[0]
     )
     system = System(Elastic(moved), MANY.law, DisplacementControl())
-    alone = settle(RIPPLED, NARROW, DEPTH, DEPTH, 1e-6, 1e-7, 1e-10).balance.state.patches.half_width[0] / BUMPS
+    alone = (
+        settle(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10)).balance.state.patches.half_width[0] / BUMPS
+    )
     half = np.full(BUMPS, alone)
     half[10] = 0.2 / BUMPS
     start = Patches(centers - half, centers + half)
     state = balance(system, start, DEPTH / BUMPS, DEPTH / BUMPS, 1e-6).state
     end = settle(
-        system, start, DEPTH / BUMPS, DEPTH / BUMPS, 1e-6, 1e-7, 1e-10 / BUMPS, unstable=np.array([10]), state=state
+        system,
+        start,
+        DEPTH / BUMPS,
+        DEPTH / BUMPS,
+        Accuracy(1e-6, 1e-7, 1e-10 / BUMPS),
+        Cause(np.array([10]), state=state),
     )
     assert [kind for kind, _ in end.changes] == TOUCHES
     assert end.local_evaluations > 2 * end.evaluations

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bem.audit import certificate, displacement
-from bem.audit.certificate import Demands, certify
+from bem.audit.certificate import AdhesiveEdges, Demands, certify
 from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.audit.displacement import DisplacementField, GapPoints
 from bem.elastic.collocation import evaluate
@@ -32,13 +32,15 @@ class State:
     asymmetry: float | None
 
     def certify(self, pressure=None, penetration=None, work=None, **options):
+        work = self.work if work is None else work
         stability = {"min_eigenvalue": self.eigenvalue, "hessian_asymmetry": self.asymmetry}
+        stability |= {name: options.pop(name) for name in stability if name in options}
         return certify(
             self.profile,
             self.pressure if pressure is None else pressure,
             self.penetration if penetration is None else penetration,
-            self.work if work is None else work,
-            **{**stability, **options},
+            None if work is None else AdhesiveEdges(work, **stability),
+            **options,
         )
 
 

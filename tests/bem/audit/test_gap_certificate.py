@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bem.audit import gap_certificate
-from bem.audit.gap_certificate import OpenGaps, certify_gaps
+from bem.audit.gap_certificate import Levels, OpenGaps, certify_gaps
 from bem.elastic.layer import LayerEffect
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact
@@ -48,10 +48,7 @@ def judged(profile, state, ratio=None, opening=None, **changed):
     return certify_gaps(
         profile,
         OpenGaps(gaps.anchor, gaps.shift, gaps.half_width, series),
-        given["deficit"],
-        given["mean_pressure"],
-        given["separation"],
-        penetration=given["penetration"],
+        Levels(**given),
         compliance_ratio=ratio,
     )
 
@@ -153,7 +150,7 @@ def test_gaps_that_are_none_are_refused(half_width):
     half = np.array(half_width)
     gaps = OpenGaps(np.arange(half.size) * 1.0, np.zeros(half.size), half, tuple(np.ones(4) for _ in half))
     with pytest.raises(ValueError, match="at least one"):
-        certify_gaps(two_waves(), gaps, 0.1, 1.0, 0.1, penetration=0.1)
+        certify_gaps(two_waves(), gaps, Levels(0.1, 1.0, 0.1, 0.1))
 
 
 def test_the_certificate_shares_no_code_with_the_solver():

@@ -10,9 +10,9 @@ from rough_surfaces import rough_scene
 from bem.adhesive import equilibrium
 from bem.continuation import crossing
 from bem.continuation.crossing import at_load
-from bem.continuation.path_point import Point
+from bem.continuation.path_point import BranchEnd
 from bem.loading.complete_contact import complete_contact
-from bem.nonadhesive.convex_path import ContactPoint
+from bem.loading.path_point import Separated
 from bem.problem import pose
 from bem.solver import _path_for, solve
 
@@ -21,7 +21,7 @@ def start(adhesion, harmonics=20):
     posed = rough_scene([40e-6], harmonics, 1, adhesion)
     problem = pose(posed, posed.surface())
     path = _path_for(posed, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance))
-    return path, ContactPoint("separated", -1.0) if adhesion is None else Point("separated", -1.0)
+    return path, Separated(-1.0)
 
 
 def points_to(adhesion, value, harmonics=20):
@@ -71,7 +71,7 @@ def test_few_evaluations_are_as_fine_as_those_of_a_target(adhesive, monkeypatch)
 
     monkeypatch.setattr(equilibrium, "balance", noted)
     at_load(path, before, after, 0.5 * (before.state.load + after.state.load))
-    assert 0 < tolerances.count(path.increments.fine_tolerance) <= 4  # measured 3
+    assert 0 < tolerances.count(path.increments.fine.tolerance) <= 4  # measured 3
 
 
 def test_what_the_coarse_accuracy_cannot_decide_the_fine_one_does(adhesive, monkeypatch):
@@ -88,7 +88,7 @@ def test_what_the_coarse_accuracy_cannot_decide_the_fine_one_does(adhesive, monk
 def test_the_load_is_met_without_adhesion():
     path, point = start(None)
     (there,) = path.advance(point, 1.2)
-    found = path.at_load(0.5 * there.state.load)
+    found = path.at_load(point, there, 0.5 * there.state.load)
     assert found.state.load == pytest.approx(0.5 * there.state.load, rel=1e-12)
     assert found.value == found.state.penetration < there.value
 
@@ -104,7 +104,7 @@ def test_a_load_outside_is_not_found(adhesive):
 @pytest.mark.parametrize("share", [0.1, 0.9, 0.999, 1 - 1e-6])
 def test_loads_are_met_up_to_the_end_of_a_branch(adhesive, kind, share):
     path, points = adhesive
-    pairs = [(a, b) for a, b in pairwise(points) if b.last and (b.fold is not None) == (kind == "fold")]
+    pairs = [(a, b) for a, b in pairwise(points) if b.last and isinstance(b, BranchEnd) == (kind == "fold")]
     assert pairs
     for before, after in pairs:
         load = (1 - share) * before.state.load + share * after.state.load
@@ -130,7 +130,7 @@ def test_the_state_beside_events_does_not_depend_on_the_increment():
     """Several events lie within an increment here."""
     path, points = points_to(0.03, 1.131, harmonics=300)
     inc = path.increments
-    fine = replace(path, increments=replace(inc, largest=inc.largest / 30, smallest=inc.smallest / 30), step=0.0)
+    fine = path.with_increments(replace(inc, largest=inc.largest / 30, smallest=inc.smallest / 30))
     start = next(point for point in points if point.value > 1.12 and not point.last)
     behind = points[points.index(start) :]
     close = [start, *fine.advance(start, points[-1].value)]

@@ -50,7 +50,7 @@ def test_increments_are_the_same(change):
         increments_of(scene, pose(scene, scene.surface())) for scene in (steep_scene(), steep_scene(**change))
     )
     np.testing.assert_allclose(other.smallest, first.smallest, rtol=1e-12)
-    np.testing.assert_allclose(other.tolerance, first.tolerance, rtol=1e-12)
+    np.testing.assert_allclose(other.coarse.tolerance, first.coarse.tolerance, rtol=1e-12)
 
 
 @CHANGES

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import descend
+from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, correct
 from bem.continuation.departure import departure
 from bem.continuation.limit_points import at_rest, before_fold, locate_limit_point
@@ -12,6 +12,7 @@ from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl
+from bem.loading.increments import Accuracy
 
 TOLERANCES = (1e-3, 1e-5, 1e-8)
 AMPLITUDE = np.sqrt(2.0)  # of a wave of unit rms height
@@ -44,7 +45,7 @@ def wave(control):
 def resting(system, centers, half_width, value):
     """Coarse equilibrium of patches around crests, with its value of the control."""
     patches = Patches(np.array(centers) - half_width, np.array(centers) + half_width)
-    found = descend(system, patches, 0.0, value, 1e-3, 1e-4, 0.2)
+    found = descend(system, patches, 0.0, value, Accuracy(1e-3, 1e-4), Steps(0.2))
     assert found.status == "converged"
     return found.balance
 
@@ -77,7 +78,7 @@ def test_before_a_fold_the_branch_is_where_its_parabola_says():
     fold = locate_limit_point(system, here, 0.7 * exact, 0.3 * exact, TOLERANCES)
     value = exact * (1 - 1e-5)
     near = before_fold(fold, value)
-    found = correct(system, near, value, value, 1e-8, 1e-9).balance
+    found = correct(system, near, value, value, Accuracy(1e-8, 1e-9)).balance
     moved = found.state.patches.half_width - fold.balance.state.patches.half_width
     np.testing.assert_allclose(near.half_width - fold.balance.state.patches.half_width, moved, rtol=0.05)
 
@@ -108,7 +109,7 @@ def test_equal_crests_lose_their_symmetry_before_they_pull_off(count):
     assert found.error.value <= 1e-9
     widths = found.balance.state.patches.width
     np.testing.assert_allclose(widths, widths.mean(), rtol=1e-6)
-    outward, leads_on, _ = departure(system, found, 1e-3, 1e-4)
+    outward, leads_on, _ = departure(system, found, Accuracy(1e-3, 1e-4))
     assert leads_on
     inward = -(outward[:count] + outward[count:])
     assert np.argmax(inward) == np.argmax(np.abs(inward))  # one patch shrinks most
@@ -132,7 +133,7 @@ def test_the_way_from_a_fold_leads_down():
     system, exact = wave(DisplacementControl()), lowest("penetration")
     here = resting(system, [2 * np.pi], 0.8, 0.7 * exact)
     fold = locate_limit_point(system, here, 0.7 * exact, 0.3 * exact, TOLERANCES)
-    outward, leads_on, _ = departure(system, fold, 1e-3, 1e-4)
+    outward, leads_on, _ = departure(system, fold, Accuracy(1e-3, 1e-4))
     assert leads_on
     assert np.all(outward < 0)  # it pulls off
 

@@ -11,10 +11,11 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System
-from bem.continuation.path import Path, restart
-from bem.continuation.path_point import Point
+from bem.continuation.path import Path
+from bem.continuation.path_point import Equilibrium
 from bem.loading.complete_contact import complete_contact
-from bem.loading.increments import Increments
+from bem.loading.increments import Accuracy, Increments
+from bem.loading.path_point import Separated
 from bem.problem import pose
 from bem.scene.scene import parse_scene
 from bem.solver import solve
@@ -252,11 +253,11 @@ def path_of(scene, largest):
     positions, heights = problem.profile.crests
     path = Path(
         System(problem.elastic, problem.law, problem.control),
-        Increments(largest, largest / 25, tolerance=1e-9, closure=1e-10, fine_tolerance=1e-11, fine_closure=1e-11),
+        Increments(largest, largest / 25, Accuracy(1e-9, 1e-10), Accuracy(1e-11, 1e-11)),
         positions[[np.argmax(heights)]],
         complete_contact(problem.profile, problem.law, problem.elastic.compliance),
     )
-    return path, Point("separated", -1.0)
+    return path, Separated(-1.0)
 
 
 def rough_path(largest=0.01):
@@ -311,7 +312,7 @@ def test_events_release_energy(rough_points):
 def test_every_point_is_a_stable_equilibrium(rough_points):
     _, points = rough_points
     for point in points:
-        if point.balance is not None:
+        if point.state is not None:
             assert point.balance.opening
             if not point.last:
                 assert point.balance.closed(1e-9)
@@ -329,11 +330,11 @@ def test_energy_before_an_event_is_above_that_after_it(rough_points):
 
 def test_tangent_is_the_motion_of_the_edges(rough_points):
     path, points = rough_points
-    point = path.polish(
-        next(p for p in points if p.rate is not None and p.state.patches.count >= 3 and not p.events), 1.0
+    point = path.refine(
+        next(p for p in points if isinstance(p, Equilibrium) and p.state.patches.count >= 3 and not p.events), 1.0
     )
     step = 1e-3
-    ahead, back = (path.polished_at(point, point.value + d) for d in (step, -step))
+    ahead, back = (path.refined_at(point, point.value + d) for d in (step, -step))
     count = point.state.patches.count
     rates = tangent(path.system.control, point.balance)
     for sign, side, rate in ((-1, "left", rates[:count]), (1, "right", rates[count:])):
@@ -343,10 +344,10 @@ def test_tangent_is_the_motion_of_the_edges(rough_points):
 
 def test_restart_stands_where_the_path_stood(rough_points):
     path, points = rough_points
-    point = path.polish(
-        next(p for p in points if p.rate is not None and p.state.patches.count >= 3 and not p.events), 1.0
+    point = path.refine(
+        next(p for p in points if isinstance(p, Equilibrium) and p.state.patches.count >= 3 and not p.events), 1.0
     )
-    again = restart(path, point.state.patches, point.state.penetration, point.value)
+    again = path.restart(point.state.patches, point.state.penetration, point.value)
     np.testing.assert_allclose(again.state.patches.left, point.state.patches.left, atol=1e-11)
 
 
@@ -354,15 +355,15 @@ def test_restart_refuses_edges_that_are_no_equilibrium(rough_points):
     path, points = rough_points
     point = next(p for p in points if p.state and p.state.patches.count >= 3)
     wider = point.state.patches.moved(0.25 * point.state.patches.edge_room)
-    assert restart(path, wider, point.state.penetration, point.value).status == "not_converged"
+    assert path.restart(wider, point.state.penetration, point.value).status == "not_converged"
 
 
 def test_error_estimate_covers_a_coarse_state():
-    """Points between targets are coarse; the estimate of one must bound its distance from the polished one."""
+    """Points between targets are coarse; the estimate of one must bound its distance from the refined one."""
     path, point = rough_path()
-    path.increments = Increments(0.02, 0.0008, tolerance=1e-3, closure=1e-4, fine_tolerance=1e-11, fine_closure=1e-11)
+    path = path.with_increments(Increments(0.02, 0.0008, fine=Accuracy(1e-11, 1e-11)))
     *_, coarse = path.advance(point, 0.8)
-    fine, judged = path.polish(coarse, 1.0), path.assess(coarse)
+    fine, judged = path.refine(coarse, 1.0), path.assess(coarse)
     true = abs(fine.state.patches.contact_fraction - coarse.state.patches.contact_fraction) * 2 * np.pi
     assert true <= 3 * abs(judged.correction.contact_length) + 1e-12
     assert abs(fine.state.load - coarse.state.load) <= 3 * abs(judged.correction.load) + 1e-12

@@ -10,6 +10,7 @@ from bem.elastic.collocation import Elastic, evaluate
 from bem.geometry.profile import Profile
 from bem.loading.assessment import quantities_of
 from bem.loading.control import DisplacementControl, LoadControl
+from bem.loading.increments import Accuracy
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.nonadhesive.grid_contact import grid_problem
 from bem.nonadhesive.nonadhesive import solve_contact
@@ -87,7 +88,7 @@ def test_wrong_edges_without_adhesion_are_corrected_to_second_order(control, qua
     condition, target = CONTROLS[control]
     elastic = Elastic(Profile.self_affine(2 * np.pi, 0.7, 1.0, 20, 3).scaled())
     start = grid_problem(elastic).patches(condition, target)
-    exact = solve_contact(elastic, condition, start, 1.0, target, tolerance=1e-12, closure=1e-12, allowed=1e-10).state
+    exact = solve_contact(elastic, condition, start, 1.0, target, Accuracy(1e-12, 1e-12, 1e-10)).state
     off = 1e-4 * np.tile(exact.patches.width, 2) * np.cos(np.arange(2 * exact.patches.count))
     state = evaluate(elastic, exact.patches.moved(off), condition.guess(exact.penetration, target), 1e-12)
     state = condition.reach(state, target)

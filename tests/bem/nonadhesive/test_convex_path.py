@@ -8,7 +8,8 @@ from rough_surfaces import rough_scene
 
 from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl, LoadControl
-from bem.nonadhesive.convex_path import ContactPoint, ConvexPath
+from bem.loading.path_point import Separated
+from bem.nonadhesive.convex_path import ConvexPath
 from bem.problem import pose
 from bem.solver import _path_for, solve
 
@@ -29,7 +30,7 @@ def _complete():
 
 
 def reached(path, *values):
-    point = ContactPoint("separated", -1.0)
+    point = Separated(-1.0)
     for value in values:
         *_, point = path.advance(point, value)
     return point
@@ -47,7 +48,7 @@ def test_the_way_does_not_matter(way):
 
 def test_the_goal_takes_one_increment():
     path = fresh()
-    points = list(path.advance(ContactPoint("separated", -1.0), 1.0))
+    points = list(path.advance(Separated(-1.0), 1.0))
     assert len(points) == 1
     assert (path.effort.accepted, path.effort.rejected) == (1, 0)
 
@@ -70,7 +71,7 @@ def test_complete_contact_is_an_event_where_the_last_gap_closes(control, stops):
     )
     highest = problem.profile.max_height
     last = control.value(highest, 2 * np.pi * highest)
-    point, events = ContactPoint("separated", -1.0), []
+    point, events = Separated(-1.0), []
     for value in (*(stop * last for stop in stops), last * 1.5 if control.load_weight else last):
         *_, point = path.advance(point, value)
         events += point.events

@@ -9,6 +9,7 @@ from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from bem.loading.control import DisplacementControl, LoadControl
+from bem.loading.increments import Accuracy
 from bem.nonadhesive.grid_contact import _intervals, grid_problem
 from bem.nonadhesive.nonadhesive import solve_contact
 
@@ -62,7 +63,7 @@ def test_a_rough_contact_needs_few_steps_from_there(control, share, seed):
     elastic = Elastic(Profile.self_affine(2 * np.pi, 0.7, 1.0, 60, seed).scaled())
     target = share * (elastic.profile.max_height if control is FIXED else 60.0)
     start = grid_problem(elastic).patches(control, target)
-    found = solve_contact(elastic, control, start, 1.0, target, tolerance=1e-8, closure=1e-9, allowed=1e-10)
+    found = solve_contact(elastic, control, start, 1.0, target, Accuracy(1e-8, 1e-9, 1e-10))
     assert found.status == "converged"
     assert found.evaluations <= 16  # measured 8 at most
     assert abs(start.contact_fraction - found.state.patches.contact_fraction) <= 0.006  # measured 0.003
@@ -93,4 +94,4 @@ def test_few_steps_under_total_displacement(compliance):
 def reached(elastic, control, target):
     """The contact from its start on the grid."""
     start = grid_problem(elastic).patches(control, target)
-    return solve_contact(elastic, control, start, 1.0, target, tolerance=1e-8, closure=1e-9, allowed=1e-10)
+    return solve_contact(elastic, control, start, 1.0, target, Accuracy(1e-8, 1e-9, 1e-10))

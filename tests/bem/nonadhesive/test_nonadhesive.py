@@ -12,12 +12,13 @@ from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.patches import TWO_PI, PatchPressure
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl
+from bem.loading.increments import Accuracy
 from bem.nonadhesive.grid_contact import grid_problem
 from bem.nonadhesive.nonadhesive import _with_opened_gaps, edge_closure, solve_contact
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 FIXED, LOADED = DisplacementControl(), LoadControl()
-ACCURACY = {"tolerance": 1e-10, "closure": 1e-11, "allowed": 1e-10}
+ACCURACY = Accuracy(1e-10, 1e-11, 1e-10)
 
 
 def profile_of(seed, harmonics=30):
@@ -27,7 +28,7 @@ def profile_of(seed, harmonics=30):
 def solved(profile, target, control=FIXED, start=None, penetration=1.0):
     elastic = Elastic(profile)
     patches = grid_problem(elastic).patches(control, target) if start is None else start
-    return solve_contact(elastic, control, patches, penetration, target, **ACCURACY)
+    return solve_contact(elastic, control, patches, penetration, target, ACCURACY)
 
 
 @pytest.mark.parametrize("fraction", [1e-3, 0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95])

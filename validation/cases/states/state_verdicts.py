@@ -24,7 +24,7 @@ from bem.geometry.patches import Patches
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.problem import pose
 from bem.scene.result import State
-from bem.states import Cost, equilibrium_state
+from bem.states import Cost, Place, equilibrium_state
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Row
@@ -187,7 +187,7 @@ class Posed:
             state, assessment = here.state, assess_equilibrium(system, here, depth, finest)
         if self.eigenvalue is not None:
             assessment = replace(assessment, min_eigenvalue=self.eigenvalue)
-        stored = equilibrium_state(problem, state, assessment, 1e-10, "loading", True, Cost(0, 0, 0.0))
+        stored = equilibrium_state(problem, state, assessment, 1e-10, Place("loading", True, Cost(0, 0, 0.0)))
         return stored.certificate.ok
 
 

@@ -90,7 +90,12 @@ def _inverted(original: Function, size: float) -> Function:
 
 def _not_afresh(original: Function, size: float) -> Function:
     """A path goes on from a target with what it knows from before, which no stored state holds."""
-    return lambda path, point: point
+
+    def wrong(run: Any, state: Any, goal: float | None = None) -> Any:
+        here: Any = getattr(run, "point", None)
+        return here if goal is not None and here.state is not None else original(run, state, goal)
+
+    return wrong
 
 
 def _not_turned(original: Function, size: float) -> Function:
@@ -221,7 +226,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-tension-left",
         "tension without adhesion is left in contact",
-        "bem.nonadhesive.nonadhesive:_minimum",
+        "bem.nonadhesive.tension:minimum",
         _tension_left,
         "a percent of the pressure",
     ),
@@ -242,7 +247,7 @@ PATH_FAULTS: tuple[Fault, ...] = (
     Fault(
         "bem-not-afresh",
         "a stored state does not hold all that its path depends on",
-        "bem.continuation.path:Path.afresh",
+        "bem.solver:_Run._point_of",
         _not_afresh,
     ),
     Fault(

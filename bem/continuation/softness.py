@@ -1,0 +1,134 @@
+"""Forces near a neutral equilibrium in fixed units of length, the softest modes of their Hessian, and steps from there.
+
+The derivative of the smallest eigenvalue mu along a motion of the edges, D_v H v, is a difference of exact Hessians;
+that by the control is exact in K, which is linear in the control at fixed edges.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from bem.adhesive.equilibrium import Balance, System, balance, forces
+from bem.elastic.collocation import Resolution, finer, resolve
+from bem.loading.path_events import Exact
+
+FloatArray = NDArray[np.float64]
+
+SIDEWAYS = 1e-4  # of the room, over which D_v H is a difference
+
+
+class LostError(Exception):
+    """A step that leads away from all equilibria."""
+
+
+@dataclass(frozen=True, eq=False)
+class Soft:
+    """Forces on the edges in fixed units of length, with the modes of their Hessian."""
+
+    here: Balance
+    value: float
+    scale: FloatArray
+    gradient: FloatArray
+    hessian: FloatArray
+    pull: FloatArray
+    eigenvalues: FloatArray
+    modes: FloatArray
+    eigenvalue_rate: float
+
+    @property
+    def mode(self) -> FloatArray:
+        """The softest one, (2 L,)."""
+        return np.asarray(self.modes[:, 0])
+
+    @property
+    def room(self) -> FloatArray:
+        """Room of the edges, (2 L,)."""
+        return np.asarray(self.here.state.patches.edge_room / self.scale)
+
+    def size(self, step: FloatArray) -> float:
+        """Largest part of its room by which an edge moves in a step."""
+        return float(np.max(np.abs(step) / self.room))
+
+
+def softness(
+    system: System, here: Balance, value: float, scale: FloatArray, last: FloatArray | None = None, every: bool = False
+) -> Soft:
+    """Forces of a balance, and its two softest modes or `every` one; the first has the sign of `last`."""
+    hessian = _scaled(here, scale)
+    eigenvalues, modes = eigh(hessian, subset_by_index=None if every else [0, 1], check_finite=False)
+    if last is not None:
+        modes *= np.sign(modes[:, 0] @ last) or 1.0
+    state, mode = here.state, modes[:, 0]
+    rate = system.control.rate(state)
+    change = 1e-2 * float(np.median(np.abs(state.stress_intensity / (state.stress_intensity_rate * rate))))
+    ahead, behind = (
+        float(mode @ _scaled(forces(system, state.shifted(by * rate), value + by), scale) @ mode)
+        for by in (change, -change)
+    )
+    return Soft(
+        here=here,
+        value=value,
+        scale=scale,
+        gradient=here.gradient * scale,
+        hessian=hessian,
+        pull=here.load_gradient * scale * rate,
+        eigenvalues=eigenvalues,
+        modes=modes,
+        eigenvalue_rate=(ahead - behind) / (2 * change),
+    )
+
+
+def _scaled(here: Balance, scale: FloatArray) -> FloatArray:
+    return np.asarray((here.hessian + here.hessian.T) / 2 * np.outer(scale, scale))
+
+
+def forces_at(
+    system: System, soft: Soft, step: FloatArray, value: float, tolerance: float, like: Resolution
+) -> Balance:
+    """Forces after a step of the edges at a value of the control."""
+    state = soft.here.state
+    patches = state.patches.moved(step * soft.scale)
+    if not patches.is_ordered:
+        raise LostError
+    here = balance(system, patches, state.penetration, value, tolerance, like)
+    if not here.opening:
+        raise LostError
+    return here
+
+
+def eigenvalue_gradient(system: System, soft: Soft, tolerance: float) -> FloatArray:
+    """D_v H v, the derivative of the smallest eigenvalue by the edges, (2 L,)."""
+    step = SIDEWAYS / soft.size(soft.mode) * soft.mode
+    beside = forces_at(system, soft, step, soft.value, tolerance, soft.here.state.resolution)
+    return np.asarray((_scaled(beside, soft.scale) - soft.hessian) @ soft.mode * (soft.size(soft.mode) / SIDEWAYS))
+
+
+def refined(system: System, soft: Soft, step: FloatArray, value: float, tolerance: float, other: bool) -> Balance:
+    """Forces after a step, at a finer tolerance; with another resolution than it asks for, where errors are wanted."""
+    wanted = resolve(system.elastic, soft.here.state.patches.moved(step * soft.scale), tolerance)
+    return forces_at(system, soft, step, value, tolerance, finer(wanted) if other else wanted)
+
+
+def to_rest(soft: Soft) -> FloatArray:
+    """Newton step of the edges to the equilibrium at the same control, (2 L,)."""
+    return np.asarray(-np.linalg.solve(soft.hessian, soft.gradient))
+
+
+def after_step(system: System, here: Balance, value: float, outward: FloatArray, change: float) -> Exact:
+    """Numbers of the state to which short motions of the edges and of the control lead, to second order."""
+    state, control = here.state, system.control
+    rate = control.rate(state)
+    carried = float(here.load_gradient @ outward)
+    deeper = rate * (change - control.load_weight * carried)
+    work = float(here.gradient @ outward + outward @ here.hessian @ outward / 2) + change * rate * carried
+    work += change * (control.force(state) + change / 2 * control.force_rate(state))
+    return Exact(
+        value + change,
+        state.penetration + deeper,
+        state.load + carried + state.load_rate * deeper,
+        here.potential + work,
+    )

@@ -1,0 +1,87 @@
+"""Tension inside the patches of a contact without adhesion, where there is none in the solution.
+
+The pressure of a patch is a Chebyshev series over the root that it has at its edges; its sign is that of the series,
+which is sampled at twice as many nodes as it has coefficients.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from bem.geometry import chebyshev
+from bem.geometry.patches import PatchPressure
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
+
+
+def dips(pressure: PatchPressure) -> dict[int, list[tuple[float, float, float]]]:
+    """Patches inside which the pressure may fall below zero between its nodes: where, and the nodes on either side."""
+    found: dict[int, list[tuple[float, float, float]]] = {}
+    for who, values in _at_nodes(pressure.charges):
+        before, inner, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
+        bend = before - 2 * inner + after  # more than what a minimum between the nodes may lie lower
+        at = nodes(pressure.charges[who[0]])
+        for row, k in zip(*np.nonzero((inner < before) & (inner <= after) & (inner < bend)), strict=True):
+            found.setdefault(int(who[row]), []).append((float(at[k + 1]), float(at[k]), float(at[k + 2])))
+    return dict(sorted(found.items()))
+
+
+def minimum(charge: FloatArray, at: float, lower: float, upper: float) -> tuple[float, float, float]:
+    """Position near a place in (-1, 1), value and second derivative of a minimum of a series between two bounds."""
+    slope = np.polynomial.chebyshev.chebder(charge)
+    bend = np.polynomial.chebyshev.chebder(slope)
+    for _ in range(3):
+        step = -np.polynomial.chebyshev.chebval(at, slope) / np.polynomial.chebyshev.chebval(at, bend)
+        at = float(np.clip(at + step, lower, upper))
+    return (
+        at,
+        float(np.polynomial.chebyshev.chebval(at, charge)),
+        float(np.polynomial.chebyshev.chebval(at, bend)),
+    )
+
+
+def nodes(charge: FloatArray) -> FloatArray:
+    """Twice as many Chebyshev nodes as a series has coefficients, from left to right."""
+    return chebyshev.basis_nodes(2 * charge.size)[::-1]
+
+
+def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArray]]:
+    """Patches with series of equal length, and the values of these at their nodes by rows."""
+    sizes = np.array([charge.size for charge in charges])
+    found: list[tuple[IntArray, FloatArray]] = []
+    for size in np.unique(sizes):
+        who = np.flatnonzero(sizes == size)
+        halved = np.zeros((who.size, 2 * size))
+        halved[:, :size] = np.stack([charges[i] for i in who]) / 2
+        halved[:, 0] *= 2
+        found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
+    return found
+
+
+def under_tension(pressure: PatchPressure, rounded: float) -> dict[int, list[tuple[int, int]]]:
+    """Patches whose pressure is tensile somewhere inside: first and last nodes of the parts of each that are not."""
+    found: dict[int, list[tuple[int, int]]] = {}
+    for who, values in _at_nodes(pressure.charges):
+        most = values.max(axis=1)
+        for k in np.flatnonzero((values.min(axis=1) <= -TENSILE * most - rounded) | (most <= 0)):
+            parts = _compressive(values[k], float(pressure.charges[who[k]][0]), rounded)
+            if parts != [(0, values.shape[1] - 1)]:
+                found[int(who[k])] = parts
+    return found
+
+
+def _compressive(values: FloatArray, mean: float, rounded: float) -> list[tuple[int, int]]:
+    """First and last nodes of the parts of a patch in compression; where the patch carries a load, its ends are."""
+    if values.max() <= 0:
+        return []
+    compressive = values > -TENSILE * values.max() - rounded
+    starts = np.flatnonzero(compressive & ~np.append(False, compressive[:-1]))
+    stops = np.flatnonzero(compressive & ~np.append(compressive[1:], False))
+    if mean > 0:
+        starts[0], stops[-1] = 0, values.size - 1
+    return list(zip(starts.tolist(), stops.tolist(), strict=True))
