@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 import bem
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
+from validation.harness.rows import compared
 from validation.harness.schema import Reference, Row, Tolerance
 from validation.references import fem_adapter
 
@@ -277,37 +278,22 @@ def rows(comparison: Comparison) -> list[Row]:
             )
         ]
     found = [
-        Row(
-            quantity=prefix + difference.quantity,
-            unit=difference.unit,
-            reference=Reference(kind="FEM", source=_source(comparison), uncertainty=difference.fem_uncertainty),
-            norm="absolute",
-            expected=difference.fem,
-            computed=difference.bem,
-            scale=difference.scale,
-            uncertainty=difference.bem_uncertainty,
-            tolerance=Tolerance(value=ROUNDING, measured=0.0, basis="required"),
-        )
+        compared(prefix + difference.quantity, difference.unit,
+                 Reference(kind="FEM", source=_source(comparison), uncertainty=difference.fem_uncertainty),
+                 difference.fem, difference.bem, ROUNDING, 0.0, "absolute", difference.scale, basis="required",
+                 uncertainty=difference.bem_uncertainty)
         for difference in comparison.differences
-    ]
+    ]  # fmt: skip
     if comparison.fem is not None and comparison.fem.resolution.order == 4:
         *others, displacement = comparison.differences
         found += [
-            Row(
-                quantity=f"{prefix}combined uncertainty over its scale, {name}",
-                unit="",
-                reference=Reference(kind="FEM", source=_source(comparison)),
-                norm="absolute",
-                expected=[0.0],
-                computed=[max(difference.uncertainty for difference in judged)],
-                tolerance=Tolerance(value=asked, measured=measured, basis="required"),
-                pinned="unconverged",
-            )
-            for name, judged, (asked, measured) in (
-                ("largest of all but displacement", others, ASKED),
-                ("displacement", [displacement], ASKED_OF_DISPLACEMENT),
-            )
-        ]
+            compared(f"{prefix}combined uncertainty over its scale, {name}", "",
+                     Reference(kind="FEM", source=_source(comparison)), [0.0],
+                     [max(difference.uncertainty for difference in judged)], asked, measured, "absolute",
+                     basis="required", pinned="unconverged")
+            for name, judged, (asked, measured) in (("largest of all but displacement", others, ASKED),
+                ("displacement", [displacement], ASKED_OF_DISPLACEMENT))
+        ]  # fmt: skip
     return found
 
 
