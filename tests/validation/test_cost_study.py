@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from validation.harness.execution import Ended
-from validation.studies import cost, cost_breakdown
+from validation.studies import answers, cost, cost_breakdown
 from validation.studies.cost import Drift, Task, drifts_of, exponents_of, judged, measured, tasks_of
 from validation.studies.cost_breakdown import dissected
 
@@ -154,7 +154,7 @@ def here(monkeypatch):
         except Exception as error:
             yield Ended(item, error)
 
-    monkeypatch.setattr(cost, "run_alone", in_this_process)
+    monkeypatch.setattr(answers, "run_alone", in_this_process)
 
 
 def study(folder, measure, tasks=PAIR, dissect=None):
@@ -203,7 +203,7 @@ def test_interrupted_study_goes_on_to_the_same_report(examples, tmp_path, monkey
         begun.append(item)
         yield Ended(item, function(item))
 
-    monkeypatch.setattr(cost, "run_alone", in_this_process)
+    monkeypatch.setattr(answers, "run_alone", in_this_process)
     stop = None
     study(tmp_path / "whole", examples.converge, PAIR, examples.apart)
     stop = PAIR[1]

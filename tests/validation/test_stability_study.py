@@ -13,7 +13,7 @@ from validation.corpus.rows import ENDINGS, Task, counts, row_of, tasks_of
 from validation.harness import execution
 from validation.harness.execution import Ended, Running
 from validation.harness.verdict import verdict_of
-from validation.studies import stability
+from validation.studies import answers, stability
 from validation.studies.stability import summary
 
 FLAT = Task("bem", "flat", "reduced", 120.0)
@@ -162,7 +162,7 @@ def test_cases_that_crashed_are_run_again(examples, here, tmp_path):
 def test_rows_of_other_sources_are_not_kept(examples, here, tmp_path, monkeypatch):
     study(tmp_path, examples.converge)
     here.clear()
-    monkeypatch.setattr(stability, "sources_digest", lambda: "other")
+    monkeypatch.setattr(answers, "sources_digest", lambda: "other")
     study(tmp_path, examples.converge)
     assert here == ["flat", "apart", "one_line"]
 
