@@ -59,37 +59,16 @@ def compute(evidence: Evidence) -> Outcome:
     theory_slope = line_through(load[fitted], wet[fitted])[1]
     short = evidence.shortfall
     rows = (
-        statement(
-            "contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
-            float(ratio[0]),
-            float(ratio_error[0]),
-            2.0,
-            0.3,
-            measured=0.072,
-            where="abstract: the theory underestimates the area by about 50 %",
-            shortfall=short,
-        ),
-        statement(
-            "largest distance of the area curve from a straight line, 0.005 to 0.025 E*, over the largest area",
-            residual,
-            float(np.max(error[fitted]) / mean[-1]),
-            0.0,
-            0.03,
-            measured=0.012,
-            where="abstract: the area is linear in the load also with adhesion",
-            shortfall=short,
-        ),
-        disagreement(
-            "slope of the straight line over that of the theory with adhesion",
-            float(slope / theory_slope),
-            float(slope_error / theory_slope),
-            2.0,
-            (0.75, 0.95),
-            CAUSE,
-            where="abstract: the theory underestimates the area by about 50 % at any load",
-            shortfall=short,
-        ),
-    )
+        statement("contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
+                  float(ratio[0]), float(ratio_error[0]), 2.0, 0.3, measured=0.072,
+                  where="abstract: the theory underestimates the area by about 50 %", shortfall=short),
+        statement("largest distance of the area curve from a straight line, 0.005 to 0.025 E*, over the largest area",
+                  residual, float(np.max(error[fitted]) / mean[-1]), 0.0, 0.03, measured=0.012,
+                  where="abstract: the area is linear in the load also with adhesion", shortfall=short),
+        disagreement("slope of the straight line over that of the theory with adhesion", float(slope / theory_slope),
+                     float(slope_error / theory_slope), 2.0, (0.75, 0.95), CAUSE,
+                     where="abstract: the theory underestimates the area by about 50 % at any load", shortfall=short),
+    )  # fmt: skip
     slopes = Table(
         caption="Straight lines A/A0 = a + b p/E* through 0.005 to 0.025 E*; errors are standard errors of the mean.",
         columns=["curve", "a", "error of a", "b", "error of b", "b over that of the theory with adhesion"],

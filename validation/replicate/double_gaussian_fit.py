@@ -142,18 +142,14 @@ class Sample:
         where = "section 5: they differ, a factor of about 1.4 on the theory's brings it closer"
         whole, error = self.end(WINDOWS[0])
         rows = [
-            disagreement(
-                f"{said}, fitted over -0.3 to 0.7 E*", whole, error, FACTOR, (1.1, 1.7), CAUSE,
-                where=where, shortfall=short,
-            )
+            disagreement(f"{said}, fitted over -0.3 to 0.7 E*", whole, error, FACTOR, (1.1, 1.7), CAUSE, where=where,
+                         shortfall=short),
         ]  # fmt: skip
         if self.load == SPECTRA_AT[-1]:
             pressed, error = self.end(0.0)
             rows.append(
-                statement(
-                    f"{said}, fitted over compression alone", pressed, error, FACTOR, 0.3,
-                    measured=0.07, where=where, same_ensemble=True, shortfall=short,
-                )
+                statement(f"{said}, fitted over compression alone", pressed, error, FACTOR, 0.3, measured=0.07,
+                          where=where, same_ensemble=True, shortfall=short),
             )  # fmt: skip
         return rows
 

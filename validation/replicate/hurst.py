@@ -52,12 +52,11 @@ def compute(evidence: Evidence) -> Outcome:
         )
         rows.append(
             statement(
-                f"exponent of C_u / C over orders {last[0]:g} to {last[1]:g}, H = {value:g}",
-                found, error, said, 0.3, measured=MEASURED[value],
-                told=f"window half an octave narrower: by up to {swing:.2g}",
+                f"exponent of C_u / C over orders {last[0]:g} to {last[1]:g}, H = {value:g}", found, error, said, 0.3,
+                measured=MEASURED[value], told=f"window half an octave narrower: by up to {swing:.2g}",
                 where="section 5: full contact at short wavelengths as the theory, computed here, expects for H > 0.5",
-                shortfall=evidence.shortfall,
-            )
+                shortfall=evidence.shortfall
+            ),
         )  # fmt: skip
         bands = [banded(one, 16) for one in power]
         mean, spread = mean_and_error([y for _, y in bands])

@@ -108,11 +108,10 @@ def _distance(evidence: Evidence, sample: Sample, factor: float) -> float:
 
 def _factor_row(evidence: Evidence, samples: Sequence[Sample]) -> Row:
     closer = sum(_distance(evidence, one, FACTOR) < _distance(evidence, one, 1.0) for one in samples)
-    return statement(
-        f"loads of {len(samples)} at which the theory's P(sigma) comes closer with {FACTOR:g} sigma_a",
-        float(closer), 0.0, float(len(samples)), 0.5, measured=0.0,
-        where="section 5: a factor of about 1.4 brings the theory closer", shortfall=evidence.shortfall,
-    )  # fmt: skip
+    return statement(f"loads of {len(samples)} at which the theory's P(sigma) comes closer with {FACTOR:g} sigma_a",
+                     float(closer), 0.0, float(len(samples)), 0.5, measured=0.0,
+                     where="section 5: a factor of about 1.4 brings the theory closer",
+                     shortfall=evidence.shortfall)  # fmt: skip
 
 
 def _factor_table(evidence: Evidence, samples: Sequence[Sample]) -> Table:
@@ -129,10 +128,8 @@ def _gaussian_row(load: float, values: FloatArray, spread: float, short: str) ->
     low, high = (bound * spread for bound in COMPRESSIVE_END)
     end = (low <= CENTRES) & (high >= CENTRES)
     power, error = jackknife(lambda mean: decay_power(CENTRES[end], mean[end]), values)
-    return statement(
-        f"power k of ln P = a - b sigma^k at high pressure, {load:g} E*", power, error, 2.0, 0.6, measured=0.34,
-        where="section 5: Gaussian tail at high pressure", shortfall=short,
-    )  # fmt: skip
+    return statement(f"power k of ln P = a - b sigma^k at high pressure, {load:g} E*", power, error, 2.0, 0.6,
+                     measured=0.34, where="section 5: Gaussian tail at high pressure", shortfall=short)  # fmt: skip
 
 
 def _tensile_row(evidence: Evidence, load: float) -> Row:

@@ -39,29 +39,14 @@ def compute(evidence: Evidence) -> Outcome:
     large = np.array([load >= LARGE for load in LOADS])
     small = LOADS.index(SMALL)
     rows = (
-        statement(
-            "separation from 0.005 to 0.025 E*, against Persson's with adhesion",
-            mean[large].tolist(),
-            float(np.max(error[large])),
-            wet[large].tolist(),
-            0.15,
-            measured=0.06,
-            unit="h_rms",
-            where="section 5: separation in very good agreement with the theory, which is computed here",
-            shortfall=evidence.shortfall,
-        ),
-        disagreement(
-            "separation at 0.001 E*, over Persson's with adhesion",
-            float(mean[small]),
-            float(error[small]),
-            float(wet[small]),
-            (0.4, 0.8),
-            CAUSE,
-            unit="h_rms",
-            where="section 5: except at small loads",
-            shortfall=evidence.shortfall,
-        ),
-    )
+        statement("separation from 0.005 to 0.025 E*, against Persson's with adhesion", mean[large].tolist(),
+                  float(np.max(error[large])), wet[large].tolist(), 0.15, measured=0.06, unit="h_rms",
+                  where="section 5: separation in very good agreement with the theory, which is computed here",
+                  shortfall=evidence.shortfall),
+        disagreement("separation at 0.001 E*, over Persson's with adhesion", float(mean[small]), float(error[small]),
+                     float(wet[small]), (0.4, 0.8), CAUSE, unit="h_rms", where="section 5: except at small loads",
+                     shortfall=evidence.shortfall),
+    )  # fmt: skip
     fitted = np.array([load in FITTED for load in LOADS])
     log_load = np.log(np.array(LOADS)[fitted])
     lengths = np.array([[-1 / np.polyfit(one[fitted], log_load, 1)[0]] for one in separations])

@@ -123,51 +123,38 @@ def _rows(load: float, name: str, value: float, error: float, theory: float, tol
     """The paper's exponents of this window: of C_u, its theory and C_sigma in the middle; of C_sigma at the end."""
     if name == "250 to 1000":
         return [
-            statement(
-                f"exponent of C_sigma at {load:g} E*, orders 250 to 1000", value + 2, error, 1 - 2 * HURST, 0.15,
-                measured=MEASURED[load][1], where="section 5: 1 - 2 H of full contact at high q", shortfall=short,
-                told=told,
-            )
+            statement(f"exponent of C_sigma at {load:g} E*, orders 250 to 1000", value + 2, error, 1 - 2 * HURST, 0.15,
+                      measured=MEASURED[load][1], where="section 5: 1 - 2 H of full contact at high q", shortfall=short,
+                      told=told),
         ]  # fmt: skip
     return [
-        statement(
-            f"exponent of C_u at {load:g} E*, orders 10 to 100", value, error, -2.73, 0.15,
-            measured=MEASURED[load][0], last_digit=0.005, where="section 5: -2.73, theory -2.7", shortfall=short,
-            told=told, same_ensemble=True,
-        ),
-        statement(
-            f"exponent of C_u in the theory with adhesion at {load:g} E*, orders 10 to 100", theory, 0.0, -2.7, 0.05,
-            measured=0.021, last_digit=0.05, where="section 5: theory -2.7", shortfall=short,
-        ),
-        statement(
-            f"exponent of C_sigma at {load:g} E*, orders 10 to 100 (that of C_u plus 2)", value + 2, error, -HURST,
-            0.15, measured=MEASURED[load][0], where="section 5: -H in the middle range", shortfall=short, told=told,
-        ),
+        statement(f"exponent of C_u at {load:g} E*, orders 10 to 100", value, error, -2.73, 0.15,
+                  measured=MEASURED[load][0], last_digit=0.005, where="section 5: -2.73, theory -2.7", shortfall=short,
+                  told=told, same_ensemble=True),
+        statement(f"exponent of C_u in the theory with adhesion at {load:g} E*, orders 10 to 100", theory, 0.0, -2.7,
+                  0.05, measured=0.021, last_digit=0.05, where="section 5: theory -2.7", shortfall=short),
+        statement(f"exponent of C_sigma at {load:g} E*, orders 10 to 100 (that of C_u plus 2)", value + 2, error,
+                  -HURST, 0.15, measured=MEASURED[load][0], where="section 5: -H in the middle range", shortfall=short,
+                  told=told),
     ]  # fmt: skip
 
 
 def _change_row(load: float, power: FloatArray, short: str) -> Row:
     """By how much the exponent rises from the middle to the high end."""
     change, error = jackknife(lambda mean: exponent(mean, HIGH) - exponent(mean, MIDDLE), power)
-    return statement(
-        f"rise of the exponent of C_sigma from orders 10 to 100 to orders 250 to 1000, {load:g} E*", change, error,
-        1 - HURST, 0.2, measured=0.13, where="section 5: from -H to 1 - 2 H", shortfall=short,
-    )  # fmt: skip
+    return statement(f"rise of the exponent of C_sigma from orders 10 to 100 to orders 250 to 1000, {load:g} E*",
+                     change, error, 1 - HURST, 0.2, measured=0.13, where="section 5: from -H to 1 - 2 H",
+                     shortfall=short)  # fmt: skip
 
 
 def _high_load_row(one: Realisation, short: str) -> Row:
     last = len(one.result.targets) - 1
     ratio, error, _ = _closeness(one, last)
     return statement(
-        f"C_u over C at contact fraction {one.result.targets[last].contact_fraction:.4f}, mean over orders",
-        ratio,
-        error,
-        1.0,
-        0.02,
-        measured=0.0055,
-        where="section 5: C_u tends to C at very high load",
-        shortfall=short,
-    )
+        f"C_u over C at contact fraction {one.result.targets[last].contact_fraction:.4f}, mean over orders", ratio,
+        error, 1.0, 0.02, measured=0.0055, where="section 5: C_u tends to C at very high load",
+        shortfall=short
+    )  # fmt: skip
 
 
 def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[float]]:

@@ -128,19 +128,13 @@ def compare_equilibria(label: str, posed: Scene, elements: str, patches: int) ->
         *_heights(posed, fem, state.penetration, state.total_displacement),
         *_stresses(posed, fem, elastic, state.mean_pressure, state.error_estimate.mean_pressure or 0.0),
         *(
-            Difference(
-                f"{name} per area",
-                "J/m^2",
-                [theirs],
-                [ours / period],
-                posed.accuracy.tolerance * abs(state.elastic_energy),
-                _largest(fem, key) / period,
-                abs(state.elastic_energy),
-            )
+            Difference(f"{name} per area", "J/m^2", [theirs], [ours / period],
+                       posed.accuracy.tolerance * abs(state.elastic_energy), _largest(fem, key) / period,
+                       abs(state.elastic_energy))
             for name, ours, theirs, key in energies
         ),
         _displacement(posed, fem, elastic),
-    )
+    )  # fmt: skip
     return Comparison(label, found, fem, elastic)
 
 
@@ -153,17 +147,10 @@ def compare_prescribed(label: str, posed: Scene, elements: str, edges: FloatArra
     energy = state.elastic_energy
     found = (
         *_stresses(posed, fem, state, state.mean_pressure, 0.0),
-        Difference(
-            "elastic energy per period",
-            "J/m",
-            [energy],
-            [fem.elastic_energy],
-            posed.accuracy.tolerance * abs(energy),
-            _largest(fem, "elastic_energy"),
-            abs(energy),
-        ),
+        Difference("elastic energy per period", "J/m", [energy], [fem.elastic_energy],
+                   posed.accuracy.tolerance * abs(energy), _largest(fem, "elastic_energy"), abs(energy)),
         _displacement(posed, fem, state),
-    )
+    )  # fmt: skip
     return Comparison(label, found, fem, state)
 
 
@@ -189,38 +176,17 @@ def _stresses(
     own = posed.accuracy.tolerance * scale
     root = float(np.sqrt(fem.problem.period))
     found = [
-        Difference(
-            "pressure away from the edges",
-            "Pa",
-            flat(middle),
-            flat(fem.middle_pressure),
-            own,
-            _largest(fem, "middle_pressure"),
-            scale,
-        ),
-        Difference(
-            "stress intensity at the edges",
-            "Pa m^1/2",
-            flat(state.stress_intensity),
-            flat(fem.stress_intensity),
-            own * root,
-            _largest(fem, "stress_intensity"),
-            scale * root,
-        ),
-    ]
+        Difference("pressure away from the edges", "Pa", flat(middle), flat(fem.middle_pressure), own,
+                   _largest(fem, "middle_pressure"), scale),
+        Difference("stress intensity at the edges", "Pa m^1/2", flat(state.stress_intensity),
+                   flat(fem.stress_intensity), own * root, _largest(fem, "stress_intensity"), scale * root),
+    ]  # fmt: skip
     if posed.loading.control != "mean_pressure":
         found.insert(
             0,
-            Difference(
-                "mean pressure",
-                "Pa",
-                [mean_pressure],
-                [fem.mean_pressure],
-                max(estimate, own),
-                _largest(fem, "mean_pressure"),
-                scale,
-            ),
-        )
+            Difference("mean pressure", "Pa", [mean_pressure], [fem.mean_pressure], max(estimate, own),
+                       _largest(fem, "mean_pressure"), scale),
+        )  # fmt: skip
     return found
 
 
@@ -231,15 +197,9 @@ def _displacement(posed: Scene, fem: Result, state: bem.ContactState) -> Differe
     uncertainty = float(np.max(fem.uncertainty_at("displacement", x))) + 2.0 * float(
         np.max(fem.uncertainty["penetration"])
     )
-    return Difference(
-        "interface displacement away from the edges",
-        "m",
-        flat(state.displacement(x)),
-        flat(fem.displacement(x) - mean),
-        posed.accuracy.tolerance * height,
-        uncertainty,
-        height,
-    )
+    return Difference("interface displacement away from the edges", "m", flat(state.displacement(x)),
+                      flat(fem.displacement(x) - mean), posed.accuracy.tolerance * height, uncertainty,
+                      height)  # fmt: skip
 
 
 def away_from_edges(fem: Result) -> FloatArray:
