@@ -10,7 +10,7 @@ from scipy.integrate import quad
 
 from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
-from validation.references.dense_newton import solve_dense
+from validation.references.dense_equilibrium import solve_dense
 from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, scenes
 from validation.studies import answers
 from validation.studies.work_precision import work_precision

@@ -23,7 +23,7 @@ from fem_reference.result import quantities
 from fem_reference.solve import closed, control_of, problem_of
 from persson import AdhesiveContact, DiscreteSpectrum
 from persson import solve as persson_solve
-from validation.references.dense_newton import solve_dense
+from validation.references.dense_equilibrium import solve_dense
 from validation.references.paper_method import PaperState, follow
 from validation.references.paper_method import solve as paper_solve
 from validation.references.posed_contacts import Answer, Found, MethodError, Posed, overlap, scene_tables
