@@ -126,8 +126,10 @@ def _figure(results: list[Result], exact: list[float], harmonics: list[float]) -
                       )),
                  axes("mean pressure / kPa", "signed error of the contact fraction",
                       *(
-                          trace(label, [p / 1e3 for p in MERGED], [s.contact_fraction - f
-                                for s, f in zip(result.targets[len(APART) :], exact, strict=True)], style)
+                          trace(label, [p / 1e3 for p in MERGED],
+                                [s.contact_fraction - f
+                                 for s, f in zip(result.targets[len(APART) :], exact, strict=True)],
+                                style)
                           for (label, style), result in zip(styles, results, strict=True)
                       )))  # fmt: skip
 
