@@ -23,9 +23,9 @@ Units: as in `problem`; G in E a^2 / lambda, K in E a / sqrt(lambda).
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from skfem import Basis, ElementTriP1
 
 from fem_reference.contact import UnitStates
 from fem_reference.elasticity import SingularSystemError
@@ -97,63 +97,33 @@ def energy_derivative(states: UnitStates, motion: FloatArray) -> FloatArray:
     motion : FloatArray, shape (n_vertices,)
         theta at the vertices; equal on both sides of the seam, zero on the plate or constant in x there.
     """
-    triangles = states.mesh.triangles
-    corner = triangles.p[:, triangles.t]
-    edge1, edge2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    twice_area = edge1[0] * edge2[1] - edge1[1] * edge2[0]
-    d1, d2 = (motion[triangles.t[i]] - motion[triangles.t[0]] for i in (1, 2))
-    motion_x = (d1 * edge2[1] - d2 * edge1[1]) / twice_area
-    motion_y = (d2 * edge1[0] - d1 * edge2[0]) / twice_area
-    moving = np.flatnonzero((motion_x != 0.0) | (motion_y != 0.0))
-    volume = _volume_term(states, moving, motion_x[moving], motion_y[moving])
-    return volume + _profile_term(states, motion)
+    corners = motion[states.mesh.triangles.t]
+    moving = np.flatnonzero(np.any(corners != corners[0], axis=0))
+    return _profile_term(states, motion) + (_volume_term(states, moving, motion) if moving.size else 0.0)
 
 
-def _volume_term(states: UnitStates, elements: IntArray, motion_x: FloatArray, motion_y: FloatArray) -> FloatArray:
-    V, Q = states.spaces.displacement, states.spaces.pressure
+def _volume_term(states: UnitStates, elements: IntArray, motion: FloatArray) -> FloatArray:
+    """Integral over the elements in which theta changes; axes: states (a, b), x and y (i, j), elements, points."""
     n, _ = states.spaces.sizes
     mu, softness = states.problem.shear_modulus, states.problem.inverse_bulk_modulus
-    gradients, pressures = [], []
-    for field in states.fields:
-        gradient = np.zeros((2, 2, len(elements), V.X.shape[-1]))
-        for component in range(2):
-            nodal = field[component * n : (component + 1) * n]
-            for i in range(V.Nbfun):
-                local = nodal[V.element_dofs[i, elements]][:, None]
-                gradient[component] += local * V.basis[i][0].grad[:, elements]
-        nodal = field[2 * n :]
-        local_pressure = np.zeros(gradient.shape[2:])
-        for i in range(Q.Nbfun):
-            local_pressure += (
-                nodal[Q.element_dofs[i, elements]][:, None] * np.asarray(Q.basis[i][0])[_rows(Q, i, elements)]
-            )
-        gradients.append(gradient)
-        pressures.append(local_pressure)
-    weights = V.dx[elements]
-    strains = [0.5 * (g + g.transpose(1, 0, 2, 3)) for g in gradients]
-    traces = [g[0, 0] + g[1, 1] for g in gradients]
-    result = np.zeros((2, 2))
-    for a in range(2):
-        for b in range(a, 2):
-            density = mu * (np.sum(strains[a] * strains[b], axis=(0, 1)) - traces[a] * traces[b] / 3.0)
-            density -= 0.5 * (pressures[a] * traces[b] + pressures[b] * traces[a])
-            density -= 0.5 * softness * pressures[a] * pressures[b]
-            total = density * motion_x[:, None]
-            for one, other in ((a, b), (b, a)):
-                for i in range(2):
-                    for j, theta in enumerate((motion_x, motion_y)):
-                        stress = 2.0 * mu * strains[one][i, j]
-                        if i == j:
-                            stress = stress - 2.0 / 3.0 * mu * traces[one] - pressures[one]
-                        total = total - 0.5 * stress * gradients[other][i, 0] * theta[:, None]
-            result[a, b] = result[b, a] = float(np.sum(total * weights))
-    return result
+    V, Q = (space.with_elements(elements) for space in (states.spaces.displacement, states.spaces.pressure))
+    theta = Basis(V.mesh, ElementTriP1(), quadrature=V.quadrature, elements=elements).interpolate(motion).grad
+    gradient = np.array([[V.interpolate(u).grad for u in (f[:n], f[n : 2 * n])] for f in states.fields])
+    p = np.array([np.asarray(Q.interpolate(field[2 * n :])) for field in states.fields])
+    strain = 0.5 * (gradient + gradient.swapaxes(1, 2))
+    div = gradient[:, 0, 0] + gradient[:, 1, 1]
+    stress = 2.0 * mu * strain
+    for i in range(2):
+        stress[:, i, i] -= 2.0 / 3.0 * mu * div + p
 
+    def integral(axes: str, *fields: FloatArray) -> FloatArray:
+        return np.asarray(np.einsum(f"{axes},eq->ab", *fields, V.dx, optimize=True))
 
-def _rows(basis: Any, i: int, elements: IntArray) -> Any:
-    """Index of the given elements in the values of basis function i (kept once for all elements when they agree)."""
-    value = np.asarray(basis.basis[i][0])
-    return slice(None) if value.shape[0] == 1 else elements
+    energy = mu * integral("aijeq,bijeq,eq", strain, strain, theta[0])
+    energy -= integral("aeq,beq,eq", div, mu / 3.0 * div + p, theta[0])
+    energy -= 0.5 * softness * integral("aeq,beq,eq", p, p, theta[0])
+    energy -= integral("aijeq,bieq,jeq", stress, gradient[:, :, 0], theta)
+    return 0.5 * (energy + energy.T)
 
 
 def _profile_term(states: UnitStates, motion: FloatArray) -> FloatArray:

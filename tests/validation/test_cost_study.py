@@ -3,27 +3,19 @@
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
+import example_runs as examples
 import pytest
 
 from validation.harness.execution import Ended
-from validation.studies import cost, cost_breakdown
+from validation.studies import answers, cost, cost_breakdown
 from validation.studies.cost import Drift, Task, drifts_of, exponents_of, judged, measured, tasks_of
 from validation.studies.cost_breakdown import dissected
 
 
 @pytest.fixture
-def examples(monkeypatch):
-    monkeypatch.syspath_prepend(str(Path(__file__).parent))
-    import example_runs
-
-    return example_runs
-
-
-@pytest.fixture
-def pair(examples):
+def pair():
     """A run and the same at a quarter of the increment."""
     return [examples.converge(Task(0, 1000, increment)) for increment in (0.05, 0.0125)]
 
@@ -114,7 +106,7 @@ def test_missing_load_is_infinite_drift(pair):
     assert drift.separation == float("inf")
 
 
-def test_exponent_of_a_power_law_is_found(examples):
+def test_exponent_of_a_power_law_is_found():
     runs = [examples.converge(Task(0, harmonics, 0.05)) for harmonics in (125, 500, 4000)]
     found = exponents_of(runs)
     assert found["cpu_seconds"] == pytest.approx(2.0, abs=1e-12)
@@ -123,7 +115,7 @@ def test_exponent_of_a_power_law_is_found(examples):
 
 
 @pytest.mark.parametrize(("power", "expected"), [(1.1, []), (1.3, ["CPU seconds to a contact fraction of 0.2 grow"])])
-def test_growth_beyond_the_exponent_asked_for_is_named(pair, examples, power, expected):
+def test_growth_beyond_the_exponent_asked_for_is_named(pair, power, expected):
     sweep = [
         replace(examples.converge(Task(0, size, 0.05)), cpu_seconds=1.0, cpu_seconds_to_a_fifth=1e-3 * size**power)
         for size in (250, 2000, 8000)
@@ -138,30 +130,17 @@ def test_seconds_to_a_fraction_are_interpolated_between_states():
 
 
 @pytest.mark.parametrize("change", [{"status": "error"}, {"seed": 1}, {"increment": 0.0125}])
-def test_exponent_leaves_out_other_runs(examples, change):
+def test_exponent_leaves_out_other_runs(change):
     runs = [examples.converge(Task(0, harmonics, 0.05)) for harmonics in (125, 500)]
     outlier = replace(examples.converge(Task(0, 4000, 0.05)), cpu_seconds=1e6, **change)
     assert exponents_of([*runs, outlier]) == exponents_of(runs)
-
-
-@pytest.fixture
-def here(monkeypatch):
-    """Everything in this process: starting another takes seconds."""
-
-    def in_this_process(function, item):
-        try:
-            yield Ended(item, function(item))
-        except Exception as error:
-            yield Ended(item, error)
-
-    monkeypatch.setattr(cost, "run_alone", in_this_process)
 
 
 def study(folder, measure, tasks=PAIR, dissect=None):
     return cost.run(folder, True, lambda note: None, tasks, measure, dissect)
 
 
-def test_study_writes_and_prints_its_table(examples, tmp_path, capsys):
+def test_study_writes_and_prints_its_table(tmp_path, capsys):
     assert study(tmp_path, examples.converge) == 0
     stored = json.loads((tmp_path / "cost.json").read_text())
     assert stored["schema"] == "linecontact-cost/1"
@@ -170,7 +149,7 @@ def test_study_writes_and_prints_its_table(examples, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(("kind", "message"), [("crash", "ZeroDivisionError: the matrix"), ("die", "WorkerDiedError")])
-def test_run_that_fails_is_a_line_with_its_message(examples, tmp_path, capsys, kind, message):
+def test_run_that_fails_is_a_line_with_its_message(tmp_path, capsys, kind, message):
     tasks = (Task(1, 100, 0.05), Task(0, 100, 0.05), Task(0, 100, 0.0125))
     assert study(tmp_path, getattr(examples, kind), tasks) == 1
     told = capsys.readouterr().out
@@ -179,7 +158,7 @@ def test_run_that_fails_is_a_line_with_its_message(examples, tmp_path, capsys, k
     assert [run["status"][:5] for run in stored["runs"]] == [message[:5], "conve", "conve"]
 
 
-def test_breakdown_is_told_and_stored(here, examples, tmp_path, capsys):
+def test_breakdown_is_told_and_stored(here, tmp_path, capsys):
     tasks = (Task(0, 100, 0.05), Task(0, 100, 0.0125), Task(0, 200, 0.05), Task(0, 200, 0.0125))
     assert study(tmp_path, examples.converge, tasks, examples.apart) == 0
     stored = json.loads((tmp_path / "cost.json").read_text())
@@ -194,7 +173,7 @@ def test_breakdown_is_told_and_stored(here, examples, tmp_path, capsys):
     }
 
 
-def test_interrupted_study_goes_on_to_the_same_report(examples, tmp_path, monkeypatch):
+def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
     begun = []
 
     def in_this_process(function, item):
@@ -203,7 +182,7 @@ def test_interrupted_study_goes_on_to_the_same_report(examples, tmp_path, monkey
         begun.append(item)
         yield Ended(item, function(item))
 
-    monkeypatch.setattr(cost, "run_alone", in_this_process)
+    monkeypatch.setattr(answers, "run_alone", in_this_process)
     stop = None
     study(tmp_path / "whole", examples.converge, PAIR, examples.apart)
     stop = PAIR[1]
@@ -217,12 +196,12 @@ def test_interrupted_study_goes_on_to_the_same_report(examples, tmp_path, monkey
     assert first | {"provenance": None} == second | {"provenance": None}
 
 
-def test_breakdown_that_fails_is_told(here, examples, tmp_path, capsys):
+def test_breakdown_that_fails_is_told(here, tmp_path, capsys):
     study(tmp_path, examples.converge, PAIR, examples.never_apart)
     assert "100 harmonics, stage by stage: ZeroDivisionError: no stages" in capsys.readouterr().out
 
 
-def test_exponents_of_stages_and_patches(examples):
+def test_exponents_of_stages_and_patches():
     runs = [examples.apart(n) for n in (100, 200, 400)]
     assert cost_breakdown.stage_exponents(runs) == pytest.approx({"factorisation": 3.0, "gap search": 1.0})
     assert cost_breakdown.patch_exponents(runs[0]) == pytest.approx({"unknowns": 1.0, "seconds": 2.0, "megabytes": 2.0})

@@ -3,8 +3,8 @@
 import json
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
+import example_outcomes as examples
 import pytest
 
 from validation import __main__ as command_line
@@ -13,19 +13,11 @@ from validation.corpus.rows import ENDINGS, Task, counts, row_of, tasks_of
 from validation.harness import execution
 from validation.harness.execution import Ended, Running
 from validation.harness.verdict import verdict_of
-from validation.studies import stability
+from validation.studies import answers, stability
 from validation.studies.stability import summary
 
 FLAT = Task("bem", "flat", "reduced", 120.0)
 TASKS = (FLAT, Task("fem", "apart", "reduced", 120.0), Task("persson", "one_line", "reduced", 120.0))
-
-
-@pytest.fixture
-def examples(monkeypatch):
-    monkeypatch.syspath_prepend(str(Path(__file__).parent))
-    import example_outcomes
-
-    return example_outcomes
 
 
 @pytest.mark.parametrize("quick", [True, False], ids=["reduced", "full"])
@@ -54,12 +46,12 @@ def test_both_forms_have_the_same_denominator():
     ],
     ids=["converged", "converged and wrong", "not converged", "refused", "refused as expected"],
 )
-def test_endings_of_an_answer(examples, changes, ending, stands):
+def test_endings_of_an_answer(changes, ending, stands):
     row = row_of(FLAT, examples.outcome(**changes))
     assert (row.ending, row.stands) == (ending, stands)
 
 
-def test_refusal_with_another_reason_than_expected_is_a_failure(examples):
+def test_refusal_with_another_reason_than_expected_is_a_failure():
     row = row_of(FLAT, examples.outcome(observed=("refused: control",), correct=False, refused="control: no"))
     assert (row.ending, row.stands, row.message) == ("refused", False, "control: no")
 
@@ -75,7 +67,7 @@ def test_no_answer_is_a_timeout():
     assert (row.ending, row.stands, row.message) == ("timed out", False, "no answer in 120 s")
 
 
-def test_converged_and_correct_are_counted_apart(examples):
+def test_converged_and_correct_are_counted_apart():
     answers = [
         examples.outcome(),
         examples.outcome(correct=False),
@@ -89,7 +81,7 @@ def test_converged_and_correct_are_counted_apart(examples):
     assert (found["not converged"], found["crashed"], found["timed out"]) == (1, 1, 1)
 
 
-def test_summary_names_the_denominator_and_every_failure(examples):
+def test_summary_names_the_denominator_and_every_failure():
     rows = [row_of(FLAT, examples.outcome()), row_of(TASKS[1], ValueError("no"))]
     lines = summary(rows, 2)
     assert lines[0] == "planned 2, reported 2"
@@ -98,7 +90,7 @@ def test_summary_names_the_denominator_and_every_failure(examples):
     ]
 
 
-def test_slow_reduced_cases_are_named(examples):
+def test_slow_reduced_cases_are_named():
     slow = replace(row_of(FLAT, examples.outcome()), seconds=11.0)
     assert "above 10 s of CPU time: flat (11.0 s)" in summary([slow], 1)
     assert not any("above" in line for line in summary([replace(slow, form="full")], 1))
@@ -132,19 +124,19 @@ def stored(folder):
     return json.loads((folder / "stability.json").read_text())
 
 
-def test_study_writes_and_prints_its_table(examples, here, tmp_path, capsys):
+def test_study_writes_and_prints_its_table(here, tmp_path, capsys):
     assert study(tmp_path, examples.converge) == 0
     assert (stored(tmp_path)["planned"], stored(tmp_path)["reported"]) == (3, 3)
     assert [row[1] for row in stored(tmp_path)["table"]["rows"]] == ["flat", "apart", "one_line"]
     assert "planned 3, reported 3" in capsys.readouterr().out
 
 
-def test_a_failure_is_told_by_the_exit_code(examples, here, tmp_path):
+def test_a_failure_is_told_by_the_exit_code(here, tmp_path):
     assert study(tmp_path, examples.crash) == 1
     assert stored(tmp_path)["counts"]["crashed"] == 3
 
 
-def test_finished_cases_are_not_run_again(examples, here, tmp_path):
+def test_finished_cases_are_not_run_again(here, tmp_path):
     study(tmp_path, examples.converge, TASKS[:2])
     here.clear()
     assert study(tmp_path, examples.converge) == 0
@@ -152,35 +144,35 @@ def test_finished_cases_are_not_run_again(examples, here, tmp_path):
     assert [row["id"] for row in stored(tmp_path)["rows"]] == ["flat", "apart", "one_line"]
 
 
-def test_cases_that_crashed_are_run_again(examples, here, tmp_path):
+def test_cases_that_crashed_are_run_again(here, tmp_path):
     study(tmp_path, examples.crash)
     here.clear()
     assert study(tmp_path, examples.converge) == 0
     assert here == ["flat", "apart", "one_line"]
 
 
-def test_rows_of_other_sources_are_not_kept(examples, here, tmp_path, monkeypatch):
+def test_rows_of_other_sources_are_not_kept(here, tmp_path, monkeypatch):
     study(tmp_path, examples.converge)
     here.clear()
-    monkeypatch.setattr(stability, "sources_digest", lambda: "other")
+    monkeypatch.setattr(answers, "sources_digest", lambda: "other")
     study(tmp_path, examples.converge)
     assert here == ["flat", "apart", "one_line"]
 
 
-def test_rows_of_the_other_form_do_not_count(examples, here, tmp_path):
+def test_rows_of_the_other_form_do_not_count(here, tmp_path):
     study(tmp_path, examples.converge)
     full = [replace(task, form="full") for task in TASKS]
     assert study(tmp_path, examples.converge, full) == 0
     assert {row["form"] for row in stored(tmp_path)["rows"]} == {"full"}
 
 
-def test_a_lost_case_is_an_error_of_the_study(examples, here, tmp_path, monkeypatch):
+def test_a_lost_case_is_an_error_of_the_study(here, tmp_path, monkeypatch):
     monkeypatch.setattr(stability, "_in_turn", lambda *_: iter([row_of(FLAT, examples.outcome())]))
     with pytest.raises(RuntimeError, match="planned 3 cases"):
         study(tmp_path, examples.converge)
 
 
-def test_time_limit_ends_a_case(examples, tmp_path, monkeypatch):
+def test_time_limit_ends_a_case(tmp_path, monkeypatch):
     def endless(function, items, jobs, pulse):
         while True:
             yield Running(tuple(items), (1.0,))
@@ -190,12 +182,12 @@ def test_time_limit_ends_a_case(examples, tmp_path, monkeypatch):
     assert stored(tmp_path)["rows"][0]["ending"] == "timed out"
 
 
-def test_dead_process_is_a_crashed_row(examples, tmp_path):
+def test_dead_process_is_a_crashed_row(tmp_path):
     assert study(tmp_path, examples.die, [FLAT]) == 1
     assert stored(tmp_path)["rows"][0]["message"].startswith("WorkerDiedError")
 
 
-def test_cases_side_by_side_end_as_alone_and_stand_in_order(examples, tmp_path):
+def test_cases_side_by_side_end_as_alone_and_stand_in_order(tmp_path):
     assert study(tmp_path, examples.one_dies_one_crashes, jobs=2) == 1
     assert [(row["id"], row["message"].split(":")[0]) for row in stored(tmp_path)["rows"]] == [
         ("flat", "WorkerDiedError"),
@@ -205,7 +197,7 @@ def test_cases_side_by_side_end_as_alone_and_stand_in_order(examples, tmp_path):
 
 
 @pytest.mark.slow  # 9 s: the clock is looked at every 5 s
-def test_time_limit_of_a_case_leaves_that_beside_it(examples, tmp_path):
+def test_time_limit_of_a_case_leaves_that_beside_it(tmp_path):
     tasks = [replace(TASKS[0], limit=1.0), *TASKS[1:]]
     assert study(tmp_path, examples.one_never_ends, tasks, jobs=2) == 1
     assert [row["ending"] for row in stored(tmp_path)["rows"]] == ["timed out", "converged", "converged"]
@@ -242,7 +234,7 @@ def test_random_scenes_do_not_depend_on_their_number():
     assert stability.random_tasks(5, 7)[:3] == RANDOM
 
 
-def test_findings_are_counted_by_kind_and_scene(examples, here, tmp_path, capsys):
+def test_findings_are_counted_by_kind_and_scene(here, tmp_path, capsys):
     assert random_study(tmp_path, examples.found) == 1
     told = capsys.readouterr().out
     assert "planned 3, reported 3" in told
@@ -252,12 +244,12 @@ def test_findings_are_counted_by_kind_and_scene(examples, here, tmp_path, capsys
     assert (stored["counts"]["correct"], stored["counts"]["converged, not correct"]) == (2, 1)
 
 
-def test_scenes_that_do_not_stand_are_written(examples, here, tmp_path):
+def test_scenes_that_do_not_stand_are_written(here, tmp_path):
     random_study(tmp_path, examples.found)
     assert [path.name for path in (tmp_path / stability.RANDOM_FOLDER).glob("*.toml")] == ["seed_7_scene_1.toml"]
 
 
-def test_random_rows_leave_those_of_the_hard_cases(examples, here, tmp_path):
+def test_random_rows_leave_those_of_the_hard_cases(here, tmp_path):
     study(tmp_path, examples.converge)
     random_study(tmp_path, examples.converge)
     here.clear()
@@ -265,7 +257,7 @@ def test_random_rows_leave_those_of_the_hard_cases(examples, here, tmp_path):
     assert here == []
 
 
-def test_more_scenes_of_a_seed_go_on_where_fewer_ended(examples, here, tmp_path):
+def test_more_scenes_of_a_seed_go_on_where_fewer_ended(here, tmp_path):
     random_study(tmp_path, examples.converge)
     here.clear()
     random_study(tmp_path, examples.converge, tasks=stability.random_tasks(5, 7))
@@ -273,12 +265,12 @@ def test_more_scenes_of_a_seed_go_on_where_fewer_ended(examples, here, tmp_path)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_scene_that_kills_the_process_it_shares_costs_no_other(examples, tmp_path, jobs):
+def test_scene_that_kills_the_process_it_shares_costs_no_other(tmp_path, jobs):
     assert random_study(tmp_path, examples.die_at_the_second, jobs) == 1
     assert [row["ending"] for row in random_stored(tmp_path)["rows"]] == ["converged", "crashed", "converged"]
 
 
-def test_scene_that_never_ends_costs_no_other(examples, tmp_path, monkeypatch):
+def test_scene_that_never_ends_costs_no_other(tmp_path, monkeypatch):
     monkeypatch.setattr(stability, "run_in_turn", partial(execution.run_in_turn, pulse=0.2))
     tasks = [RANDOM[0], replace(RANDOM[1], limit=0.3), RANDOM[2]]
     assert random_study(tmp_path, examples.sleep_at_the_second, tasks=tasks) == 1
@@ -313,7 +305,7 @@ def verdicts(case):
 
 
 @pytest.mark.parametrize("case", registered.CASES, ids=[case.id for case in registered.CASES])
-def test_registered_case_has_a_row_for_every_hard_case(examples, case, monkeypatch):
+def test_registered_case_has_a_row_for_every_hard_case(case, monkeypatch):
     monkeypatch.setattr("validation.cases.suite.stability.measured", examples.converge)
     found = verdicts(case)
     assert set(found) == {"agrees"}
@@ -321,7 +313,7 @@ def test_registered_case_has_a_row_for_every_hard_case(examples, case, monkeypat
 
 
 @pytest.mark.parametrize("wrong", ["crash", "wrong"])
-def test_registered_case_fails_with_what_it_finds(examples, wrong, monkeypatch):
+def test_registered_case_fails_with_what_it_finds(wrong, monkeypatch):
     answers = {"crash": examples.crash, "wrong": lambda task: examples.outcome(correct=False, findings=("no",))}
     monkeypatch.setattr("validation.cases.suite.stability.measured", answers[wrong])
     assert set(verdicts(registered.CASES[2])) == {"deviates"}

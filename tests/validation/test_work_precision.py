@@ -2,16 +2,17 @@
 
 import json
 import pickle
-from pathlib import Path
 
+import example_methods as example
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
-from validation.references.dense_newton import solve_dense
+from validation.references.dense_equilibrium import solve_dense
 from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, scenes
+from validation.studies import answers
 from validation.studies.work_precision import work_precision
 from validation.studies.work_precision.methods import METHODS, solve_bem, solve_fem, solve_paper
 from validation.studies.work_precision.points import Point, Timed
@@ -21,32 +22,11 @@ from validation.studies.work_precision.work_precision import Task, measured, poi
 SINUSOID = scenes()["sinusoid"]
 
 
-@pytest.fixture
-def example(monkeypatch):
-    monkeypatch.syspath_prepend(str(Path(__file__).parent))
-    import example_methods
-
-    return example_methods
-
-
-@pytest.fixture
-def here(monkeypatch):
-    """Everything in this process: starting another takes seconds."""
-
-    def in_this_process(function, item):
-        try:
-            yield Ended(item, function(item))
-        except Exception as error:
-            yield Ended(item, error)
-
-    monkeypatch.setattr(work_precision, "run_alone", in_this_process)
-
-
 def study(folder, methods, sources):
     return work_precision.run(folder, True, lambda note: None, methods, sources, with_prices=False)
 
 
-def test_study_writes_points_conclusion_and_figure(here, example, tmp_path, capsys):
+def test_study_writes_points_conclusion_and_figure(here, tmp_path, capsys):
     assert study(tmp_path, [example.method()], example.TRUTH) == 0
     stored = json.loads((tmp_path / "work-precision.json").read_text())
     assert [point["error"] for point in stored["points"]] == pytest.approx([0.1, None, 1e-4, 1e-12], abs=1e-15)
@@ -57,7 +37,7 @@ def test_study_writes_points_conclusion_and_figure(here, example, tmp_path, caps
     assert (tmp_path / "work-precision-sinusoid.svg").read_text().startswith("<?xml")
 
 
-def test_setting_that_fails_stays_with_its_message(here, example, tmp_path, capsys):
+def test_setting_that_fails_stays_with_its_message(here, tmp_path, capsys):
     study(tmp_path, [example.method()], example.TRUTH)
     stored = json.loads((tmp_path / "work-precision.json").read_text())
     failed = stored["points"][1]["timed"]
@@ -66,7 +46,7 @@ def test_setting_that_fails_stays_with_its_message(here, example, tmp_path, caps
     assert "the matrix is singular" in (tmp_path / "work-precision-sinusoid.svg").read_text()
 
 
-def test_interrupted_study_goes_on_to_the_same_report(example, tmp_path, monkeypatch):
+def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
     methods = [example.method(), example.method(name="second")]
     begun = []
 
@@ -76,7 +56,7 @@ def test_interrupted_study_goes_on_to_the_same_report(example, tmp_path, monkeyp
             raise KeyboardInterrupt
         yield Ended(item, function(item))
 
-    monkeypatch.setattr(work_precision, "run_alone", in_this_process)
+    monkeypatch.setattr(answers, "run_alone", in_this_process)
     with pytest.raises(KeyboardInterrupt):
         study(tmp_path, methods, example.TRUTH)
     first = json.loads((tmp_path / "work-precision.json").read_text())["points"]
@@ -87,17 +67,17 @@ def test_interrupted_study_goes_on_to_the_same_report(example, tmp_path, monkeyp
     assert [point["method"] for point in whole[len(first) :]] == ["second"] * len(first)
 
 
-def test_method_that_fails_everywhere_fails_the_study(here, example, tmp_path, capsys):
+def test_method_that_fails_everywhere_fails_the_study(here, tmp_path, capsys):
     assert study(tmp_path, [example.method(solve=example.never)], example.TRUTH) == 1
     assert "FAILED: sinusoid, halving: no setting has an answer" in capsys.readouterr().out
 
 
-def test_reference_that_fails_is_told(here, example, tmp_path, capsys):
+def test_reference_that_fails_is_told(here, tmp_path, capsys):
     assert study(tmp_path, [example.method()], example.LOST) == 1
     assert "reference lost: ArithmeticError: reference not converged" in capsys.readouterr().out
 
 
-def test_measurement_repeats_and_takes_the_least(example):
+def test_measurement_repeats_and_takes_the_least():
     (found,) = measured(Task(SINUSOID, example.method(), (0.1,), 5, 10.0))
     assert (found.repeats, found.status) == (5, "done")
     assert found.wall_seconds >= 0.002
@@ -111,12 +91,12 @@ def test_methods_reach_other_processes(method):
     assert pickle.loads(pickle.dumps(task)) == task
 
 
-def test_repeats_end_with_their_time(example):
+def test_repeats_end_with_their_time():
     (found,) = measured(Task(SINUSOID, example.method(), (0.1,), 1000, 0.02))
     assert found.repeats <= 10
 
 
-def test_errors_are_over_the_scales_of_the_scene(example):
+def test_errors_are_over_the_scales_of_the_scene():
     reference = example.truth(SINUSOID)
     timed = Timed("1", found=example.off_by(SINUSOID, 0.1))
     point = point_of(SINUSOID, example.method(), timed, reference)
@@ -145,7 +125,7 @@ def test_every_scene_is_done_or_told_why_not():
         assert all(scene in method.scenes or scene in method.cannot for method in METHODS)
 
 
-def test_reference_of_the_same_code_only_is_refused(example):
+def test_reference_of_the_same_code_only_is_refused():
     with pytest.raises(ValueError, match="another code than truth"):
         source_for("sinusoid", example.method(code="truth"), example.TRUTH)
 

@@ -2,40 +2,79 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
+from collections.abc import Iterable, Sequence
+from typing import Literal
 
 from validation.harness.schema import Norm, Reference, Row, Tolerance
+
+Basis = Literal["measured", "required", "provisional"]
+Pinned = Literal["exact", "tight", "converged", "unconverged"]
 
 
 def compared(
     quantity: str,
     unit: str,
     reference: Reference,
-    expected: Sequence[float],
-    computed: Sequence[float],
+    expected: Iterable[float | None],
+    computed: Iterable[float | None],
     tolerance: float,
     measured: float,
     norm: Norm = "relative",
+    scale: float | None = None,
+    *,
+    basis: Basis = "measured",
+    pinned: Pinned = "converged",
+    uncertainty: float = 0.0,
 ) -> Row:
-    """A comparison scaled by the largest value expected, or not at all where the norm is absolute.
+    """A comparison with a tolerance.
 
     Parameters
     ----------
-    quantity, unit, reference, norm
+    quantity, unit, reference, norm, pinned, uncertainty
         As of `Row`.
-    expected, computed : sequences of n floats
+    expected, computed : iterables of n floats
+        Lists, arrays, generators; None where there is no value.
     tolerance, measured : float
         Of the scaled error, and the error measured.
+    scale : float, optional
+        Default: the largest value expected, or 1 where the norm is absolute.
+    basis : str
+        Of the tolerance, as of `Tolerance`.
     """
+    known = [None if value is None else float(value) for value in expected]
+    if scale is None:
+        scale = 1.0 if norm == "absolute" else max(abs(value) for value in known if value is not None)
     return Row(
         quantity=quantity,
         unit=unit,
         reference=reference,
         norm=norm,
-        expected=[float(value) for value in expected],
-        computed=[float(value) for value in computed],
-        scale=1.0 if norm == "absolute" else float(np.max(np.abs(expected))),
-        tolerance=Tolerance(value=tolerance, measured=measured),
+        expected=known,
+        computed=[None if value is None else float(value) for value in computed],
+        scale=scale,
+        uncertainty=uncertainty,
+        tolerance=Tolerance(value=tolerance, measured=measured, basis=basis),
+        pinned=pinned,
     )
+
+
+def counted(
+    quantity: str,
+    reference: Reference,
+    expected: Sequence[float | None],
+    computed: Sequence[float | None],
+    tolerance: float = 0.5,
+    message: str = "",
+) -> Row:
+    """A comparison of counts, or of yes (1) and no (0), which baselines pin exactly.
+
+    Parameters
+    ----------
+    quantity, reference, message
+        As of `Row`.
+    expected, computed : sequences of n floats
+    tolerance : float
+        Absolute; default half a count.
+    """
+    row = compared(quantity, "", reference, expected, computed, tolerance, 0.0, "absolute", basis="required")
+    return row.model_copy(update={"pinned": "exact", "message": message})

@@ -260,22 +260,25 @@ def _keep(record: CaseRecord, case: Case, store: Path, code: str) -> None:
     write_atomically(store / f"{record.id}.json", json.dumps(content, indent=1))
 
 
-def write_atomically(path: Path, text: str) -> None:
-    """Write a text file under a temporary name, flush it to disk and rename it.
+def write_atomically(path: Path, content: str | bytes) -> None:
+    """Write a file under a temporary name, flush it to disk and rename it.
 
     Parameters
     ----------
     path : Path
-    text : str
+    content : str or bytes
 
     Raises
     ------
     OSError
-        The disk is full, or the folder is not there; the old file is left as it was.
+        The disk is full, or the folder is not there; the old file is left as it was, and nothing beside it.
     """
     temporary = path.with_name(path.name + ".part")
-    with temporary.open("w", encoding="utf-8") as stream:
-        stream.write(text)
-        stream.flush()
-        os.fsync(stream.fileno())
-    temporary.replace(path)
+    try:
+        with temporary.open("wb") as stream:
+            stream.write(content.encode() if isinstance(content, str) else content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

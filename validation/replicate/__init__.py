@@ -128,20 +128,13 @@ def gather(size: Size, folder: Path, failed: Mapping[str, str]) -> Evidence:
 
 def cases(evidence: Evidence) -> list[Case]:
     """One case for each topic."""
-    return [
-        Case(
-            id=name,
-            group=GROUP,
-            level="full",
-            question=question,
-            equations=equations,
-            sources=("carbone2009", "persson2001"),
-            compute=partial(_answered, compute, evidence),
-            effects=ENSEMBLE_EFFECTS,
-            scene=scene_text(loading(evidence.size)[0].scene) if name == TOPICS[0][0] else "",
-        )
-        for name, question, equations, compute in TOPICS
-    ]
+    return [Case(id=name, group=GROUP, level="full",
+                 question=question,
+                 equations=equations,
+                 sources=("carbone2009", "persson2001"), compute=partial(_answered, compute, evidence),
+                 effects=ENSEMBLE_EFFECTS,
+                 scene=scene_text(loading(evidence.size)[0].scene) if name == TOPICS[0][0] else "")
+            for name, question, equations, compute in TOPICS]  # fmt: skip
 
 
 def scene_text(scene: Mapping[str, Any]) -> str:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from validation.harness.case import Outcome
-from validation.harness.schema import Figure, Panel, Series, Table
+from validation.harness.drawings import axes, drawn, marks, shaded, trace
+from validation.harness.schema import Figure, Table
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS
 from validation.replicate.statements import disagreement, statement
@@ -58,37 +59,16 @@ def compute(evidence: Evidence) -> Outcome:
     theory_slope = line_through(load[fitted], wet[fitted])[1]
     short = evidence.shortfall
     rows = (
-        statement(
-            "contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
-            float(ratio[0]),
-            float(ratio_error[0]),
-            2.0,
-            0.3,
-            measured=0.072,
-            where="abstract: the theory underestimates the area by about 50 %",
-            shortfall=short,
-        ),
-        statement(
-            "largest distance of the area curve from a straight line, 0.005 to 0.025 E*, over the largest area",
-            residual,
-            float(np.max(error[fitted]) / mean[-1]),
-            0.0,
-            0.03,
-            measured=0.012,
-            where="abstract: the area is linear in the load also with adhesion",
-            shortfall=short,
-        ),
-        disagreement(
-            "slope of the straight line over that of the theory with adhesion",
-            float(slope / theory_slope),
-            float(slope_error / theory_slope),
-            2.0,
-            (0.75, 0.95),
-            CAUSE,
-            where="abstract: the theory underestimates the area by about 50 % at any load",
-            shortfall=short,
-        ),
-    )
+        statement("contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
+                  float(ratio[0]), float(ratio_error[0]), 2.0, 0.3, measured=0.072,
+                  where="abstract: the theory underestimates the area by about 50 %", shortfall=short),
+        statement("largest distance of the area curve from a straight line, 0.005 to 0.025 E*, over the largest area",
+                  residual, float(np.max(error[fitted]) / mean[-1]), 0.0, 0.03, measured=0.012,
+                  where="abstract: the area is linear in the load also with adhesion", shortfall=short),
+        disagreement("slope of the straight line over that of the theory with adhesion", float(slope / theory_slope),
+                     float(slope_error / theory_slope), 2.0, (0.75, 0.95), CAUSE,
+                     where="abstract: the theory underestimates the area by about 50 % at any load", shortfall=short),
+    )  # fmt: skip
     slopes = Table(
         caption="Straight lines A/A0 = a + b p/E* through 0.005 to 0.025 E*; errors are standard errors of the mean.",
         columns=["curve", "a", "error of a", "b", "error of b", "b over that of the theory with adhesion"],
@@ -98,12 +78,11 @@ def compute(evidence: Evidence) -> Outcome:
             ["Persson without adhesion", *_line_row(load[fitted], dry[fitted], theory_slope)],
         ],
     )
-    points = Table(
-        caption="Contact fractions at the loads asked for.",
-        columns=["p/E*", "bem, mean", "standard error", "Persson with adhesion", "Persson without",
-                 "bem/with", "bem/without"],
-        rows=[list(map(float, row)) for row in zip(load, mean, error, wet, dry, mean / wet, mean / dry, strict=True)],
-    )  # fmt: skip
+    points = Table(caption="Contact fractions at the loads asked for.",
+                   columns=["p/E*", "bem, mean", "standard error", "Persson with adhesion", "Persson without",
+                            "bem/with", "bem/without"],
+                   rows=[list(map(float, row))
+                         for row in zip(load, mean, error, wet, dry, mean / wet, mean / dry, strict=True)])  # fmt: skip
     return Outcome(
         rows=rows,
         figures=(_figure(evidence, mean, error, wet, dry, (float(intercept), float(slope))),),
@@ -127,22 +106,14 @@ def _figure(
     loads = list(LOADS)
     lower, upper = mean - error, mean + error
     ends = [FITTED[0], FITTED[-1]]
-    return Figure(
-        id="landing-area-against-load",
-        caption="Contact area against load: every realisation, their mean with its standard error and straight line, "
-        "and both theories.",
-        solution=Panel(
-            xlabel="mean pressure $p/E^*$",
-            ylabel="contact fraction $A/A_0$",
-            series=[
-                Series(label="realisations", x=x, y=y, style="thin"),
-                Series(label="mean and standard error", x=loads, y=lower.tolist(), upper=upper.tolist(), style="band",
-                       hue=0),
-                Series(label="mean", x=loads, y=list(map(float, mean)), style="points", hue=0),
-                Series(label=f"line through the mean, slope {line[1]:.3g}", x=list(ends),
-                       y=[line[0] + line[1] * end for end in ends], style="dashed", hue=0),
-                Series(label="Persson with adhesion", x=[0.0, *loads], y=[0.0, *map(float, wet)], hue=1),
-                Series(label="Persson without adhesion", x=[0.0, *loads], y=[0.0, *map(float, dry)], hue=2),
-            ],
-        ),
-    )  # fmt: skip
+    return drawn("landing-area-against-load",
+                 "Contact area against load: every realisation, their mean with its standard error and straight line, "
+                 "and both theories.",
+                 axes("mean pressure $p/E^*$", "contact fraction $A/A_0$",
+                      trace("realisations", x, y, "thin"),
+                      shaded("mean and standard error", loads, lower, upper, 0),
+                      marks("mean", loads, map(float, mean), hue=0),
+                      trace(f"line through the mean, slope {line[1]:.3g}", ends,
+                            [line[0] + line[1] * end for end in ends], "dashed", hue=0),
+                      trace("Persson with adhesion", [0.0, *loads], [0.0, *map(float, wet)], hue=1),
+                      trace("Persson without adhesion", [0.0, *loads], [0.0, *map(float, dry)], hue=2)))  # fmt: skip

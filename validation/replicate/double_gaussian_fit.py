@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from persson import double_gaussian, fit_double_gaussian
-from validation.harness.schema import Figure, Panel, Row, Series, Table
+from validation.harness.drawings import axes, drawn, shaded, trace
+from validation.harness.schema import Figure, Row, Series, Table
 from validation.replicate.evidence import jackknife
 from validation.replicate.members import SPECTRA_AT
 from validation.replicate.statements import disagreement, statement
@@ -141,18 +142,14 @@ class Sample:
         where = "section 5: they differ, a factor of about 1.4 on the theory's brings it closer"
         whole, error = self.end(WINDOWS[0])
         rows = [
-            disagreement(
-                f"{said}, fitted over -0.3 to 0.7 E*", whole, error, FACTOR, (1.1, 1.7), CAUSE,
-                where=where, shortfall=short,
-            )
+            disagreement(f"{said}, fitted over -0.3 to 0.7 E*", whole, error, FACTOR, (1.1, 1.7), CAUSE, where=where,
+                         shortfall=short),
         ]  # fmt: skip
         if self.load == SPECTRA_AT[-1]:
             pressed, error = self.end(0.0)
             rows.append(
-                statement(
-                    f"{said}, fitted over compression alone", pressed, error, FACTOR, 0.3,
-                    measured=0.07, where=where, same_ensemble=True, shortfall=short,
-                )
+                statement(f"{said}, fitted over compression alone", pressed, error, FACTOR, 0.3, measured=0.07,
+                          where=where, same_ensemble=True, shortfall=short),
             )  # fmt: skip
         return rows
 
@@ -165,20 +162,19 @@ def window_figure(samples: Sequence[Sample]) -> Figure:
         x = list(WINDOWS)
         inner = [start for start in WINDOWS if start >= NARROW]
         series += [
-            Series(label=f"{sample.load:g} E*, standard error", x=list(x), y=[v - e for v, e in ends],
-                   upper=[v + e for v, e in ends], style="band", hue=hue),
-            Series(label=f"{sample.load:g} E*, equal weights of P", x=list(x), y=[v for v, _ in ends], hue=hue),
-            Series(label=f"{sample.load:g} E*, equal weights of ln P", x=list(inner),
-                   y=[sample.over(start, logarithmic=True).end / sample.detachment_stress for start in inner],
-                   style="dashed", hue=hue),
+            shaded(f"{sample.load:g} E*, standard error", x, [v - e for v, e in ends], [v + e for v, e in ends], hue),
+            trace(f"{sample.load:g} E*, equal weights of P", x, [v for v, _ in ends], hue=hue),
+            trace(f"{sample.load:g} E*, equal weights of ln P", inner,
+                  [sample.over(start, logarithmic=True).end / sample.detachment_stress for start in inner], "dashed",
+                  hue=hue),
         ]  # fmt: skip
     across: list[float | None] = [WINDOWS[0], WINDOWS[-1]]
-    series.append(Series(label="the paper's factor", x=across, y=[FACTOR, FACTOR], style="dashed", hue=5))
-    return Figure(
-        id="double-gaussian-window",
-        caption="Why sigma_a is a number of the fit: the tension at which the double Gaussian ends, over the theory's "
+    series.append(trace("the paper's factor", across, [FACTOR, FACTOR], "dashed", hue=5))
+    return drawn(
+        "double-gaussian-window",
+        "Why sigma_a is a number of the fit: the tension at which the double Gaussian ends, over the theory's "
         "sigma_a, against the stress from which it is fitted, to 0.7 E*.",
-        solution=Panel(xlabel=r"fitted from $\sigma/E^*$", ylabel=r"end of the fit / $\sigma_a$", series=series),
+        axes(r"fitted from $\sigma/E^*$", r"end of the fit / $\sigma_a$", *series),
     )
 
 
@@ -213,5 +209,5 @@ def window_table(samples: Sequence[Sample], theories: Sequence[FloatArray]) -> T
         "residual of P over the largest P.",
         columns=["p/E*", "what is fitted", "from sigma/E*", "amplitude", "ends at -sigma/E*",
                  "over the theory's sigma_a", "variance", "residual"],
-        rows=lines,
+        rows=lines
     )  # fmt: skip

@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
 from validation.harness.case import Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import axes, drawn, marks, shaded, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Reference, Table
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import RMS_HEIGHT
 from validation.replicate.statements import disagreement, statement
@@ -45,48 +47,25 @@ def compute(evidence: Evidence) -> Outcome:
     where = "section 5: heights of the generated profiles are Gaussian"
     short = evidence.shortfall
     rows = (
-        statement(
-            "rms height over the one asked for, every profile", rms[:, 0].tolist(), 0.0, [1.0] * len(rms), 1e-12,
-            measured=2e-16, where=where, shortfall=short,
-        ),
-        statement(
-            "skewness of the heights, mean over profiles", float(skewness), float(skewness_error), 0.0, 0.2,
-            measured=0.074, where=where, shortfall=short,
-        ),
-        Row(
-            quantity="excess kurtosis of the heights, mean over profiles, against that of independent phases",
-            unit="",
-            reference=Reference(kind="exact", source="-(3/2) sum h_m^4 / (sum h_m^2)^2"),
-            norm="absolute",
-            expected=[_excess_of_independent_phases(evidence)],
-            computed=[float(excess)],
-            uncertainty=float(excess_error),
-            tolerance=Tolerance(value=0.25, measured=0.11),
-        ),
-        Row(
-            quantity=f"fourth moment of the heights without the waves longer than order {first[-1]}, mean over "
-            "profiles, against a Gaussian's 3",
-            unit="",
-            reference=Reference(kind="exact", source="many waves of independent phases: Gaussian heights"),
-            norm="absolute",
-            expected=[3.0],
-            computed=[fourth[-1][0]],
-            uncertainty=fourth[-1][1],
-            tolerance=Tolerance(value=0.3, measured=0.1),
-        ),
-        disagreement(
-            "fourth moment of the heights, mean over profiles, against a Gaussian's 3", float(excess) + 3,
-            float(excess_error), 3.0, (0.6, 0.8), CAUSE, where=where, shortfall=short,
-        ),
+        statement("rms height over the one asked for, every profile", rms[:, 0].tolist(), 0.0, [1.0] * len(rms), 1e-12,
+                  measured=2e-16, where=where, shortfall=short),
+        statement("skewness of the heights, mean over profiles", float(skewness), float(skewness_error), 0.0, 0.2,
+                  measured=0.074, where=where, shortfall=short),
+        compared("excess kurtosis of the heights, mean over profiles, against that of independent phases", "",
+                 Reference(kind="exact", source="-(3/2) sum h_m^4 / (sum h_m^2)^2"),
+                 [_excess_of_independent_phases(evidence)], [float(excess)], 0.25, 0.11, "absolute",
+                 uncertainty=float(excess_error)),
+        compared(f"fourth moment of the heights without the waves longer than order {first[-1]}, mean over "
+                 "profiles, against a Gaussian's 3", "",
+                 Reference(kind="exact", source="many waves of independent phases: Gaussian heights"), [3.0],
+                 [fourth[-1][0]], 0.3, 0.1, "absolute", uncertainty=fourth[-1][1]),
+        disagreement("fourth moment of the heights, mean over profiles, against a Gaussian's 3", float(excess) + 3,
+                     float(excess_error), 3.0, (0.6, 0.8), CAUSE, where=where, shortfall=short),
     )  # fmt: skip
-    table = Table(
-        caption="Profiles of the loading ensemble.",
-        columns=["seed", "highest crest / um", "skewness", "excess kurtosis"],
-        rows=[
-            [one.result.scene["profile"]["seed"], one.surface.max_height * 1e6, float(a), float(b)]
-            for one, (a, b) in zip(evidence.loading, moments, strict=True)
-        ],
-    )
+    table = Table(caption="Profiles of the loading ensemble.",
+                  columns=["seed", "highest crest / um", "skewness", "excess kurtosis"],
+                  rows=[[one.result.scene["profile"]["seed"], one.surface.max_height * 1e6, float(a), float(b)]
+                        for one, (a, b) in zip(evidence.loading, moments, strict=True)])  # fmt: skip
     shares = Table(
         caption="Why the heights are no Gaussian sample: the fourth moment over the square of the variance, with the "
         "waves below an order taken out; mean over the profiles, and what independent phases give.",
@@ -100,22 +79,13 @@ def compute(evidence: Evidence) -> Outcome:
     mean, error = mean_and_error(density)
     x, y = joined([(centre, one) for one in density])
     smooth = np.linspace(BOUNDS[0], BOUNDS[-1], 141)
-    figure = Figure(
-        id="height-distribution",
-        caption="Distribution of the heights: every profile, their mean with its standard error, the Gaussian.",
-        solution=Panel(
-            xlabel="height $h/h_{rms}$",
-            ylabel="density",
-            series=[
-                Series(label="profiles", x=x, y=y, style="thin"),
-                Series(label="mean and standard error", x=centre, y=(mean - error).tolist(),
-                       upper=(mean + error).tolist(), style="band", hue=0),
-                Series(label="mean", x=centre, y=mean.tolist(), style="points", hue=0),
-                Series(label="Gaussian", x=smooth.tolist(), y=(np.exp(-(smooth**2) / 2) / np.sqrt(2 * np.pi)).tolist(),
-                       hue=1),
-            ],
-        ),
-    )  # fmt: skip
+    figure = drawn("height-distribution",
+                   "Distribution of the heights: every profile, their mean with its standard error, the Gaussian.",
+                   axes("height $h/h_{rms}$", "density",
+                        trace("profiles", x, y, "thin"),
+                        shaded("mean and standard error", centre, mean - error, mean + error, 0),
+                        marks("mean", centre, mean, hue=0),
+                        trace("Gaussian", smooth, np.exp(-(smooth**2) / 2) / np.sqrt(2 * np.pi), hue=1)))  # fmt: skip
     return Outcome(rows=rows, figures=(figure,), tables=(table, shares))
 
 

@@ -13,7 +13,8 @@ from __future__ import annotations
 import numpy as np
 
 from validation.harness.case import Outcome
-from validation.harness.schema import Figure, Panel, Row, Series, Table
+from validation.harness.drawings import drawn, loglog, marks, shaded, trace
+from validation.harness.schema import Row, Series, Table
 from validation.replicate.evidence import (
     Evidence,
     Realisation,
@@ -51,12 +52,11 @@ def compute(evidence: Evidence) -> Outcome:
         )
         rows.append(
             statement(
-                f"exponent of C_u / C over orders {last[0]:g} to {last[1]:g}, H = {value:g}",
-                found, error, said, 0.3, measured=MEASURED[value],
-                told=f"window half an octave narrower: by up to {swing:.2g}",
+                f"exponent of C_u / C over orders {last[0]:g} to {last[1]:g}, H = {value:g}", found, error, said, 0.3,
+                measured=MEASURED[value], told=f"window half an octave narrower: by up to {swing:.2g}",
                 where="section 5: full contact at short wavelengths as the theory, computed here, expects for H > 0.5",
-                shortfall=evidence.shortfall,
-            )
+                shortfall=evidence.shortfall
+            ),
         )  # fmt: skip
         bands = [banded(one, 16) for one in power]
         mean, spread = mean_and_error([y for _, y in bands])
@@ -64,24 +64,23 @@ def compute(evidence: Evidence) -> Outcome:
         x = bands[0][0]
         every = [float(order) for order in range(1, orders + 1)]
         series += [
-            Series(label=f"H = {value:g}, mean and standard error", x=x, y=(mean - spread).tolist(),
-                   upper=(mean + spread).tolist(), style="band", hue=hue),
-            Series(label=f"H = {value:g}, mean", x=x, y=mean.tolist(), style="points", hue=hue),
-            Series(label=f"H = {value:g}, Persson's A(q)/A0", x=every, y=theory.contact_fractions.tolist(), hue=hue),
-        ]  # fmt: skip
+            shaded(f"H = {value:g}, mean and standard error", x, mean - spread, mean + spread, hue),
+            marks(f"H = {value:g}, mean", x, mean, hue=hue),
+            trace(f"H = {value:g}, Persson's A(q)/A0", every, theory.contact_fractions, hue=hue),
+        ]
     table = Table(
         caption="Exponents of C_u / C over the last decade of orders; sensitivity: half an octave either way.",
         columns=["H", "realisations", "harmonics", "p/E*", "A/A0", "Persson's A/A0", "exponent", "standard error",
                  "sensitivity", "Persson's exponent"],
-        rows=lines,
+        rows=lines
     )  # fmt: skip
     thin_x, thin_y = joined(single)
-    series.append(Series(label="realisations", x=thin_x, y=thin_y, style="thin"))
-    figure = Figure(
-        id="short-wavelengths",
-        caption="Part of the roughness that the solid follows, C_u / C, against the order in bands, for H = 0.8, level "
+    series.append(trace("realisations", thin_x, thin_y, "thin"))
+    figure = drawn(
+        "short-wavelengths",
+        "Part of the roughness that the solid follows, C_u / C, against the order in bands, for H = 0.8, level "
         "at short waves, and H = 0.3, falling.",
-        solution=Panel(xlabel="$q/q_0$", ylabel="$C_u/C$", xscale="log", yscale="log", series=series),
+        loglog("$q/q_0$", "$C_u/C$", *series),
     )
     return Outcome(rows=tuple(rows), figures=(figure,), tables=(table,))
 

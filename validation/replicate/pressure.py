@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from validation.harness.case import Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import drawn, loglog, marks, shaded, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table
 from validation.replicate.double_gaussian_fit import FACTOR, Sample, window_figure, window_table
 from validation.replicate.evidence import (
     Evidence,
@@ -106,11 +108,10 @@ def _distance(evidence: Evidence, sample: Sample, factor: float) -> float:
 
 def _factor_row(evidence: Evidence, samples: Sequence[Sample]) -> Row:
     closer = sum(_distance(evidence, one, FACTOR) < _distance(evidence, one, 1.0) for one in samples)
-    return statement(
-        f"loads of {len(samples)} at which the theory's P(sigma) comes closer with {FACTOR:g} sigma_a",
-        float(closer), 0.0, float(len(samples)), 0.5, measured=0.0,
-        where="section 5: a factor of about 1.4 brings the theory closer", shortfall=evidence.shortfall,
-    )  # fmt: skip
+    return statement(f"loads of {len(samples)} at which the theory's P(sigma) comes closer with {FACTOR:g} sigma_a",
+                     float(closer), 0.0, float(len(samples)), 0.5, measured=0.0,
+                     where="section 5: a factor of about 1.4 brings the theory closer",
+                     shortfall=evidence.shortfall)  # fmt: skip
 
 
 def _factor_table(evidence: Evidence, samples: Sequence[Sample]) -> Table:
@@ -127,10 +128,8 @@ def _gaussian_row(load: float, values: FloatArray, spread: float, short: str) ->
     low, high = (bound * spread for bound in COMPRESSIVE_END)
     end = (low <= CENTRES) & (high >= CENTRES)
     power, error = jackknife(lambda mean: decay_power(CENTRES[end], mean[end]), values)
-    return statement(
-        f"power k of ln P = a - b sigma^k at high pressure, {load:g} E*", power, error, 2.0, 0.6, measured=0.34,
-        where="section 5: Gaussian tail at high pressure", shortfall=short,
-    )  # fmt: skip
+    return statement(f"power k of ln P = a - b sigma^k at high pressure, {load:g} E*", power, error, 2.0, 0.6,
+                     measured=0.34, where="section 5: Gaussian tail at high pressure", shortfall=short)  # fmt: skip
 
 
 def _tensile_row(evidence: Evidence, load: float) -> Row:
@@ -143,16 +142,9 @@ def _tensile_row(evidence: Evidence, load: float) -> Row:
         exact = limit * (TAIL_BOUNDS[1:] ** -2 - TAIL_BOUNDS[:-1] ** -2) / 2 / np.diff(TAIL_BOUNDS)
         ratios.append([float(np.mean((density(one, load, TAIL_BOUNDS) / exact)[inside]))])
     ratio, error = mean_and_error(ratios)
-    return Row(
-        quantity=f"tensile tail P |sigma|^3 over its limit, -6 to -2 E*, at {load:g} E*",
-        unit="",
-        reference=Reference(kind="exact", source="JKR edges: P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3"),
-        norm="absolute",
-        expected=[1.0],
-        computed=[float(ratio[0])],
-        uncertainty=float(error[0]),
-        tolerance=Tolerance(value=0.01, measured=0.0035),
-    )
+    return compared(f"tensile tail P |sigma|^3 over its limit, -6 to -2 E*, at {load:g} E*", "",
+                    Reference(kind="exact", source="JKR edges: P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3"), [1.0],
+                    [float(ratio[0])], 0.01, 0.0035, "absolute", uncertainty=float(error[0]))  # fmt: skip
 
 
 def _figures(
@@ -173,28 +165,25 @@ def _figures(
         lower = np.maximum(mean - error, floor)[carried]
         thin_x, thin_y = joined([(CENTRES.tolist(), one.tolist()) for one in sample.values])
         found.append(
-            Figure(
-                id=f"pressure-distribution-{sample.load:g}-{name}",
-                caption=f"Distribution of the pressure at {sample.load:g} E*, {name}: every realisation, their mean "
+            drawn(
+                f"pressure-distribution-{sample.load:g}-{name}",
+                f"Distribution of the pressure at {sample.load:g} E*, {name}: every realisation, their mean "
                 "with its standard error, the double Gaussian fitted to the mean, and the theory.",
-                solution=Panel(
+                Panel(
                     xlabel=r"$\sigma/E^*$",
                     ylabel="$P\\,E^*$",
                     yscale="log" if scale == "log" else "linear",
                     series=[
-                        Series(label="realisations", x=thin_x, y=[
-                            None if v is None or v <= least else v for v in thin_y], style="thin"),
-                        Series(label="mean and standard error", x=CENTRES[carried].tolist(), y=lower.tolist(),
-                               upper=(mean + error)[carried].tolist(), style="band", hue=0),
-                        Series(label="mean", x=CENTRES.tolist(), y=shown(mean), style="points", hue=0),
-                        Series(label="double Gaussian, fitted", x=smooth.tolist(), y=shown(sample.fit(smooth)), hue=3),
-                        Series(label="Persson with adhesion", x=smooth.tolist(), y=shown(said(smooth)), hue=1),
-                        Series(label=f"the same with {FACTOR:g} σ_a", x=smooth.tolist(), y=shown(raised(smooth)),
-                               style="dashed", hue=1),
+                        trace("realisations", thin_x, [None if v is None or v <= least else v for v in thin_y], "thin"),
+                        shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
+                        marks("mean", CENTRES, shown(mean), hue=0),
+                        trace("double Gaussian, fitted", smooth, shown(sample.fit(smooth)), hue=3),
+                        trace("Persson with adhesion", smooth, shown(said(smooth)), hue=1),
+                        trace(f"the same with {FACTOR:g} σ_a", smooth, shown(raised(smooth)), "dashed", hue=1),
                     ],
                 ),
             )
-        )  # fmt: skip
+        )
     return found
 
 
@@ -209,13 +198,13 @@ def _tail_figure(evidence: Evidence) -> Figure:
         limit = float(np.mean([one.field("tail_coefficient", load) for one in there])) / MODULUS**2
         x, y = centres.tolist(), np.mean(values, axis=0).tolist()
         series += [
-            Series(label=f"mean, {load:g} E*", x=x, y=y, style="points", hue=hue),
-            Series(label=f"limit from the edges, {load:g} E*", x=x, y=(limit * centres**-3.0).tolist(), hue=hue),
+            marks(f"mean, {load:g} E*", x, y, hue=hue),
+            trace(f"limit from the edges, {load:g} E*", x, limit * centres**-3.0, hue=hue),
         ]
     x, y = joined(single)
-    series.append(Series(label="realisations", x=x, y=y, style="thin"))
-    return Figure(
-        id="tensile-tail",
-        caption="Tensile tail of the distribution: P falls as the third power, with the factor that the edges give.",
-        solution=Panel(xlabel=r"$-\sigma/E^*$", ylabel="$P\\,E^*$", xscale="log", yscale="log", series=series),
+    series.append(trace("realisations", x, y, "thin"))
+    return drawn(
+        "tensile-tail",
+        "Tensile tail of the distribution: P falls as the third power, with the factor that the edges give.",
+        loglog(r"$-\sigma/E^*$", "$P\\,E^*$", *series),
     )

@@ -7,6 +7,7 @@ and so are the statements that rest on it.
 from __future__ import annotations
 
 from validation.harness.case import Outcome
+from validation.harness.rows import counted
 from validation.harness.schema import Reference, Row, Table, Tolerance
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import LOADS, PAPER
@@ -21,41 +22,23 @@ def compute(evidence: Evidence) -> Outcome:
         for one in evidence.loading
     )
     rows = (
-        Row(
-            quantity=f"realisations with {PAPER.harmonics} harmonics loaded to {LOADS[-1]:g} E*",
-            unit="",
+        Row(quantity=f"realisations with {PAPER.harmonics} harmonics loaded to {LOADS[-1]:g} E*", unit="",
             reference=Reference(kind="exact", source="the paper's ensemble: 11 realisations, seeds 0 to 10"),
-            norm="absolute",
-            expected=[float(PAPER.seeds)],
-            computed=[float(full)],
-            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-            pinned="exact",
-            status="not run" if short else "run",
-            message=short,
-        ),
-        Row(
-            quantity="states whose certificate is not ok, all realisations",
-            unit="",
-            reference=Reference(kind="exact", source="every state of a path is a stable equilibrium"),
-            norm="absolute",
-            expected=[0.0],
-            computed=[float(sum(not s.certificate.ok for one in _all(evidence) for s in one.result.states))],
-            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
-    )
+            norm="absolute", expected=[float(PAPER.seeds)], computed=[float(full)],
+            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"), pinned="exact",
+            status="not run" if short else "run", message=short),
+        counted("states whose certificate is not ok, all realisations",
+                Reference(kind="exact", source="every state of a path is a stable equilibrium"), [0.0],
+                [float(sum(not s.certificate.ok for one in _all(evidence) for s in one.result.states))]),
+    )  # fmt: skip
     tables = [
-        Table(
-            caption="Loading ensemble: every realisation, with its harmonics and the load it reached.",
-            columns=COLUMNS,
-            rows=[_line(one) for one in everyone],
-        ),
-        Table(
-            caption="Other realisations: shapes, high load, other Hurst exponents.",
-            columns=COLUMNS,
-            rows=[_line(one) for one in _all(evidence) if one not in everyone],
-        ),
-    ]
+        Table(caption="Loading ensemble: every realisation, with its harmonics and the load it reached.",
+              columns=COLUMNS,
+              rows=[_line(one) for one in everyone]),
+        Table(caption="Other realisations: shapes, high load, other Hurst exponents.",
+              columns=COLUMNS,
+              rows=[_line(one) for one in _all(evidence) if one not in everyone]),
+    ]  # fmt: skip
     if evidence.missing:
         missing: list[list[str | float | int | None]] = [[name, why] for name, why in evidence.missing.items()]
         tables.append(Table(caption="Realisations without a result.", columns=["name", "why"], rows=missing))

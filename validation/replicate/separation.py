@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.harness.case import Outcome
-from validation.harness.schema import Figure, Panel, Series, Table
+from validation.harness.drawings import drawn, marks, semilogx, shaded, trace
+from validation.harness.schema import Figure, Table
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS, RMS_HEIGHT
 from validation.replicate.statements import disagreement, statement
@@ -38,29 +39,14 @@ def compute(evidence: Evidence) -> Outcome:
     large = np.array([load >= LARGE for load in LOADS])
     small = LOADS.index(SMALL)
     rows = (
-        statement(
-            "separation from 0.005 to 0.025 E*, against Persson's with adhesion",
-            mean[large].tolist(),
-            float(np.max(error[large])),
-            wet[large].tolist(),
-            0.15,
-            measured=0.06,
-            unit="h_rms",
-            where="section 5: separation in very good agreement with the theory, which is computed here",
-            shortfall=evidence.shortfall,
-        ),
-        disagreement(
-            "separation at 0.001 E*, over Persson's with adhesion",
-            float(mean[small]),
-            float(error[small]),
-            float(wet[small]),
-            (0.4, 0.8),
-            CAUSE,
-            unit="h_rms",
-            where="section 5: except at small loads",
-            shortfall=evidence.shortfall,
-        ),
-    )
+        statement("separation from 0.005 to 0.025 E*, against Persson's with adhesion", mean[large].tolist(),
+                  float(np.max(error[large])), wet[large].tolist(), 0.15, measured=0.06, unit="h_rms",
+                  where="section 5: separation in very good agreement with the theory, which is computed here",
+                  shortfall=evidence.shortfall),
+        disagreement("separation at 0.001 E*, over Persson's with adhesion", float(mean[small]), float(error[small]),
+                     float(wet[small]), (0.4, 0.8), CAUSE, unit="h_rms", where="section 5: except at small loads",
+                     shortfall=evidence.shortfall),
+    )  # fmt: skip
     fitted = np.array([load in FITTED for load in LOADS])
     log_load = np.log(np.array(LOADS)[fitted])
     lengths = np.array([[-1 / np.polyfit(one[fitted], log_load, 1)[0]] for one in separations])
@@ -89,21 +75,12 @@ def _figure(evidence: Evidence, mean: FloatArray, error: FloatArray, wet: FloatA
     ]
     x, y = joined(curves)
     loads = list(LOADS)
-    return Figure(
-        id="separation-against-load",
-        caption="Separation of the mean planes against load, logarithmic in the load: every realisation, their mean "
-        "with its standard error, and both theories, which adhesion hardly sets apart.",
-        solution=Panel(
-            xlabel="mean pressure $p/E^*$",
-            ylabel="separation $s/h_{rms}$",
-            xscale="log",
-            series=[
-                Series(label="realisations", x=x, y=y, style="thin"),
-                Series(label="mean and standard error", x=loads, y=(mean - error).tolist(),
-                       upper=(mean + error).tolist(), style="band", hue=0),
-                Series(label="mean", x=loads, y=mean.tolist(), style="points", hue=0),
-                Series(label="Persson with adhesion", x=loads, y=list(map(float, wet)), hue=1),
-                Series(label="Persson without adhesion", x=loads, y=list(map(float, dry)), style="dashed", hue=2),
-            ],
-        ),
-    )  # fmt: skip
+    return drawn("separation-against-load",
+                 "Separation of the mean planes against load, logarithmic in the load: every realisation, their mean "
+                 "with its standard error, and both theories, which adhesion hardly sets apart.",
+                 semilogx("mean pressure $p/E^*$", "separation $s/h_{rms}$",
+                          trace("realisations", x, y, "thin"),
+                          shaded("mean and standard error", loads, mean - error, mean + error, 0),
+                          marks("mean", loads, mean, hue=0),
+                          trace("Persson with adhesion", loads, map(float, wet), hue=1),
+                          trace("Persson without adhesion", loads, map(float, dry), "dashed", hue=2)))  # fmt: skip

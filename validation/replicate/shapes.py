@@ -13,7 +13,8 @@ from __future__ import annotations
 import numpy as np
 
 from validation.harness.case import Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import axes, drawn, trace
+from validation.harness.schema import Figure, Reference, Row, Table, Tolerance
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import MODULUS, RMS_HEIGHT, SHAPES_AT
 
@@ -37,15 +38,12 @@ def compute(evidence: Evidence) -> Outcome:
         computed=[gap / s for gap, s in zip(gaps, SHAPES_AT, strict=True)],
         tolerance=Tolerance(value=1e-3, measured=4.3e-4),  # on the coarse grid of 16 harmonics; 1.2e-5 with 1000
     )
-    table = Table(
-        caption=f"The profile has its highest crest at {one.surface.max_height * 1e6:.1f} um "
-        f"(seed {one.result.scene['profile']['seed']}, {one.surface.max_order} harmonics).",
-        columns=["s / um", "s / h_rms", "p/E*", "contact fraction", "patches"],
-        rows=[
-            [s * 1e6, s / RMS_HEIGHT, state.mean_pressure / MODULUS, state.contact_fraction, state.n_patches]
-            for s, state in zip(SHAPES_AT, states, strict=True)
-        ],
-    )
+    table = Table(caption=f"The profile has its highest crest at {one.surface.max_height * 1e6:.1f} um "
+                  f"(seed {one.result.scene['profile']['seed']}, {one.surface.max_order} harmonics).",
+                  columns=["s / um", "s / h_rms", "p/E*", "contact fraction", "patches"],
+                  rows=[[s * 1e6, s / RMS_HEIGHT, state.mean_pressure / MODULUS, state.contact_fraction,
+                         state.n_patches]
+                        for s, state in zip(SHAPES_AT, states, strict=True)])  # fmt: skip
     return Outcome(
         rows=(row,),
         figures=tuple(_figure(one, k, s, near) for k, s in enumerate(SHAPES_AT) for near in (False, True)),
@@ -72,18 +70,18 @@ def _figure(one: Realisation, k: int, separation: float, near: bool) -> Figure:
     solid, gap = fields[f"displacement_{k}"][order], fields[f"gap_{k}"][order]
     touching = np.where(fields[f"patch_{k}"][order] >= 0, solid, np.nan) * 1e6
     pressed = one.result.targets[k]
-    return Figure(
-        id=f"shape-{separation * 1e6:g}-um{'-near' if near else ''}",
-        caption=f"Deformed shape at s = {separation * 1e6:g} µm = {separation / RMS_HEIGHT:.3g} h_rms"
-        + (", near the highest crest." if near else f": p = {pressed.mean_pressure / MODULUS:.3g} E*, contact fraction "
-           f"{pressed.contact_fraction:.3g} in {pressed.n_patches} patches."),
-        solution=Panel(
-            xlabel="distance from the highest crest / mm",
-            ylabel="height / µm",
-            series=[
-                Series(label="rigid profile", x=x, y=((solid - gap) * 1e6).tolist(), style="thin"),
-                Series(label="surface of the solid", x=x, y=(solid * 1e6).tolist(), hue=0),
-                Series(label="in contact", x=x, y=[None if np.isnan(v) else float(v) for v in touching], hue=1),
-            ],
+    which = ", near the highest crest."
+    if not near:
+        load = f"p = {pressed.mean_pressure / MODULUS:.3g} E*"
+        which = f": {load}, contact fraction {pressed.contact_fraction:.3g} in {pressed.n_patches} patches."
+    return drawn(
+        f"shape-{separation * 1e6:g}-um{'-near' if near else ''}",
+        f"Deformed shape at s = {separation * 1e6:g} µm = {separation / RMS_HEIGHT:.3g} h_rms{which}",
+        axes(
+            "distance from the highest crest / mm",
+            "height / µm",
+            trace("rigid profile", x, (solid - gap) * 1e6, "thin"),
+            trace("surface of the solid", x, solid * 1e6, hue=0),
+            trace("in contact", x, [None if np.isnan(v) else float(v) for v in touching], hue=1),
         ),
-    )  # fmt: skip
+    )

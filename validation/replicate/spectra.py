@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.harness.case import Outcome
-from validation.harness.schema import Figure, Panel, Row, Series, Table
+from validation.harness.drawings import drawn, loglog, semilogx, shaded, trace
+from validation.harness.schema import Figure, Row, Series, Table
 from validation.replicate.evidence import Evidence, Realisation, jackknife, joined, mean_and_error
 from validation.replicate.members import HURST, LOADS, MODULUS, SPECTRA_AT
 from validation.replicate.statements import statement
@@ -102,15 +103,13 @@ def compute(evidence: Evidence) -> Outcome:
             caption="Exponents of the mean spectra; sensitivity: largest change when the ends move by half an octave.",
             columns=["p/E*", "realisations", "orders", "C_u", "standard error", "sensitivity", "Persson's C_u",
                      "C_sigma", "Persson's C_sigma"],
-            rows=lines,
+            rows=lines
         ),
-        Table(
-            caption="Exponents of C_u over other decades, none of which enters a verdict: the spectrum is slightly "
-            "curved, steeper at long waves and flatter towards full contact at short ones, so that a number like the "
-            "paper's -2.73 depends on the orders it is taken from.",
-            columns=["p/E*", "orders", "C_u", "standard error", "Persson's C_u"],
-            rows=local,
-        ),
+        Table(caption="Exponents of C_u over other decades, none of which enters a verdict: the spectrum is slightly "
+              "curved, steeper at long waves and flatter towards full contact at short ones, so that a number like the "
+              "paper's -2.73 depends on the orders it is taken from.",
+              columns=["p/E*", "orders", "C_u", "standard error", "Persson's C_u"],
+              rows=local),
     ]  # fmt: skip
     figures = [_displacement_figure(evidence), _pressure_figure(evidence), _ratio_figure(evidence)]
     if evidence.high_load is not None:
@@ -124,51 +123,38 @@ def _rows(load: float, name: str, value: float, error: float, theory: float, tol
     """The paper's exponents of this window: of C_u, its theory and C_sigma in the middle; of C_sigma at the end."""
     if name == "250 to 1000":
         return [
-            statement(
-                f"exponent of C_sigma at {load:g} E*, orders 250 to 1000", value + 2, error, 1 - 2 * HURST, 0.15,
-                measured=MEASURED[load][1], where="section 5: 1 - 2 H of full contact at high q", shortfall=short,
-                told=told,
-            )
+            statement(f"exponent of C_sigma at {load:g} E*, orders 250 to 1000", value + 2, error, 1 - 2 * HURST, 0.15,
+                      measured=MEASURED[load][1], where="section 5: 1 - 2 H of full contact at high q", shortfall=short,
+                      told=told),
         ]  # fmt: skip
     return [
-        statement(
-            f"exponent of C_u at {load:g} E*, orders 10 to 100", value, error, -2.73, 0.15,
-            measured=MEASURED[load][0], last_digit=0.005, where="section 5: -2.73, theory -2.7", shortfall=short,
-            told=told, same_ensemble=True,
-        ),
-        statement(
-            f"exponent of C_u in the theory with adhesion at {load:g} E*, orders 10 to 100", theory, 0.0, -2.7, 0.05,
-            measured=0.021, last_digit=0.05, where="section 5: theory -2.7", shortfall=short,
-        ),
-        statement(
-            f"exponent of C_sigma at {load:g} E*, orders 10 to 100 (that of C_u plus 2)", value + 2, error, -HURST,
-            0.15, measured=MEASURED[load][0], where="section 5: -H in the middle range", shortfall=short, told=told,
-        ),
+        statement(f"exponent of C_u at {load:g} E*, orders 10 to 100", value, error, -2.73, 0.15,
+                  measured=MEASURED[load][0], last_digit=0.005, where="section 5: -2.73, theory -2.7", shortfall=short,
+                  told=told, same_ensemble=True),
+        statement(f"exponent of C_u in the theory with adhesion at {load:g} E*, orders 10 to 100", theory, 0.0, -2.7,
+                  0.05, measured=0.021, last_digit=0.05, where="section 5: theory -2.7", shortfall=short),
+        statement(f"exponent of C_sigma at {load:g} E*, orders 10 to 100 (that of C_u plus 2)", value + 2, error,
+                  -HURST, 0.15, measured=MEASURED[load][0], where="section 5: -H in the middle range", shortfall=short,
+                  told=told),
     ]  # fmt: skip
 
 
 def _change_row(load: float, power: FloatArray, short: str) -> Row:
     """By how much the exponent rises from the middle to the high end."""
     change, error = jackknife(lambda mean: exponent(mean, HIGH) - exponent(mean, MIDDLE), power)
-    return statement(
-        f"rise of the exponent of C_sigma from orders 10 to 100 to orders 250 to 1000, {load:g} E*", change, error,
-        1 - HURST, 0.2, measured=0.13, where="section 5: from -H to 1 - 2 H", shortfall=short,
-    )  # fmt: skip
+    return statement(f"rise of the exponent of C_sigma from orders 10 to 100 to orders 250 to 1000, {load:g} E*",
+                     change, error, 1 - HURST, 0.2, measured=0.13, where="section 5: from -H to 1 - 2 H",
+                     shortfall=short)  # fmt: skip
 
 
 def _high_load_row(one: Realisation, short: str) -> Row:
     last = len(one.result.targets) - 1
     ratio, error, _ = _closeness(one, last)
     return statement(
-        f"C_u over C at contact fraction {one.result.targets[last].contact_fraction:.4f}, mean over orders",
-        ratio,
-        error,
-        1.0,
-        0.02,
-        measured=0.0055,
-        where="section 5: C_u tends to C at very high load",
-        shortfall=short,
-    )
+        f"C_u over C at contact fraction {one.result.targets[last].contact_fraction:.4f}, mean over orders", ratio,
+        error, 1.0, 0.02, measured=0.0055, where="section 5: C_u tends to C at very high load",
+        shortfall=short
+    )  # fmt: skip
 
 
 def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[float]]:
@@ -193,18 +179,13 @@ def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[fl
 def _displacement_figure(evidence: Evidence) -> Figure:
     order = _orders(evidence)
     q0 = evidence.loading[0].surface.q0
-    series = [Series(label="profile", x=order, y=evidence.lines.power(q0).tolist(), hue=5)]
+    series = [trace("profile", order, evidence.lines.power(q0), hue=5)]
     for hue, load in enumerate(SPECTRA_AT):
         power = displacement_spectra(evidence.with_fields_at(load), load)[:, : len(order)]
         theory = evidence.with_adhesion[load].displacement_power(q0)
         series += _curves(power, theory, f"{load:g} E*", hue)
-    return Figure(
-        id="displacement-spectrum",
-        caption=f"Spectrum C_u of the displacement against the order q/q0. {HOW_DRAWN}",
-        solution=Panel(
-            xlabel="$q/q_0$", ylabel="$C_u$ / m³", xscale="log", yscale="log", series=_thin_once(series)
-        ),
-    )  # fmt: skip
+    return drawn("displacement-spectrum", f"Spectrum C_u of the displacement against the order q/q0. {HOW_DRAWN}",
+                 loglog("$q/q_0$", "$C_u$ / m³", *_thin_once(series)))  # fmt: skip
 
 
 def _pressure_figure(evidence: Evidence) -> Figure:
@@ -212,7 +193,7 @@ def _pressure_figure(evidence: Evidence) -> Figure:
     q0 = evidence.loading[0].surface.q0
     stiffness = evidence.with_adhesion[LOADS[-1]].plane_strain_modulus * q0 * np.array(order) / 2
     full = stiffness**2 * evidence.lines.power(q0)
-    series = [Series(label="full contact, slope 1 - 2H", x=order, y=full.tolist(), style="dashed", hue=5)]
+    series = [trace("full contact, slope 1 - 2H", order, full, "dashed", hue=5)]
     straight: list[tuple[list[float], list[float]]] = []
     for hue, load in enumerate(SPECTRA_AT):
         power = np.array([one.field("C_sigma", load) for one in evidence.with_fields_at(load)])[:, : len(order)]
@@ -221,14 +202,9 @@ def _pressure_figure(evidence: Evidence) -> Figure:
         straight += [_power_law(power.mean(axis=0), window) for window in (MIDDLE, HIGH) if window[1] <= len(order)]
     if straight:
         x, y = joined(straight)
-        series.append(Series(label="fits, orders 10 to 100 and 250 to 1000", x=x, y=y, hue=3))
-    return Figure(
-        id="pressure-spectrum",
-        caption=f"Spectrum C_σ of the pressure against the order q/q0. {HOW_DRAWN}",
-        solution=Panel(
-            xlabel="$q/q_0$", ylabel="$C_σ$ / (Pa² m)", xscale="log", yscale="log", series=_thin_once(series)
-        ),
-    )  # fmt: skip
+        series.append(trace("fits, orders 10 to 100 and 250 to 1000", x, y, hue=3))
+    return drawn("pressure-spectrum", f"Spectrum C_σ of the pressure against the order q/q0. {HOW_DRAWN}",
+                 loglog("$q/q_0$", "$C_σ$ / (Pa² m)", *_thin_once(series)))  # fmt: skip
 
 
 def _orders(evidence: Evidence) -> list[float]:
@@ -242,12 +218,11 @@ def _curves(power: FloatArray, theory: FloatArray, name: str, hue: int) -> list[
     order = list(map(float, range(1, power.shape[1] + 1)))
     single_x, single_y = joined(bands)
     return [
-        Series(label=f"{name}, mean of every order", x=order, y=power.mean(axis=0).tolist(), style="dots", hue=hue),
-        Series(label=THIN, x=single_x, y=single_y, style="thin"),
-        Series(label=f"{name}, mean and standard error", x=bands[0][0], y=(mean - error).tolist(),
-               upper=(mean + error).tolist(), style="band", hue=hue),
-        Series(label=f"{name}, Persson with adhesion", x=order, y=list(map(float, theory)), hue=hue),
-    ]  # fmt: skip
+        trace(f"{name}, mean of every order", order, power.mean(axis=0), "dots", hue=hue),
+        trace(THIN, single_x, single_y, "thin"),
+        shaded(f"{name}, mean and standard error", bands[0][0], mean - error, mean + error, hue),
+        trace(f"{name}, Persson with adhesion", order, map(float, theory), hue=hue),
+    ]
 
 
 def _thin_once(series: list[Series]) -> list[Series]:
@@ -257,7 +232,7 @@ def _thin_once(series: list[Series]) -> list[Series]:
     y: list[float | None] = []
     for a, b in thin:
         x, y = [*x, *([None] if x else []), *a], [*y, *([None] if y else []), *b]
-    return [*(one for one in series if one.label != THIN), Series(label=THIN, x=x, y=y, style="thin")]
+    return [*(one for one in series if one.label != THIN), trace(THIN, x, y, "thin")]
 
 
 def _power_law(power: FloatArray, window: tuple[float, float]) -> tuple[list[float], list[float]]:
@@ -277,10 +252,10 @@ def _ratio_figure(evidence: Evidence) -> Figure:
         power = displacement_spectra(evidence.with_fields_at(load), load)[:, : profile.size]
         theory = evidence.with_adhesion[load].contact_fractions
         series += _curves(power / profile, theory, f"{load:g} E*", hue)[1:]
-    return Figure(
-        id="displacement-over-profile",
-        caption="C_u / C of the profile, in bands of orders, beside the theory's A(q)/A0.",
-        solution=Panel(xlabel="$q/q_0$", ylabel="$C_u/C$", xscale="log", yscale="log", series=_thin_once(series)),
+    return drawn(
+        "displacement-over-profile",
+        "C_u / C of the profile, in bands of orders, beside the theory's A(q)/A0.",
+        loglog("$q/q_0$", "$C_u/C$", *_thin_once(series)),
     )
 
 
@@ -291,11 +266,11 @@ def _high_load_figure(one: Realisation) -> Figure:
     for k, state in enumerate(one.result.targets):
         order, followed = banded(one.result.fields[f"C_u_{k}"][carried] / profile[carried])
         label = f"p = {state.mean_pressure / MODULUS:.3g} E*, A/A0 = {state.contact_fraction:.4f}"
-        series.append(Series(label=label, x=list(order), y=list(followed), hue=k))
-    return Figure(
-        id="high-load",
-        caption=f"C_u / C of a profile with {carried.size} harmonics as contact becomes complete, in bands of orders.",
-        solution=Panel(xlabel="$q/q_0$", ylabel="$C_u/C$", xscale="log", series=series),
+        series.append(trace(label, order, followed, hue=k))
+    return drawn(
+        "high-load",
+        f"C_u / C of a profile with {carried.size} harmonics as contact becomes complete, in bands of orders.",
+        semilogx("$q/q_0$", "$C_u/C$", *series),
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,8 +10,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure as Canvas
 
-from validation.harness.runner import write_atomically
-from validation.report.figures import SETTINGS
+from validation.report.figures import SETTINGS, save
 
 DECADES = 12.0  # beyond which the colour no longer deepens
 
@@ -75,6 +73,4 @@ def write_matrix(path: Path, cases: Sequence[str], lines: Sequence[Line]) -> Non
         axes.title.set_fontsize(8)
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, DECADES), colours)
         canvas.colorbar(scale, ax=axes, label="log10 of error over allowed", fraction=0.05, aspect=50)
-        stream = io.StringIO()
-        canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
-    write_atomically(path, stream.getvalue())
+    save(canvas, path)

@@ -7,20 +7,12 @@ from __future__ import annotations
 
 import csv
 import io
-import os
 from collections.abc import Iterable
 from pathlib import Path
 
-import matplotlib as mpl
-
+from validation.harness.runner import write_atomically
 from validation.harness.schema import Figure
-from validation.report.figures import SETTINGS, canvas_of
-
-WITHOUT_DATE = {
-    "svg": {"Date": None, "Creator": None},
-    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
-}
-
+from validation.report.figures import canvas_of, save
 
 KINDS = ("svg", "pdf", "csv")
 
@@ -40,33 +32,10 @@ def linked(figure: Figure, folder: str) -> Figure:
 
 def write_figure(figure: Figure, folder: Path) -> None:
     """Write ID.svg, ID.pdf and ID.csv; equal numbers give equal files."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context({**SETTINGS, "pdf.fonttype": 42}):
-        canvas = canvas_of(figure)
-        for kind, metadata in WITHOUT_DATE.items():
-            stream = io.BytesIO()
-            canvas.savefig(stream, format=kind, metadata=metadata)
-            replace_file(folder / f"{figure.id}.{kind}", stream.getvalue())
-    replace_file(folder / f"{figure.id}.csv", table_of(figure).encode())
-
-
-def replace_file(path: Path, content: bytes) -> None:
-    """Write under a temporary name, flush to disk, rename.
-
-    Raises
-    ------
-    OSError
-        Disk full or folder not writable; the old file is left as it was, and nothing beside it.
-    """
-    temporary = path.with_name(path.name + ".part")
-    try:
-        with temporary.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    canvas = canvas_of(figure)
+    for kind in KINDS[:2]:
+        save(canvas, folder / f"{figure.id}.{kind}")
+    write_atomically(folder / f"{figure.id}.csv", table_of(figure))
 
 
 def table_of(figure: Figure) -> str:

@@ -8,12 +8,14 @@ from __future__ import annotations
 import io
 import math
 import re
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
+from validation.harness.runner import write_atomically
 from validation.harness.schema import Figure, Panel, Series
 
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # told apart by colour-blind readers
@@ -31,10 +33,14 @@ SETTINGS: Any = {
     "grid.linewidth": 0.6,
     "legend.frameon": False,
 }
+WITHOUT_DATE = {
+    "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+}
 
 
 def canvas_of(figure: Figure) -> Canvas:
-    """The figure drawn; save it within `matplotlib.rc_context(SETTINGS)`."""
+    """The figure drawn."""
     with mpl.rc_context(SETTINGS):
         if figure.error is None:
             count = len(figure.solution.series)
@@ -52,6 +58,21 @@ def canvas_of(figure: Figure) -> Canvas:
     return canvas
 
 
+def save(canvas: Canvas, path: Path) -> None:
+    """Write a figure as SVG or PDF, as the ending of the path says; equal figures give equal files.
+
+    Raises
+    ------
+    OSError
+        As of `write_atomically`.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    stream, kind = io.BytesIO(), path.suffix.removeprefix(".")
+    with mpl.rc_context({**SETTINGS, "pdf.fonttype": 42}):
+        canvas.savefig(stream, format=kind, metadata=WITHOUT_DATE[kind])
+    write_atomically(path, stream.getvalue())
+
+
 def svg_of(figure: Figure, prefix: str) -> str:
     """The figure as an SVG element.
 
@@ -63,7 +84,7 @@ def svg_of(figure: Figure, prefix: str) -> str:
     """
     with mpl.rc_context(SETTINGS):
         stream = io.StringIO()
-        canvas_of(figure).savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+        canvas_of(figure).savefig(stream, format="svg", metadata=WITHOUT_DATE["svg"])
     text = stream.getvalue()
     element = text[text.index("<svg") :]
     element = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', element)

@@ -18,8 +18,8 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from validation.report.figure_files import WITHOUT_DATE, replace_file
-from validation.report.figures import SETTINGS
+from validation.harness.runner import write_atomically
+from validation.report.figures import SETTINGS, save
 
 DARK = 0.55  # of the colour scale, from where the text is white
 DECADES = 30.0
@@ -52,14 +52,10 @@ class Map:
 
 def write_map(found: Map, folder: Path) -> None:
     """Write NAME.svg, NAME.pdf and NAME.csv; equal numbers give equal files."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context({**SETTINGS, "axes.grid": False, "pdf.fonttype": 42}):
-        canvas = draw(found)
-        for kind, metadata in WITHOUT_DATE.items():
-            stream = io.BytesIO()
-            canvas.savefig(stream, format=kind, metadata=metadata)
-            replace_file(folder / f"{found.name}.{kind}", stream.getvalue())
-    replace_file(folder / f"{found.name}.csv", table_of(found).encode())
+    canvas = draw(found)
+    for kind in ("svg", "pdf"):
+        save(canvas, folder / f"{found.name}.{kind}")
+    write_atomically(folder / f"{found.name}.csv", table_of(found))
 
 
 def draw(found: Map) -> Figure:

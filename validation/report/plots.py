@@ -6,7 +6,6 @@ failed one stays as a cross at the edge of the axes with its message in the lege
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator
 
-from validation.harness.runner import write_atomically
-from validation.report.figures import COLOURS, MARKERS, SETTINGS
+from validation.report.figures import COLOURS, MARKERS, SETTINGS, save
 
 WIDE = 64  # characters of a label with which two columns do not fit
 LABELLED = 2.5  # decades of an axis up to which twice and five times a power of ten have labels as well
@@ -108,11 +106,7 @@ def draw(plot: Plot) -> Figure:
 
 def write_svg(plot: Plot, path: Path) -> None:
     """The figure as an SVG document; equal numbers give equal files."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    stream = io.StringIO()
-    with mpl.rc_context(SETTINGS):
-        draw(plot).savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
-    write_atomically(path, stream.getvalue())
+    save(draw(plot), path)
 
 
 def _draw_line(axes: Axes, line: Line, colour: str, marker: str) -> None:

@@ -12,19 +12,23 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import time
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
+from validation.harness.execution import Ended, Running, run_alone
 from validation.harness.provenance import sources_digest, versions
 from validation.harness.runner import Note, write_atomically
 
 FOLDER = "answers"
 NAME_LENGTH = 60  # characters of a file name before its digest
 
+Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 
@@ -92,6 +96,35 @@ class Answers:
         plain = json.loads(json.dumps(TypeAdapter(form).dump_python(answer)))
         content = {"key": self.key, "task": name, "sha256": _digest(plain), "answer": plain}
         write_atomically(self._path(name, decides), json.dumps(content, indent=1) + "\n")
+
+    def alone(
+        self, form: type[Answer], function: Callable[[Item], Answer], item: Item, name: str, *decides: Any
+    ) -> Answer | Exception:
+        """The answer of a task that is kept, or that of a function in a process of its own, or its exception.
+
+        Parameters
+        ----------
+        form, name, decides
+            As of `kept`.
+        function, item
+            As of `run_alone`.
+        """
+        known = self.kept(form, name, *decides)
+        if known is not None:
+            return known
+        self.report(Note(f"{name}: started"))
+        begun = time.monotonic()
+        answer: Answer | Exception = RuntimeError("no answer")
+        with closing(run_alone(function, item)) as events:
+            for event in events:
+                if isinstance(event, Running):
+                    self.report(Note(f"{name}: {event.seconds[0]:.0f} s"))
+                elif isinstance(event, Ended):
+                    answer = event.answer
+        self.report(Note(f"{name}: {time.monotonic() - begun:.1f} s"))
+        if not isinstance(answer, Exception):
+            self.keep(form, answer, name, *decides)
+        return answer
 
     def _path(self, name: str, decides: tuple[Any, ...]) -> Path:
         short = re.sub(r"[^A-Za-z0-9.]+", "-", name).strip("-")[:NAME_LENGTH]

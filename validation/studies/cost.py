@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -24,7 +23,6 @@ import numpy as np
 import bem
 from bem.scene.result import FINAL_STATUSES, Progress, State
 from validation.harness.compare import fitted_order
-from validation.harness.execution import Ended, Running, run_alone
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
 from validation.harness.schema import Table
@@ -139,7 +137,7 @@ def run(
     facts, answers = provenance(), answers_in(folder, report)
     runs: list[Run] = []
     for done, task in enumerate(chosen, 1):
-        runs.append(_alone(measure or measured, task, f"[{done}/{len(chosen)}]", answers))
+        runs.append(_measured(measure or measured, task, answers))
         report(Note(f"[{done}/{len(chosen)}] {_line(runs[-1])}"))
         _write(folder, facts, runs, len(chosen), [])
     apart: list[Breakdown] = []
@@ -323,43 +321,20 @@ def _complete(run: Run) -> bool:
     return run.status == "converged" and len(run.separations) == run.loads_asked_for > 0
 
 
-def _alone(measure: Callable[[Task], Run], task: Task, place: str, answers: Answers) -> Run:
+def _measured(measure: Callable[[Task], Run], task: Task, answers: Answers) -> Run:
     """A run in a process of its own, or a line with its message."""
     about = f"seed {task.seed}, {task.harmonics} harmonics, increment {task.increment:g}"
-    known = answers.kept(Run, about, task, measure.__qualname__)
-    if known is not None:
-        return known
-    name, report = f"{place} {about}", answers.report
-    report(Note(f"{name}: started"))
-    answer: Run | Exception | None = None
-    with closing(run_alone(measure, task)) as events:
-        for event in events:
-            if isinstance(event, Running):
-                report(Note(f"{name}: {event.seconds[0]:.0f} s"))
-            elif isinstance(event, Ended):
-                answer = event.answer
+    answer = answers.alone(Run, measure, task, about, task, measure.__qualname__)
     if isinstance(answer, Run):
-        answers.keep(Run, answer, about, task, measure.__qualname__)
         return answer
     return Run(task.seed, task.harmonics, task.increment, f"{type(answer).__name__}: {answer}")
 
 
 def _taken_apart(dissect: Callable[[int], Breakdown], harmonics: int, answers: Answers) -> Breakdown:
     """A path taken apart in a process of its own, or the message why it is not."""
-    name, report = f"{harmonics} harmonics, stage by stage", answers.report
-    known = answers.kept(Breakdown, name, dissect.__qualname__)
-    if known is not None:
-        return known
-    report(Note(f"{name}: started"))
-    answer: Breakdown | Exception | None = None
-    with closing(run_alone(dissect, harmonics)) as events:
-        for event in events:
-            if isinstance(event, Running):
-                report(Note(f"{name}: {event.seconds[0]:.0f} s"))
-            elif isinstance(event, Ended):
-                answer = event.answer
+    name = f"{harmonics} harmonics, stage by stage"
+    answer = answers.alone(Breakdown, dissect, harmonics, name, dissect.__qualname__)
     if isinstance(answer, Breakdown):
-        answers.keep(Breakdown, answer, name, dissect.__qualname__)
         return answer
     return Breakdown(harmonics, f"{type(answer).__name__}: {answer}", {}, {}, ())
 

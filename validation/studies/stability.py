@@ -3,8 +3,7 @@
 The corpora of the boundary elements, of the finite element reference and of Persson's theory state what they expect
 before anything runs.  Each case runs alone in a process under a time limit; corpus/rows.py says how it may end, and
 counts that apart from whether the result is correct.  Planned and reported cases are counted and compared; a row that
-is missing is an error of the study.  Rows already in stability.json that the same sources made are kept, so that an
-interrupted study goes on.
+is missing is an error of the study.  Finished rows are kept (answers.py), so that an interrupted study goes on.
 
 With `--random N --seed K` the cases are N scenes drawn at random instead (random_scenes.py), which random_trial.py
 judges: the rows go to stability_random.json with the findings counted by kind, and the scenes of rows that do not
@@ -13,13 +12,11 @@ stand to the folder random/, so that each can be run alone.
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any, get_args
@@ -40,8 +37,9 @@ from validation.corpus.rows import (
     tasks_of,
 )
 from validation.harness.execution import Ended, Running, run_in_processes, run_in_turn
-from validation.harness.provenance import provenance, sources_digest, versions
+from validation.harness.provenance import provenance
 from validation.harness.runner import Note
+from validation.studies.answers import answers_in
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-stability/1"
@@ -89,23 +87,24 @@ def run(
         Fewer rows than planned: a fault of this module.
     """
     planned = tasks_of(quick) if tasks is None else list(tasks)
-    key, facts = _key(), provenance()
-    wanted = {_plain(task) for task in planned}
-    rows = [row for row in _stored(folder / file, key) if _task(row) in wanted]
+    facts, answers = provenance(), answers_in(folder, lambda note: None)
+    rows = [row for task in planned if (row := answers.kept(Row, _name(task), task.form)) is not None]
     if rows:
         report(Note(f"{len(rows)} of {len(planned)} cases are there already"))
-    there, begun = {_task(row) for row in rows}, time.monotonic()
-    missing = [task for task in planned if _plain(task) not in there]
+    there, begun = {_key(row) for row in rows}, time.monotonic()
+    missing = [task for task in planned if _key(task) not in there]
     for row in _rows(measure or measured, missing, jobs, report):
         rows.append(row)
+        if row.ending not in ("crashed", "timed out"):  # which are tried again
+            answers.keep(Row, row, _name(row), row.form)
         elapsed = time.monotonic() - begun
         report(Note(f"[{len(rows)}/{len(planned)}] {_told(rows[-1])}; {elapsed:.0f} s so far"))
-        _write(folder / file, key, facts, rows, len(planned))
-    order = {_plain(task): place for place, task in enumerate(planned)}
-    rows.sort(key=lambda row: order[_task(row)])
-    if [_task(row) for row in rows] != list(order):
-        raise RuntimeError(f"planned {len(planned)} cases, {len({_task(row) for row in rows})} of them reported")
-    _write(folder / file, key, facts, rows, len(planned))
+        _write(folder / file, facts, rows, len(planned))
+    order = {_key(task): place for place, task in enumerate(planned)}
+    rows.sort(key=lambda row: order[_key(row)])
+    if [_key(row) for row in rows] != list(order):
+        raise RuntimeError(f"planned {len(planned)} cases, {len({_key(row) for row in rows})} of them reported")
+    _write(folder / file, facts, rows, len(planned))
     for row in rows:
         if row.code == "random" and not row.stands:
             random_trial.case_of(row.id).drawn.write(folder / RANDOM_FOLDER)
@@ -178,31 +177,10 @@ def _in_turn(
                 report(Note(f"{_name(event.item)}: started"))
 
 
-def _key() -> str:
-    """What rows depend on: all sources and the versions of what they run on."""
-    return hashlib.sha256((sources_digest() + json.dumps(versions(), sort_keys=True)).encode()).hexdigest()
-
-
-def _stored(path: Path, key: str) -> list[Row]:
-    """Rows of an earlier run of the same sources that have an answer."""
-    try:
-        content = json.loads(path.read_text("utf-8"))
-        if content["schema"] != SCHEMA or content["key"] != key:
-            return []
-        rows = [Row(**{name: _tuple(row[name]) for name in NAMES}) for row in content["rows"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        return []
-    return [row for row in rows if row.ending not in ("crashed", "timed out")]
-
-
-NAMES = tuple(field.name for field in fields(Row))
-
-
-def _write(path: Path, key: str, facts: dict[str, Any], rows: Sequence[Row], planned: int) -> None:
+def _write(path: Path, facts: dict[str, Any], rows: Sequence[Row], planned: int) -> None:
     """The file of the study with the rows so far."""
     content = {
         "schema": SCHEMA,
-        "key": key,
         "provenance": facts,
         "planned": planned,
         "reported": len(rows),
@@ -214,19 +192,11 @@ def _write(path: Path, key: str, facts: dict[str, Any], rows: Sequence[Row], pla
     write_json(path, content)
 
 
-def _tuple(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-def _task(row: Row) -> tuple[str, str, str]:
-    return row.code, row.id, row.form
-
-
-def _name(task: Task) -> str:
+def _name(task: Task | Row) -> str:
     return f"{task.code} {task.id}"
 
 
-def _plain(task: Task) -> tuple[str, str, str]:
+def _key(task: Task | Row) -> tuple[str, str, str]:
     return task.code, task.id, task.form
 
 

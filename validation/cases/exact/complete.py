@@ -8,7 +8,9 @@ import numpy as np
 
 import bem
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.drawings import axes, drawn, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Reference
 from validation.references import adapters
 from validation.references.closed_forms import full_contact_amplitudes
 
@@ -29,46 +31,18 @@ def _complete() -> Outcome:
     last = result.targets[-1]
     source = Reference(kind="exact", source="every mode carries E* m q0 h_m / 2", uncertainty=0.0)
     rows = (
-        Row(
-            quantity="elastic energy per nominal area, relative",
-            unit="J/m^2",
-            reference=source,
-            norm="relative",
-            expected=[energy],
-            computed=[last.elastic_energy],
-            scale=energy,
-            tolerance=Tolerance(value=1e-13, measured=MEASURED_ENERGY),
-        ),
-        Row(
-            quantity="contact fraction just above the pressure of complete contact",
-            unit="",
-            reference=source,
-            norm="absolute",
-            expected=[1.0],
-            computed=[last.contact_fraction],
-            tolerance=Tolerance(value=1e-15, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
-        Row(
-            quantity="gaps left at nine tenths of that pressure (1: some)",
-            unit="",
-            reference=source,
-            norm="absolute",
-            expected=[1.0],
-            computed=[float(result.targets[-2].contact_fraction < 1)],
-            tolerance=Tolerance(value=1e-15, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
-    )
+        compared("elastic energy per nominal area, relative", "J/m^2", source, [energy], [last.elastic_energy], 1e-13,
+                 MEASURED_ENERGY),
+        counted("contact fraction just above the pressure of complete contact", source, [1.0], [last.contact_fraction],
+                tolerance=1e-15),
+        counted("gaps left at nine tenths of that pressure (1: some)", source, [1.0],
+                [float(result.targets[-2].contact_fraction < 1)], tolerance=1e-15),
+    )  # fmt: skip
     part = slice(0, 1 << 14, 1 << 3)
-    figure = Figure(
-        id="complete-contact",
-        caption="Pressure of complete contact under the least mean pressure that keeps it compressive everywhere.",
-        solution=Panel(
-            xlabel="x / mm",
-            ylabel="pressure / MPa",
-            series=[Series(label="closed form", x=(x[part] * 1e3).tolist(), y=((shape + least)[part] / 1e6).tolist())],
-        ),
+    figure = drawn(
+        "complete-contact",
+        "Pressure of complete contact under the least mean pressure that keeps it compressive everywhere.",
+        axes("x / mm", "pressure / MPa", trace("closed form", x[part] * 1e3, (shape + least)[part] / 1e6)),
     )
     counts = {"evaluations": sum(state.evaluations for state in result.states)}
     return Outcome(rows=rows, figures=(figure,), counts=counts)
@@ -77,15 +51,9 @@ def _complete() -> Outcome:
 MEASURED_ENERGY = 4e-14  # 2.2e-16 here; sums of 100 terms in another order
 
 CASES = (
-    Case(
-        id="complete-contact",
-        group="closed forms",
-        level="quick",
-        question="Does load control end in complete contact at the right pressure and with the right energy?",
-        equations="sigma = sigma_0 + sum E* m q0 h_m / 2 cos(m q0 x + phi_m),  U_el = sum E* m q0 h_m^2 / 8",
-        sources=("carbone2009", "johnson1995"),
-        compute=_complete,
-        effects=("half_space", "load_control"),
-        scene=adapters.scene_text("rough_100"),
-    ),
-)
+    Case(id="complete-contact", group="closed forms", level="quick",
+         question="Does load control end in complete contact at the right pressure and with the right energy?",
+         equations="sigma = sigma_0 + sum E* m q0 h_m / 2 cos(m q0 x + phi_m),  U_el = sum E* m q0 h_m^2 / 8",
+         sources=("carbone2009", "johnson1995"), compute=_complete, effects=("half_space", "load_control"),
+         scene=adapters.scene_text("rough_100")),
+)  # fmt: skip

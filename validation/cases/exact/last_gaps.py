@@ -138,14 +138,9 @@ FRACTION = Tolerance(value=5e-16, measured=1.6e-16)  # as contact fractions do
 LONE = Tolerance(value=6e-7, measured=2e-7)  # what the closed form leaves out
 
 CASES = (
-    Case(
-        id="last-gaps",
-        group="closed forms",
-        level="quick",
-        question="Do the last gaps before complete contact without adhesion close as the closed forms say?",
-        equations="gap = 2/pi asin sqrt(1 - p/p*);  T = k c^2/4,  s = 2 pi T^2/(lambda E* k)",
-        sources=("westergaard1939", "tada2000", "carbone2008"),
-        compute=_last_gaps,
-        effects=("half_space", "layer", "load_control"),
-    ),
-)
+    Case(id="last-gaps", group="closed forms", level="quick",
+         question="Do the last gaps before complete contact without adhesion close as the closed forms say?",
+         equations="gap = 2/pi asin sqrt(1 - p/p*);  T = k c^2/4,  s = 2 pi T^2/(lambda E* k)",
+         sources=("westergaard1939", "tada2000", "carbone2008"), compute=_last_gaps,
+         effects=("half_space", "layer", "load_control")),
+)  # fmt: skip

@@ -14,8 +14,9 @@ from scipy.optimize import brentq
 import bem
 from bem.scene.result import Result
 from validation.harness.case import Case, Outcome
-from validation.harness.rows import compared
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.drawings import axes, drawn, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Figure, Reference, Row
 from validation.references import adapters
 from validation.references.one_patch import OnePatch
 
@@ -82,42 +83,20 @@ def _merged_crests() -> Outcome:
     symmetry = Reference(kind="exact", source="symmetry about the dip")
     crests = Reference(kind="exact", source="two crests, which merge between the third and the fourth load")
     rows = (
-        compared(
-            "contact fraction behind the coalescence",
-            "",
-            Reference(kind="exact", source="closed form of one patch"),
-            exact * len(DIPS),
-            [value for values in fractions for value in values[len(APART) :]],
-            2.5 * MEASURED_FRACTION,
-            MEASURED_FRACTION,
-        ),
-        compared(
-            "contact fraction before the coalescence",
-            "",
-            Reference(kind="self", source="the same surface shifted by half a period"),
-            fractions[1][: len(APART)],
-            fractions[0][: len(APART)],
-            2.5 * MEASURED_SHIFT,
-            MEASURED_SHIFT,
-        ),
+        compared("contact fraction behind the coalescence", "",
+                 Reference(kind="exact", source="closed form of one patch"), exact * len(DIPS),
+                 [value for values in fractions for value in values[len(APART) :]], 2.5 * MEASURED_FRACTION,
+                 MEASURED_FRACTION),
+        compared("contact fraction before the coalescence", "",
+                 Reference(kind="self", source="the same surface shifted by half a period"), fractions[1][: len(APART)],
+                 fractions[0][: len(APART)], 2.5 * MEASURED_SHIFT, MEASURED_SHIFT),
         _placed("middle of the contact from the dip, over the period", symmetry, middles),
         _placed("place of the coalescence from the dip, over the period", symmetry, places),
-        compared(
-            "patches",
-            "",
-            crests,
-            [2.0, 2.0, 2.0, 1.0, 1.0, 1.0] * len(DIPS),
-            [float(state.n_patches) for result in results for state in result.targets],
-            0.1,
-            0.0,
-        ).model_copy(update={"pinned": "exact"}),
-        compared("coalescences", "", crests, [1.0] * len(DIPS), closed, 0.1, 0.0).model_copy(
-            update={"pinned": "exact"}
-        ),
-        compared(
-            "first touches, and events of all kinds", "", crests, [2.0, 3.0] * len(DIPS), happened, 0.1, 0.0
-        ).model_copy(update={"pinned": "exact"}),
-    )
+        counted("patches", crests, [2.0, 2.0, 2.0, 1.0, 1.0, 1.0] * len(DIPS),
+                [float(state.n_patches) for result in results for state in result.targets]),
+        counted("coalescences", crests, [1.0] * len(DIPS), closed),
+        counted("first touches, and events of all kinds", crests, [2.0, 3.0] * len(DIPS), happened),
+    )  # fmt: skip
     counts = {
         "evaluations": sum(state.evaluations for result in results for state in result.states),
         "states": sum(len(result.states) for result in results),
@@ -127,14 +106,8 @@ def _merged_crests() -> Outcome:
 
 def _placed(quantity: str, reference: Reference, computed: list[float | None]) -> Row:
     """Distances that are zero by symmetry; None where there is nothing to measure."""
-    return Row(
-        quantity=quantity,
-        unit="",
-        reference=reference,
-        norm="absolute",
-        expected=[0.0] * len(computed),
-        computed=computed,
-        tolerance=Tolerance(value=2.5 * MEASURED_PLACE, measured=MEASURED_PLACE),
+    return compared(
+        quantity, "", reference, [0.0] * len(computed), computed, 2.5 * MEASURED_PLACE, MEASURED_PLACE, "absolute"
     )
 
 
@@ -142,55 +115,33 @@ def _figure(results: list[Result], exact: list[float], harmonics: list[float]) -
     curve = np.linspace(exact[0] - 0.05, exact[-1] + 0.05, 100)
     pressures = [one_patch_mean_pressure(np.pi * f, harmonics, WORK) / 1e3 for f in curve]
     styles = (("dip across the end of the period", "dots"), ("dip in the middle of the period", "points"))
-    return Figure(
-        id="merged-crests",
-        caption="Contact fraction against mean pressure: two patches merge, behind that the closed form of one holds.",
-        solution=Panel(
-            xlabel="mean pressure / kPa",
-            ylabel="contact fraction",
-            series=[
-                Series(label="closed form of one patch", x=pressures, y=curve.tolist()),
-                *(
-                    Series(
-                        label=label,
-                        x=[state.mean_pressure / 1e3 for state in result.targets],
-                        y=[state.contact_fraction for state in result.targets],
-                        style=style,
-                    )
-                    for (label, style), result in zip(styles, results, strict=True)
-                ),
-            ],
-        ),
-        error=Panel(
-            xlabel="mean pressure / kPa",
-            ylabel="signed error of the contact fraction",
-            series=[
-                Series(
-                    label=label,
-                    x=[p / 1e3 for p in MERGED],
-                    y=[s.contact_fraction - f for s, f in zip(result.targets[len(APART) :], exact, strict=True)],
-                    style=style,
-                )
-                for (label, style), result in zip(styles, results, strict=True)
-            ],
-        ),
-    )
+    return drawn("merged-crests",
+                 "Contact fraction against mean pressure: two patches merge, behind that the closed form of one holds.",
+                 axes("mean pressure / kPa", "contact fraction",
+                      trace("closed form of one patch", pressures, curve),
+                      *(
+                          trace(label, [state.mean_pressure / 1e3 for state in result.targets],
+                                [state.contact_fraction for state in result.targets], style)
+                          for (label, style), result in zip(styles, results, strict=True)
+                      )),
+                 axes("mean pressure / kPa", "signed error of the contact fraction",
+                      *(
+                          trace(label, [p / 1e3 for p in MERGED],
+                                [s.contact_fraction - f
+                                 for s, f in zip(result.targets[len(APART) :], exact, strict=True)],
+                                style)
+                          for (label, style), result in zip(styles, results, strict=True)
+                      )))  # fmt: skip
 
 
 # the largest over WORK 0.002 to 0.004 and SECOND 0.45 and 0.5
 MEASURED_FRACTION, MEASURED_SHIFT, MEASURED_PLACE = 2.8e-14, 2.9e-14, 6.6e-14
 
 CASES = (
-    Case(
-        id="merged-crests",
-        group="closed forms",
-        level="quick",
-        question="Do two patches that merge across the end of the period become the one patch of the closed form?",
-        equations="p = Q(y) / sqrt((cos y - cos a) / 2),  Q(a) = -sqrt(E* w q sin a / (2 pi)),  "
-        "mean pressure = sum c_k L_k(cos a)",
-        sources=("westergaard1939", "johnson1995", "muskhelishvili1953"),
-        compute=_merged_crests,
-        effects=("half_space", "adhesion"),
-        scene=adapters.scene_text("merged_crests"),
-    ),
-)
+    Case(id="merged-crests", group="closed forms", level="quick",
+         question="Do two patches that merge across the end of the period become the one patch of the closed form?",
+         equations="p = Q(y) / sqrt((cos y - cos a) / 2),  Q(a) = -sqrt(E* w q sin a / (2 pi)),  "
+         "mean pressure = sum c_k L_k(cos a)",
+         sources=("westergaard1939", "johnson1995", "muskhelishvili1953"), compute=_merged_crests,
+         effects=("half_space", "adhesion"), scene=adapters.scene_text("merged_crests")),
+)  # fmt: skip

@@ -25,8 +25,9 @@ from scipy.optimize import brentq, minimize_scalar
 import bem
 from bem.scene.result import Event, Result
 from validation.harness.case import Case, Outcome
-from validation.harness.rows import compared
-from validation.harness.schema import Figure, Panel, Reference, Row, Series
+from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Figure, Reference, Row
 from validation.references import adapters
 from validation.references.one_patch import OnePatch
 
@@ -195,63 +196,26 @@ def _ripple_jumps() -> Outcome:
     touched = 2.0 * sum(jump.touched for jump in jumps)
     exact = Reference(kind="exact", source="closed form of one patch")
     rows: tuple[Row, ...] = (
+        compared("contact fraction under a load that grows and falls, order 20", "", exact, wide,
+                 [state.contact_fraction for state in result.targets],
+                 *MEASURED_LOADED),
+        compared("contact fraction at two separations, order 40", "", exact, spread,
+                 [state.contact_fraction for state in driven.targets],
+                 *MEASURED_DRIVEN),
+        compared("energy released by every jump, over that of the closed form", "", exact, [1.0] * len(jumps),
+                 [float("nan") if event is None else (event.energy_released or 0.0) / jump.released
+                 for event, jump in zip(found, jumps, strict=True)], 2.5 * MEASURED_RELEASED, MEASURED_RELEASED),
+        compared("mean pressure at every jump, over the largest", "Pa", exact, [jump.pressure for jump in jumps],
+                 [float("nan") if event is None else event.mean_pressure for event in found], 2.5 * MEASURED_PRESSURE,
+                 MEASURED_PRESSURE),
         compared(
-            "contact fraction under a load that grows and falls, order 20",
-            "",
-            exact,
-            wide,
-            [state.contact_fraction for state in result.targets],
-            *MEASURED_LOADED,
-        ),
-        compared(
-            "contact fraction at two separations, order 40",
-            "",
-            exact,
-            spread,
-            [state.contact_fraction for state in driven.targets],
-            *MEASURED_DRIVEN,
-        ),
-        compared(
-            "energy released by every jump, over that of the closed form",
-            "",
-            exact,
-            [1.0] * len(jumps),
-            [
-                float("nan") if event is None else (event.energy_released or 0.0) / jump.released
-                for event, jump in zip(found, jumps, strict=True)
-            ],
-            2.5 * MEASURED_RELEASED,
-            MEASURED_RELEASED,
-        ),
-        compared(
-            "mean pressure at every jump, over the largest",
-            "Pa",
-            exact,
-            [jump.pressure for jump in jumps],
-            [float("nan") if event is None else event.mean_pressure for event in found],
-            2.5 * MEASURED_PRESSURE,
-            MEASURED_PRESSURE,
-        ),
-        compared(
-            "jumps whose pressure or energy is farther from the closed form than estimated",
-            "",
-            exact,
-            [0.0],
+            "jumps whose pressure or energy is farther from the closed form than estimated", "", exact, [0.0],
             [float(sum(event is None or _misjudged(event, jump) for event, jump in zip(found, jumps, strict=True)))],
-            0.01,
-            0.0,
-            "absolute",
-        ).model_copy(update={"pinned": "exact"}),
-        compared(
-            "new contacts, coalescences, and jumps",
-            "",
-            exact,
-            [touched, touched, float(len(jumps))],
-            [float(kinds.count("new_contact")), float(kinds.count("coalescence")), float(len(met))],
-            0.01,
-            0.0,
-        ).model_copy(update={"pinned": "exact"}),
-    )
+            0.01, 0.0, "absolute", pinned="exact"
+        ),
+        counted("new contacts, coalescences, and jumps", exact, [touched, touched, float(len(jumps))],
+                [float(kinds.count("new_contact")), float(kinds.count("coalescence")), float(len(met))]),
+    )  # fmt: skip
     counts = {"evaluations": sum(state.evaluations for state in (*result.states, *driven.states))}
     return Outcome(rows=rows, figures=(_figure(wave, jumps, result),), counts=counts)
 
@@ -267,36 +231,16 @@ def _misjudged(event: Event, jump: Jump) -> bool:
 
 def _figure(wave: RippledWave, jumps: list[Jump], result: Result) -> Figure:
     curve = np.linspace(0.01, 0.4, 300)
-    return Figure(
-        id="ripple-jumps",
-        caption="Mean pressure of one patch on a rippled wave: jumps at constant load from ripple to ripple.",
-        solution=Panel(
-            xlabel="contact fraction",
-            ylabel="mean pressure / kPa",
-            series=[
-                Series(
-                    label="closed form of one patch",
-                    x=curve.tolist(),
-                    y=(wave.patch.mean_pressure(np.pi * curve) / 1e3).tolist(),
-                ),
-                *(
-                    Series(
-                        label="jump",
-                        x=[jump.start / np.pi, jump.end / np.pi],
-                        y=[jump.pressure / 1e3] * 2,
-                        style="thin",
-                    )
-                    for jump in jumps
-                ),
-                Series(
-                    label="bem",
-                    x=[state.contact_fraction for state in result.states],
-                    y=[state.mean_pressure / 1e3 for state in result.states],
-                    style="points",
-                ),
-            ],
-        ),
-    )
+    return drawn("ripple-jumps",
+                 "Mean pressure of one patch on a rippled wave: jumps at constant load from ripple to ripple.",
+                 axes("contact fraction", "mean pressure / kPa",
+                      trace("closed form of one patch", curve, wave.patch.mean_pressure(np.pi * curve) / 1e3),
+                      *(
+                          trace("jump", [jump.start / np.pi, jump.end / np.pi], [jump.pressure / 1e3] * 2, "thin")
+                          for jump in jumps
+                      ),
+                      marks("bem", [state.contact_fraction for state in result.states],
+                            [state.mean_pressure / 1e3 for state in result.states])))  # fmt: skip
 
 
 ROUNDING = 1e-13  # of the units of pressure and energy
@@ -306,16 +250,10 @@ MEASURED_LOADED, MEASURED_DRIVEN = (1e-12, 5.1e-14), (1e-12, 7.8e-15)
 MEASURED_RELEASED, MEASURED_PRESSURE = 8.9e-12, 4.4e-12
 
 CASES = (
-    Case(
-        id="ripple-jumps",
-        group="closed forms",
-        level="quick",
-        question="Does every jump from ripple to ripple happen where it must, touch the crests it must, and release "
-        "what it must?",
-        equations="released = U(a_1) - U(a_2) - p (Delta(a_1) - Delta(a_2)),  p(a_1) = p(a_2) a maximum or a touch",
-        sources=("johnson1995", "muskhelishvili1953"),
-        compute=_ripple_jumps,
-        effects=("half_space", "adhesion", "load_control", "unloading"),
-        scene=adapters.scene_text("rippled_wave"),
-    ),
-)
+    Case(id="ripple-jumps", group="closed forms", level="quick",
+         question="Does every jump from ripple to ripple happen where it must, touch the crests it must, and release "
+         "what it must?",
+         equations="released = U(a_1) - U(a_2) - p (Delta(a_1) - Delta(a_2)),  p(a_1) = p(a_2) a maximum or a touch",
+         sources=("johnson1995", "muskhelishvili1953"), compute=_ripple_jumps,
+         effects=("half_space", "adhesion", "load_control", "unloading"), scene=adapters.scene_text("rippled_wave")),
+)  # fmt: skip

@@ -20,8 +20,9 @@ import bem
 from bem.scene.result import Result, State
 from validation.cases.exact.merged_crests import one_patch_mean_pressure
 from validation.harness.case import Case, Outcome
-from validation.harness.rows import compared
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Figure, Reference, Row
 from validation.references import adapters
 
 FloatArray = NDArray[np.float64]
@@ -103,40 +104,17 @@ def _rippled_wave() -> Outcome:
     spread, receded = states[: len(up)], states[len(up) :]
     expected, met = [p for leg in jumps(turning) for p in leg], _jumped(result)
     exact = Reference(kind="exact", source="closed form of one patch, first and last passage of its mean pressure")
-    rows: list[Row] = [
-        compared(
-            f"contact fraction while the load {way}",
-            "",
-            exact,
-            values,
-            [state.contact_fraction for state in leg],
-            2.5 * measured,
-            measured,
-        )
-        for way, values, leg, measured in (("grows", up, spread, MEASURED_UP), ("falls", down, receded, MEASURED_DOWN))
-    ]
-    counted = [float(state.n_patches) for state in states] + [float(len(met))]
+    rows: list[Row] = [compared(f"contact fraction while the load {way}", "", exact, values,
+                                [state.contact_fraction for state in leg], 2.5 * measured, measured)
+                       for way, values, leg, measured in (("grows", up, spread, MEASURED_UP),
+                           ("falls", down, receded, MEASURED_DOWN))]  # fmt: skip
+    seen = [float(state.n_patches) for state in states] + [float(len(met))]
     rows += [
-        compared(
-            "patches of every state, and jumps after first touch",
-            "",
-            exact,
-            [1.0] * len(states) + [float(len(expected))],
-            counted,
-            0.01,
-            0.0,
-        ).model_copy(update={"pinned": "exact"}),
-        Row(
-            quantity="mean pressures at the jumps",
-            unit="Pa",
-            reference=exact,
-            norm="relative",
-            expected=expected,
-            computed=[*met, *[None] * len(expected)][: len(expected)],
-            scale=max(expected),
-            tolerance=Tolerance(value=2.5 * MEASURED_JUMP, measured=MEASURED_JUMP),
-        ),
-    ]
+        counted("patches of every state, and jumps after first touch", exact,
+                [1.0] * len(states) + [float(len(expected))], seen),
+        compared("mean pressures at the jumps", "Pa", exact, expected, [*met, *[None] * len(expected)][: len(expected)],
+                 2.5 * MEASURED_JUMP, MEASURED_JUMP, scale=max(expected)),
+    ]  # fmt: skip
     counts = {"evaluations": sum(state.evaluations for state in result.states), "states": len(result.states)}
     return Outcome(rows=tuple(rows), figures=(_figure(spread, receded, up, down),), counts=counts)
 
@@ -144,56 +122,32 @@ def _rippled_wave() -> Outcome:
 def _figure(spread: list[State], receded: list[State], up: list[float], down: list[float]) -> Figure:
     curve = np.linspace(LEAST, MOST, 600)
     legs = (("loading", spread, up), ("unloading", receded, down))
-    return Figure(
-        id="rippled-wave",
-        caption="Contact fraction against mean pressure: contact spreads and recedes from ripple to ripple, along the "
-        "outer branches of the closed form.",
-        solution=Panel(
-            xlabel="mean pressure / kPa",
-            ylabel="contact fraction",
-            series=[
-                *(
-                    Series(
-                        label=f"bem, {name}",
-                        x=[state.mean_pressure / 1e3 for state in leg],
-                        y=[state.contact_fraction for state in leg],
-                        style="points",
-                    )
-                    for name, leg, _ in legs
-                ),
-                Series(label="closed form of one patch", x=[mean_pressure(f) / 1e3 for f in curve], y=curve.tolist()),
-            ],
-        ),
-        error=Panel(
-            xlabel="mean pressure / kPa",
-            ylabel="signed error of the contact fraction",
-            series=[
-                Series(
-                    label=name,
-                    x=[state.mean_pressure / 1e3 for state in leg],
-                    y=[state.contact_fraction - f for state, f in zip(leg, exact, strict=True)],
-                    style="points",
-                )
-                for name, leg, exact in legs
-            ],
-        ),
-    )
+    return drawn("rippled-wave",
+                 "Contact fraction against mean pressure: contact spreads and recedes from ripple to ripple, along the "
+                 "outer branches of the closed form.",
+                 axes("mean pressure / kPa", "contact fraction",
+                      *(
+                          marks(f"bem, {name}", [state.mean_pressure / 1e3 for state in leg],
+                                [state.contact_fraction for state in leg])
+                          for name, leg, _ in legs
+                      ),
+                      trace("closed form of one patch", [mean_pressure(f) / 1e3 for f in curve], curve)),
+                 axes("mean pressure / kPa", "signed error of the contact fraction",
+                      *(
+                          marks(name, [state.mean_pressure / 1e3 for state in leg],
+                                [state.contact_fraction - f for state, f in zip(leg, exact, strict=True)])
+                          for name, leg, exact in legs
+                      )))  # fmt: skip
 
 
 # the largest over WORK 0.058 to 0.07 and max_increment 1.5 and 2
 MEASURED_UP, MEASURED_DOWN, MEASURED_JUMP = 1.8e-13, 2e-13, 1e-9
 
 CASES = (
-    Case(
-        id="rippled-wave",
-        group="closed forms",
-        level="quick",
-        question="Does contact on a rippled wave spread and recede by the jumps of the closed form?",
-        equations="p(f) = sum c_k L_k(cos pi f);  loading: f = min {f: p(f) >= load},  "
-        "unloading: f = max {f: p(f) <= load}",
-        sources=("guduru2007", "johnson1995", "muskhelishvili1953"),
-        compute=_rippled_wave,
-        effects=("half_space", "adhesion"),
-        scene=adapters.scene_text("rippled_wave"),
-    ),
-)
+    Case(id="rippled-wave", group="closed forms", level="quick",
+         question="Does contact on a rippled wave spread and recede by the jumps of the closed form?",
+         equations="p(f) = sum c_k L_k(cos pi f);  loading: f = min {f: p(f) >= load},  "
+         "unloading: f = max {f: p(f) <= load}",
+         sources=("guduru2007", "johnson1995", "muskhelishvili1953"), compute=_rippled_wave,
+         effects=("half_space", "adhesion"), scene=adapters.scene_text("rippled_wave")),
+)  # fmt: skip

@@ -12,7 +12,9 @@ from bem.audit.dense import evaluate_dense
 from bem.geometry.scaling import Scales
 from bem.scene.result import Result
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.drawings import axes, drawn, marks, semilogy, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Figure, Reference
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 
@@ -54,47 +56,17 @@ def _johnson(alpha: float) -> Outcome:
     johnson = Reference(kind="exact", source="Johnson 1995, at the solver's own contact width")
     scale = wave.full_contact_pressure
     rows = (
-        Row(
-            quantity="mean pressure over p*",
-            unit="Pa",
-            reference=johnson,
-            norm="maximum over states",
-            expected=exact_pressure.tolist(),
-            computed=pressure.tolist(),
-            scale=scale,
-            tolerance=Tolerance(value=1e-11, measured=MEASURED[alpha][0], basis="required"),
-        ),
-        Row(
-            quantity="penetration over amplitude",
-            unit="m",
-            reference=johnson,
-            norm="maximum over states",
-            expected=exact_penetration.tolist(),
-            computed=penetration.tolist(),
-            scale=AMPLITUDE,
-            tolerance=Tolerance(value=1e-11, measured=MEASURED[alpha][1], basis="required"),
-        ),
-        Row(
-            quantity="penetration at pull-off over amplitude",
-            unit="m",
-            reference=Reference(kind="exact", source="fold of Johnson's penetration"),
-            norm="absolute",
-            expected=[lowest],
-            computed=pull_off[:1] or [None],
-            scale=AMPLITUDE,
-            tolerance=Tolerance(value=1e-11, measured=MEASURED[alpha][2], basis="required"),
-        ),
-        Row(
-            quantity="states whose certificate is not ok",
-            unit="",
-            reference=Reference(kind="exact", source="every state of the loop is an equilibrium"),
-            norm="absolute",
-            expected=[0.0],
-            computed=[float(sum(not state.certificate.ok for state in result.states))],
-            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
-    )
+        compared("mean pressure over p*", "Pa", johnson, exact_pressure, pressure, 1e-11, MEASURED[alpha][0],
+                 "maximum over states", scale, basis="required"),
+        compared("penetration over amplitude", "m", johnson, exact_penetration, penetration, 1e-11, MEASURED[alpha][1],
+                 "maximum over states", AMPLITUDE, basis="required"),
+        compared("penetration at pull-off over amplitude", "m",
+                 Reference(kind="exact", source="fold of Johnson's penetration"), [lowest], pull_off[:1] or [None],
+                 1e-11, MEASURED[alpha][2], "absolute", AMPLITUDE, basis="required"),
+        counted("states whose certificate is not ok",
+                Reference(kind="exact", source="every state of the loop is an equilibrium"), [0.0],
+                [float(sum(not state.certificate.ok for state in result.states))]),
+    )  # fmt: skip
     return Outcome(
         rows=rows,
         figures=(_figure(alpha, wave, psi, pressure, exact_pressure, penetration, exact_penetration),),
@@ -118,40 +90,15 @@ def _figure(
     fraction = (psi * 2 / np.pi).tolist()
     curve = np.linspace(0.01, 0.97, 300)
     scale = wave.full_contact_pressure
-    return Figure(
-        id=f"johnson-{alpha:g}",
-        caption=f"Mean pressure against contact fraction on loading and unloading, alpha = {alpha:g}.",
-        solution=Panel(
-            xlabel="contact fraction",
-            ylabel="mean pressure / p*",
-            series=[
-                Series(
-                    label="Johnson 1995",
-                    x=curve.tolist(),
-                    y=(wave.mean_pressure(curve * np.pi / 2) / scale).tolist(),
-                ),
-                Series(label="bem", x=fraction, y=(pressure / scale).tolist(), style="points"),
-            ],
-        ),
-        error=Panel(
-            xlabel="contact fraction",
-            ylabel="signed error",
-            series=[
-                Series(
-                    label="mean pressure / p*",
-                    x=fraction,
-                    y=((pressure - exact_pressure) / scale).tolist(),
-                    style="points",
-                ),
-                Series(
-                    label="penetration / amplitude",
-                    x=fraction,
-                    y=((penetration - exact_penetration) / AMPLITUDE).tolist(),
-                    style="points",
-                ),
-            ],
-        ),
-    )
+    return drawn(f"johnson-{alpha:g}",
+                 f"Mean pressure against contact fraction on loading and unloading, alpha = {alpha:g}.",
+                 axes("contact fraction", "mean pressure / p*",
+                      trace("Johnson 1995", curve, wave.mean_pressure(curve * np.pi / 2) / scale),
+                      marks("bem", fraction, pressure / scale)),
+                 axes("contact fraction", "signed error",
+                      marks("mean pressure / p*", fraction, (pressure - exact_pressure) / scale),
+                      marks("penetration / amplitude", fraction,
+                            (penetration - exact_penetration) / AMPLITUDE)))  # fmt: skip
 
 
 def _westergaard() -> Outcome:
@@ -163,44 +110,18 @@ def _westergaard() -> Outcome:
     pressure = [state.mean_pressure for state in result.targets]
     source = Reference(kind="exact", source="Westergaard 1939")
     rows = (
-        Row(
-            quantity="contact fraction",
-            unit="",
-            reference=source,
-            norm="maximum over states",
-            expected=fractions.tolist(),
-            computed=computed,
-            tolerance=Tolerance(value=1e-10, measured=MEASURED[0.0][0], basis="required"),
-        ),
-        Row(
-            quantity="mean pressure over p*",
-            unit="Pa",
-            reference=source,
-            norm="maximum over states",
-            expected=wave.mean_pressure(fractions * np.pi / 2).tolist(),
-            computed=pressure,
-            scale=wave.full_contact_pressure,
-            tolerance=Tolerance(value=1e-10, measured=MEASURED[0.0][1], basis="required"),
-        ),
-    )
+        compared("contact fraction", "", source, fractions, computed, 1e-10, MEASURED[0.0][0], "maximum over states",
+                 1.0, basis="required"),
+        compared("mean pressure over p*", "Pa", source, wave.mean_pressure(fractions * np.pi / 2), pressure, 1e-10,
+                 MEASURED[0.0][1], "maximum over states", wave.full_contact_pressure, basis="required"),
+    )  # fmt: skip
     error = [a - b for a, b in zip(computed, fractions, strict=True)]
-    figure = Figure(
-        id="westergaard",
-        caption="Contact fraction against penetration without adhesion.",
-        solution=Panel(
-            xlabel="penetration / amplitude",
-            ylabel="contact fraction",
-            series=[
-                Series(label="Westergaard 1939", x=[t / AMPLITUDE for t in targets], y=fractions.tolist()),
-                Series(label="bem", x=[t / AMPLITUDE for t in targets], y=computed, style="points"),
-            ],
-        ),
-        error=Panel(
-            xlabel="penetration / amplitude",
-            ylabel="signed error of the contact fraction",
-            series=[Series(label="bem", x=[t / AMPLITUDE for t in targets], y=error, style="points")],
-        ),
-    )
+    figure = drawn("westergaard", "Contact fraction against penetration without adhesion.",
+                   axes("penetration / amplitude", "contact fraction",
+                        trace("Westergaard 1939", [t / AMPLITUDE for t in targets], fractions),
+                        marks("bem", [t / AMPLITUDE for t in targets], computed)),
+                   axes("penetration / amplitude", "signed error of the contact fraction",
+                        marks("bem", [t / AMPLITUDE for t in targets], error)))  # fmt: skip
     return Outcome(
         rows=rows,
         figures=(figure,),
@@ -245,42 +166,25 @@ def _convergence() -> Outcome:
         intensity_error.append(float(np.max(np.abs(state.stress_intensity / critical - 1))))
     source = Reference(kind="exact", source="Johnson 1995, contact fraction 0.6, alpha 0.3")
     rows = (
-        Row(
-            quantity="mean pressure over p* at the finest setting",
-            unit="",
-            reference=source,
-            norm="absolute",
-            expected=[0.0],
-            computed=[load_error[-1]],
-            tolerance=Tolerance(value=2e-15, measured=MEASURED_PLATEAU[0]),
-        ),
-        Row(
-            quantity="stress intensity over critical at the finest setting",
-            unit="",
-            reference=source,
-            norm="absolute",
-            expected=[0.0],
-            computed=[intensity_error[-1]],
-            tolerance=Tolerance(value=2e-14, measured=MEASURED_PLATEAU[1]),
-        ),
-    )
+        compared("mean pressure over p* at the finest setting", "", source, [0.0], [load_error[-1]], 2e-15,
+                 MEASURED_PLATEAU[0], "absolute"),
+        compared("stress intensity over critical at the finest setting", "", source, [0.0], [intensity_error[-1]],
+                 2e-14, MEASURED_PLATEAU[1], "absolute"),
+    )  # fmt: skip
     dense_unknowns, dense_error = _dense_errors(wave, psi)
-    figure = Figure(
-        id="landing-error-against-unknowns",
-        caption="What accuracy costs: error of one adhesive contact against the unknowns of its system, for the "
+    shown = (
+        ("mean pressure / p*", unknowns, load_error),
+        ("stress intensity", unknowns, intensity_error),
+        ("stress intensity, dense", dense_unknowns, dense_error),
+    )
+    figure = drawn(
+        "landing-error-against-unknowns",
+        "What accuracy costs: error of one adhesive contact against the unknowns of its system, for the "
         "compressed evaluation and the plain dense one; the reference is Johnson's closed form.",
-        solution=Panel(
-            xlabel="unknowns",
-            ylabel="relative error",
-            yscale="log",
-            series=[
-                Series(label=label, x=x, y=[max(error, SMALLEST_SHOWN) for error in errors], style="points")
-                for label, x, errors in (
-                    ("mean pressure / p*", [float(n) for n in unknowns], load_error),
-                    ("stress intensity", [float(n) for n in unknowns], intensity_error),
-                    ("stress intensity, dense", dense_unknowns, dense_error),
-                )
-            ],
+        semilogy(
+            "unknowns",
+            "relative error",
+            *(marks(label, x, [max(error, SMALLEST_SHOWN) for error in errors]) for label, x, errors in shown),
         ),
     )
     return Outcome(rows=rows, figures=(figure,), counts={"unknowns": unknowns[-1]})
@@ -301,38 +205,20 @@ MEASURED = {
 
 CASES = (
     *(
-        Case(
-            id=f"johnson-alpha-{alpha:g}",
-            group="closed forms",
-            level="quick",
-            question="Does the solver follow the JKR curve of one sinusoid along a whole loop, up to pull-off?",
-            equations=EQUATIONS,
-            sources=("johnson1995", "carbone2009"),
-            compute=partial(_johnson, alpha),
-            effects=("half_space", "adhesion", "unloading"),
-            scene=adapters.scene_text("sinusoid"),
-        )
+        Case(id=f"johnson-alpha-{alpha:g}", group="closed forms", level="quick",
+             question="Does the solver follow the JKR curve of one sinusoid along a whole loop, up to pull-off?",
+             equations=EQUATIONS,
+             sources=("johnson1995", "carbone2009"), compute=partial(_johnson, alpha),
+             effects=("half_space", "adhesion", "unloading"), scene=adapters.scene_text("sinusoid"))
         for alpha in (0.1, 0.3, 0.5)
     ),
-    Case(
-        id="sinusoid-convergence",
-        group="convergence",
-        level="quick",
-        question="How many unknowns does an adhesive contact need for a given accuracy?",
-        equations="geometric decay: the coupled modes of a patch fall as rho^-n, rho from the nearest gap",
-        sources=("johnson1995",),
-        compute=_convergence,
-        effects=("half_space", "adhesion"),
-    ),
-    Case(
-        id="westergaard",
-        group="closed forms",
-        level="quick",
-        question="Does contact without adhesion reproduce the sinusoid of Westergaard?",
-        equations="contact fraction 2 psi / pi at Delta = D S (1 - ln S), p = p* S, S = sin^2 psi",
-        sources=("westergaard1939",),
-        compute=_westergaard,
-        effects=("half_space",),
-        scene=adapters.scene_text("sinusoid"),
-    ),
-)
+    Case(id="sinusoid-convergence", group="convergence", level="quick",
+         question="How many unknowns does an adhesive contact need for a given accuracy?",
+         equations="geometric decay: the coupled modes of a patch fall as rho^-n, rho from the nearest gap",
+         sources=("johnson1995",), compute=_convergence, effects=("half_space", "adhesion")),
+    Case(id="westergaard", group="closed forms", level="quick",
+         question="Does contact without adhesion reproduce the sinusoid of Westergaard?",
+         equations="contact fraction 2 psi / pi at Delta = D S (1 - ln S), p = p* S, S = sin^2 psi",
+         sources=("westergaard1939",), compute=_westergaard, effects=("half_space",),
+         scene=adapters.scene_text("sinusoid")),
+)  # fmt: skip

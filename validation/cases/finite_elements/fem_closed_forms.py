@@ -22,7 +22,9 @@ import fem_reference
 from fem_reference import Resolution, Result
 from validation.harness.case import Case, Outcome
 from validation.harness.compare import pairwise_orders
-from validation.harness.schema import Figure, Level, Panel, Reference, Row, Series, Tolerance
+from validation.harness.drawings import axes, drawn, loglog, marks, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Figure, Level, Reference, Row
 from validation.references import adapters, fem_adapter
 from validation.references.closed_forms import Sinusoid
 
@@ -93,27 +95,18 @@ def _complete() -> Outcome:
             errors = [abs(energy / exact[nu] - 1) for energy in energies]
             observed = pairwise_orders([1 / cells for cells in CELLS], errors)[0]
             rows += _complete_rows(order, nu, found[-1], exact[nu], observed)
-            series.append(Series(label=f"{NAMES[order]}, nu = {nu:g}", x=[float(cells) for cells in CELLS], y=errors))
+            series.append(trace(f"{NAMES[order]}, nu = {nu:g}", CELLS, errors))
             unknowns = max(unknowns, found[-1].unknowns)
     ours = [_complete_bem(nu) for nu in RATIOS[1:]]
     rows.append(
-        Row(
-            quantity="energy per area, boundary elements, nu = 0.3, 0.499999, 0.5",
-            unit="J/m^2",
-            reference=Reference(kind="exact", source="Carbone and Mangialardi 2008"),
-            norm="maximum over states",
-            expected=[exact[nu] for nu in RATIOS[1:]],
-            computed=ours,
-            scale=exact[0.3],
-            tolerance=Tolerance(value=1e-13, measured=MEASURED_BEM),
-        )
-    )
-    figure = Figure(
-        id="fem-complete",
-        caption="Complete contact: relative error of the elastic energy against base cells per period.",
-        solution=Panel(
-            xlabel="cells per period", ylabel="relative error of the energy", xscale="log", yscale="log", series=series
-        ),
+        compared("energy per area, boundary elements, nu = 0.3, 0.499999, 0.5", "J/m^2",
+                 Reference(kind="exact", source="Carbone and Mangialardi 2008"), [exact[nu] for nu in RATIOS[1:]], ours,
+                 1e-13, MEASURED_BEM, "maximum over states", exact[0.3]),
+    )  # fmt: skip
+    figure = drawn(
+        "fem-complete",
+        "Complete contact: relative error of the elastic energy against base cells per period.",
+        loglog("cells per period", "relative error of the energy", *series),
     )
     return Outcome(rows=tuple(rows), figures=(figure,), counts={"unknowns of the finite elements": unknowns})
 
@@ -125,40 +118,18 @@ def _complete_rows(order: int, nu: float, fem: Result, exact: float, observed: f
     spread = float(np.max(fem.uncertainty["strain_energy"])) / PERIOD
     tolerance, measured = LARGEST_ERROR[order]
     return [
-        Row(
-            quantity=f"energy per area, finite elements {name}",
-            unit="J/m^2",
-            reference=source,
-            norm="relative",
-            expected=[exact],
-            computed=[exact + error],
-            scale=exact,
-            tolerance=Tolerance(value=tolerance, measured=measured),
-        ),
+        compared(f"energy per area, finite elements {name}", "J/m^2", source, [exact], [exact + error], tolerance,
+                 measured),
         _coverage(name, abs(error) / spread),
-        Row(
-            quantity=f"what the observed order lacks of {ASKED_ORDER[order]}, {name}",
-            unit="",
-            reference=source,
-            norm="absolute",
-            expected=[0.0],
-            computed=[max(0.0, ASKED_ORDER[order] - observed)],
-            tolerance=Tolerance(value=1e-9, measured=0.0, basis="required"),
-        ),
-    ]
+        compared(f"what the observed order lacks of {ASKED_ORDER[order]}, {name}", "", source, [0.0],
+                 [max(0.0, ASKED_ORDER[order] - observed)], 1e-9, 0.0, "absolute", basis="required"),
+    ]  # fmt: skip
 
 
 def _coverage(name: str, ratio: float) -> Row:
-    return Row(
-        quantity=f"true error over stated uncertainty, {name}",
-        unit="",
-        reference=Reference(kind="exact", source="the closed form"),
-        norm="absolute",
-        expected=[0.0],
-        computed=[ratio],
-        tolerance=Tolerance(value=1.0, measured=MEASURED_COVERAGE, basis="required"),
-        pinned="unconverged",
-    )
+    return compared(f"true error over stated uncertainty, {name}", "",
+                    Reference(kind="exact", source="the closed form"), [0.0], [ratio], 1.0, MEASURED_COVERAGE,
+                    "absolute", basis="required", pinned="unconverged")  # fmt: skip
 
 
 def _wave(poisson_ratio: float, alpha: float) -> Sinusoid:
@@ -191,16 +162,8 @@ def _one_patch(order: int) -> Outcome:
     basis: Any = "measured" if order == 2 else "required"
 
     def row(quantity: str, unit: str, expected: list[float], computed: list[float], scale: float, asked: Any) -> Row:
-        return Row(
-            quantity=f"{quantity}, {NAMES[order]}",
-            unit=unit,
-            reference=JOHNSON,
-            norm="maximum over states",
-            expected=expected,
-            computed=computed,
-            scale=scale,
-            tolerance=Tolerance(value=asked[0], measured=asked[1], basis=basis),
-        )
+        return compared(f"{quantity}, {NAMES[order]}", unit, JOHNSON, expected, computed, asked[0], asked[1],
+                        "maximum over states", scale, basis=basis)  # fmt: skip
 
     full = _wave(0.3, 0.0).full_contact_pressure
     rows = (
@@ -254,41 +217,19 @@ def _closed(order: int, fraction: float, nu: float, alpha: float) -> tuple[float
 
 def _figure(order: int, given: list[tuple[float, ...]]) -> Figure:
     curve = np.linspace(0.02, 0.9, 200)
-    alphas = sorted({(nu, alpha) for _, nu, alpha in STATES})
-    return Figure(
-        id=f"fem-one-patch-{NAMES[order].replace('/', '').lower()}",
-        caption=f"Mean pressure of finite elements, {NAMES[order]}, at the edges of Johnson's states.",
-        solution=Panel(
-            xlabel="contact fraction",
-            ylabel="mean pressure / p*",
-            series=[
-                Series(
-                    label=f"Johnson 1995, alpha = {alpha:g}",
-                    x=curve.tolist(),
-                    y=(
-                        _wave(0.3, alpha).mean_pressure(curve * np.pi / 2) / _wave(0.3, 0.0).full_contact_pressure
-                    ).tolist(),
-                )
-                for alpha in sorted({alpha for _, alpha in alphas})
-            ]
-            + [
-                Series(label="finite elements", x=[g[4] for g in given], y=[g[1] / g[5] for g in given], style="points")
-            ],
-        ),
-        error=Panel(
-            xlabel="contact fraction",
-            ylabel="signed error",
-            series=[
-                Series(
-                    label="mean pressure / p*",
-                    x=[g[4] for g in given],
-                    y=[(g[1] - g[0]) / g[5] for g in given],
-                    style="points",
-                ),
-                Series(label="stress intensity", x=[g[4] for g in given], y=[g[2] - 1 for g in given], style="points"),
-            ],
-        ),
-    )
+    star = _wave(0.3, 0.0).full_contact_pressure
+    return drawn(f"fem-one-patch-{NAMES[order].replace('/', '').lower()}",
+                 f"Mean pressure of finite elements, {NAMES[order]}, at the edges of Johnson's states.",
+                 axes("contact fraction", "mean pressure / p*",
+                      *(
+                          trace(f"Johnson 1995, alpha = {alpha:g}", curve,
+                                _wave(0.3, alpha).mean_pressure(curve * np.pi / 2) / star)
+                          for alpha in sorted({alpha for _, _, alpha in STATES})
+                      ),
+                      marks("finite elements", [g[4] for g in given], [g[1] / g[5] for g in given])),
+                 axes("contact fraction", "signed error",
+                      marks("mean pressure / p*", [g[4] for g in given], [(g[1] - g[0]) / g[5] for g in given]),
+                      marks("stress intensity", [g[4] for g in given], [g[2] - 1 for g in given])))  # fmt: skip
 
 
 MEASURED_BEM = 1e-15  # 5e-16 on one machine
@@ -296,17 +237,11 @@ MEASURED_COVERAGE = 0.92  # P2/P1, nu = -0.5; elsewhere at most 0.4
 
 
 def _case(identity: str, level: Level, question: str, equations: str, sources: tuple[str, ...], compute: Any) -> Case:
-    return Case(
-        id=identity,
-        group=GROUP,
-        level=level,
-        question=question,
-        equations=equations,
-        sources=sources,
-        compute=compute,
-        effects=("layer",),
-        scene=adapters.scene_text("layer_sinusoid"),
-    )
+    return Case(id=identity, group=GROUP, level=level,
+                question=question,
+                equations=equations,
+                sources=sources, compute=compute, effects=("layer",),
+                scene=adapters.scene_text("layer_sinusoid"))  # fmt: skip
 
 
 ELEMENTS = ("gustafsson2020", "taylor1973", "roache1998")

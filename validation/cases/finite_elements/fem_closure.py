@@ -21,7 +21,8 @@ import numpy as np
 import fem_reference
 from fem_reference import Resolution
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Reference, Row, Tolerance
+from validation.harness.rows import compared
+from validation.harness.schema import Reference
 from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
@@ -68,27 +69,12 @@ def _closure() -> Outcome:
     eigenvalues = [min(stiffness(WAVE, fraction * np.pi / 2)) for fraction in FRACTIONS]
     source = Reference(kind="exact", source="Johnson 1995")
     rows = (
-        Row(
-            quantity="stress intensity at the edges found, contact fractions 0.3, 0.5 and 0.7",
-            unit="Pa m^1/2",
-            reference=source,
-            norm="relative",
-            expected=[critical] * len(intensities),
-            computed=list(intensities),
-            scale=critical,
-            tolerance=Tolerance(value=2.5 * MEASURED[0], measured=MEASURED[0]),
-        ),
-        Row(
-            quantity="smallest eigenvalue of the energy, contact fractions 0.3, 0.5 and 0.7",
-            unit="J/m^3",
-            reference=source,
-            norm="maximum over states",
-            expected=list(eigenvalues),
-            computed=[result.min_eigenvalue for result in found],
-            scale=max(eigenvalues),
-            tolerance=Tolerance(value=2.5 * MEASURED[1], measured=MEASURED[1]),
-        ),
-    )
+        compared("stress intensity at the edges found, contact fractions 0.3, 0.5 and 0.7", "Pa m^1/2", source,
+                 [critical] * len(intensities), intensities, 2.5 * MEASURED[0], MEASURED[0], scale=critical),
+        compared("smallest eigenvalue of the energy, contact fractions 0.3, 0.5 and 0.7", "J/m^3", source, eigenvalues,
+                 [result.min_eigenvalue for result in found], 2.5 * MEASURED[1], MEASURED[1], "maximum over states",
+                 max(eigenvalues)),
+    )  # fmt: skip
     return Outcome(rows=rows, counts={"unknowns of the finite elements": max(result.unknowns for result in found)})
 
 
@@ -96,13 +82,9 @@ MEASURED = (7.1e-9, 4.8e-4)  # the iteration ends below 1e-8
 
 CASES = (
     Case(
-        id="fem-closure-modulus",
-        group="finite elements against closed forms",
-        level="quick",
+        id="fem-closure-modulus", group="finite elements against closed forms", level="quick",
         question="Has the contact whose edges the finite elements find the stress intensity and the stability it must?",
         equations="K = sqrt(2 E* gamma);  d2U/da2 = dG/da = K / E* dK/da, both edges outwards or to one side",
-        sources=("johnson1995",),
-        compute=_closure,
-        effects=("layer", "adhesion"),
+        sources=("johnson1995",), compute=_closure, effects=("layer", "adhesion")
     ),
-)
+)  # fmt: skip

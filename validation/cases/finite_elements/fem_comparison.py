@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 import bem
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
+from validation.harness.rows import compared
 from validation.harness.schema import Reference, Row, Tolerance
 from validation.references import fem_adapter
 
@@ -127,19 +128,13 @@ def compare_equilibria(label: str, posed: Scene, elements: str, patches: int) ->
         *_heights(posed, fem, state.penetration, state.total_displacement),
         *_stresses(posed, fem, elastic, state.mean_pressure, state.error_estimate.mean_pressure or 0.0),
         *(
-            Difference(
-                f"{name} per area",
-                "J/m^2",
-                [theirs],
-                [ours / period],
-                posed.accuracy.tolerance * abs(state.elastic_energy),
-                _largest(fem, key) / period,
-                abs(state.elastic_energy),
-            )
+            Difference(f"{name} per area", "J/m^2", [theirs], [ours / period],
+                       posed.accuracy.tolerance * abs(state.elastic_energy), _largest(fem, key) / period,
+                       abs(state.elastic_energy))
             for name, ours, theirs, key in energies
         ),
         _displacement(posed, fem, elastic),
-    )
+    )  # fmt: skip
     return Comparison(label, found, fem, elastic)
 
 
@@ -152,17 +147,10 @@ def compare_prescribed(label: str, posed: Scene, elements: str, edges: FloatArra
     energy = state.elastic_energy
     found = (
         *_stresses(posed, fem, state, state.mean_pressure, 0.0),
-        Difference(
-            "elastic energy per period",
-            "J/m",
-            [energy],
-            [fem.elastic_energy],
-            posed.accuracy.tolerance * abs(energy),
-            _largest(fem, "elastic_energy"),
-            abs(energy),
-        ),
+        Difference("elastic energy per period", "J/m", [energy], [fem.elastic_energy],
+                   posed.accuracy.tolerance * abs(energy), _largest(fem, "elastic_energy"), abs(energy)),
         _displacement(posed, fem, state),
-    )
+    )  # fmt: skip
     return Comparison(label, found, fem, state)
 
 
@@ -188,38 +176,17 @@ def _stresses(
     own = posed.accuracy.tolerance * scale
     root = float(np.sqrt(fem.problem.period))
     found = [
-        Difference(
-            "pressure away from the edges",
-            "Pa",
-            flat(middle),
-            flat(fem.middle_pressure),
-            own,
-            _largest(fem, "middle_pressure"),
-            scale,
-        ),
-        Difference(
-            "stress intensity at the edges",
-            "Pa m^1/2",
-            flat(state.stress_intensity),
-            flat(fem.stress_intensity),
-            own * root,
-            _largest(fem, "stress_intensity"),
-            scale * root,
-        ),
-    ]
+        Difference("pressure away from the edges", "Pa", flat(middle), flat(fem.middle_pressure), own,
+                   _largest(fem, "middle_pressure"), scale),
+        Difference("stress intensity at the edges", "Pa m^1/2", flat(state.stress_intensity),
+                   flat(fem.stress_intensity), own * root, _largest(fem, "stress_intensity"), scale * root),
+    ]  # fmt: skip
     if posed.loading.control != "mean_pressure":
         found.insert(
             0,
-            Difference(
-                "mean pressure",
-                "Pa",
-                [mean_pressure],
-                [fem.mean_pressure],
-                max(estimate, own),
-                _largest(fem, "mean_pressure"),
-                scale,
-            ),
-        )
+            Difference("mean pressure", "Pa", [mean_pressure], [fem.mean_pressure], max(estimate, own),
+                       _largest(fem, "mean_pressure"), scale),
+        )  # fmt: skip
     return found
 
 
@@ -230,15 +197,9 @@ def _displacement(posed: Scene, fem: Result, state: bem.ContactState) -> Differe
     uncertainty = float(np.max(fem.uncertainty_at("displacement", x))) + 2.0 * float(
         np.max(fem.uncertainty["penetration"])
     )
-    return Difference(
-        "interface displacement away from the edges",
-        "m",
-        flat(state.displacement(x)),
-        flat(fem.displacement(x) - mean),
-        posed.accuracy.tolerance * height,
-        uncertainty,
-        height,
-    )
+    return Difference("interface displacement away from the edges", "m", flat(state.displacement(x)),
+                      flat(fem.displacement(x) - mean), posed.accuracy.tolerance * height, uncertainty,
+                      height)  # fmt: skip
 
 
 def away_from_edges(fem: Result) -> FloatArray:
@@ -277,37 +238,22 @@ def rows(comparison: Comparison) -> list[Row]:
             )
         ]
     found = [
-        Row(
-            quantity=prefix + difference.quantity,
-            unit=difference.unit,
-            reference=Reference(kind="FEM", source=_source(comparison), uncertainty=difference.fem_uncertainty),
-            norm="absolute",
-            expected=difference.fem,
-            computed=difference.bem,
-            scale=difference.scale,
-            uncertainty=difference.bem_uncertainty,
-            tolerance=Tolerance(value=ROUNDING, measured=0.0, basis="required"),
-        )
+        compared(prefix + difference.quantity, difference.unit,
+                 Reference(kind="FEM", source=_source(comparison), uncertainty=difference.fem_uncertainty),
+                 difference.fem, difference.bem, ROUNDING, 0.0, "absolute", difference.scale, basis="required",
+                 uncertainty=difference.bem_uncertainty)
         for difference in comparison.differences
-    ]
+    ]  # fmt: skip
     if comparison.fem is not None and comparison.fem.resolution.order == 4:
         *others, displacement = comparison.differences
         found += [
-            Row(
-                quantity=f"{prefix}combined uncertainty over its scale, {name}",
-                unit="",
-                reference=Reference(kind="FEM", source=_source(comparison)),
-                norm="absolute",
-                expected=[0.0],
-                computed=[max(difference.uncertainty for difference in judged)],
-                tolerance=Tolerance(value=asked, measured=measured, basis="required"),
-                pinned="unconverged",
-            )
-            for name, judged, (asked, measured) in (
-                ("largest of all but displacement", others, ASKED),
-                ("displacement", [displacement], ASKED_OF_DISPLACEMENT),
-            )
-        ]
+            compared(f"{prefix}combined uncertainty over its scale, {name}", "",
+                     Reference(kind="FEM", source=_source(comparison)), [0.0],
+                     [max(difference.uncertainty for difference in judged)], asked, measured, "absolute",
+                     basis="required", pinned="unconverged")
+            for name, judged, (asked, measured) in (("largest of all but displacement", others, ASKED),
+                ("displacement", [displacement], ASKED_OF_DISPLACEMENT))
+        ]  # fmt: skip
     return found
 
 

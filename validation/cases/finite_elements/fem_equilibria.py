@@ -21,7 +21,8 @@ from validation.cases.finite_elements.fem_comparison import (
 )
 from validation.cases.finite_elements.fem_figures import figure
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Series, Table
+from validation.harness.drawings import drawn, loglog, marks, semilogx, trace
+from validation.harness.schema import Figure, Table
 from validation.references import adapters
 
 PERIOD = 0.01
@@ -127,44 +128,25 @@ def _matrix_figure(found: dict[tuple[float, float], Comparison]) -> Figure:
 
     thicknesses = sorted({thickness for thickness, _ in found})
     apart = [
-        Series(
-            label=f"nu = {ratio:g}",
-            x=[thickness for thickness, nu in found if nu == ratio],
-            y=[edges((thickness, nu)).largest for thickness, nu in found if nu == ratio],
-            style="points",
-        )
+        marks(f"nu = {ratio:g}", [thickness for thickness, nu in found if nu == ratio],
+              [edges((thickness, nu)).largest for thickness, nu in found if nu == ratio])
         for ratio in RATIOS
-    ]
-    least = Series(
-        label="combined uncertainty, least",
-        x=thicknesses,
-        y=[min(edges(place).uncertainty for place in found if place[0] == d) for d in thicknesses],
-        style="dashed",
-    )
+    ]  # fmt: skip
+    least = trace("combined uncertainty, least", thicknesses,
+                  [min(edges(place).uncertainty for place in found if place[0] == d) for d in thicknesses],
+                  "dashed")  # fmt: skip
     signed = [
-        Series(
-            label=f"nu = {ratio:g}",
-            x=[d for (d, nu) in found if nu == ratio],
-            y=[_signed(c, "elastic energy per area") for (_, nu), c in found.items() if nu == ratio],
-            style="points",
-        )
+        marks(f"nu = {ratio:g}", [d for (d, nu) in found if nu == ratio],
+              [_signed(c, "elastic energy per area") for (_, nu), c in found.items() if nu == ratio])
         for ratio in RATIOS
-    ]
-    return Figure(
-        id="fem-matrix",
-        caption="Two unequal patches: largest difference of an edge between the codes (points) and their combined "
+    ]  # fmt: skip
+    return drawn(
+        "fem-matrix",
+        "Two unequal patches: largest difference of an edge between the codes (points) and their combined "
         "uncertainty (dashed, least of the four ratios), in periods. Below, the signed difference of the elastic "
         "energy, relative.",
-        solution=Panel(
-            xlabel="layer thickness / period",
-            ylabel="|BEM - FEM| of the edges / period",
-            xscale="log",
-            yscale="log",
-            series=[*apart, least],
-        ),
-        error=Panel(
-            xlabel="layer thickness / period", ylabel="signed difference of energy", xscale="log", series=signed
-        ),
+        loglog("layer thickness / period", "|BEM - FEM| of the edges / period", *apart, least),
+        semilogx("layer thickness / period", "signed difference of energy", *signed),
     )
 
 
@@ -183,17 +165,11 @@ SOURCES = ("carbone2008", "carbone2009", "gustafsson2020", "taylor1973", "destuy
 def _case(
     name: str, elements: str, level: Any, compute: Any, question: str, scene: str, effects: tuple[str, ...]
 ) -> Case:
-    return Case(
-        id=f"fem-{name}" + ("-coarse" if elements == "P2/P1" else ""),
-        group="boundary elements against finite elements",
-        level=level,
-        question=question,
-        equations=EQUATIONS,
-        sources=SOURCES,
-        compute=compute,
-        effects=effects,
-        scene=adapters.scene_text(scene),
-    )
+    return Case(id=f"fem-{name}" + ("-coarse" if elements == "P2/P1" else ""),
+                group="boundary elements against finite elements", level=level,
+                question=question,
+                equations=EQUATIONS,
+                sources=SOURCES, compute=compute, effects=effects, scene=adapters.scene_text(scene))  # fmt: skip
 
 
 def _effects(name: str) -> tuple[str, ...]:

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from fem_reference import Result
 from validation.cases.finite_elements.fem_comparison import Comparison, away_from_edges, flat
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.schema import Figure
 
 FloatArray = NDArray[np.float64]
 SHOWN = 1.5  # times the scale: the exact pressure is infinite at the edges
@@ -29,47 +30,19 @@ def figure(identity: str, caption: str, comparison: Comparison) -> list[Figure]:
     displacement = comparison.differences[-1]
     points = x[0] + (away_from_edges(fem) - x[0]) % period
     return [
-        Figure(
-            id=identity,
-            caption=f"{caption} Below, boundary elements less finite elements: pressure at the nodes of the middle "
+        drawn(
+            identity, f"{caption} Below, boundary elements less finite elements: pressure at the nodes of the middle "
             "0.8 of each patch over the largest middle pressure, displacement away from the edges over the rms height.",
-            solution=Panel(
-                xlabel="x / mm",
-                ylabel="pressure / kPa",
-                series=[
-                    Series(
-                        label="boundary elements",
-                        x=flat(line * 1e3),
-                        y=[_shown(v / 1e3, SHOWN * scale / 1e3) for v in curve],
-                    ),
-                    Series(
-                        label="finite elements",
-                        x=flat(x[inside][shown] * 1e3),
-                        y=flat(ours[shown] / 1e3),
-                        style="points",
-                    ),
-                ],
-            ),
-            error=Panel(
-                xlabel="x / mm",
-                ylabel="signed difference / scale",
-                series=[
-                    Series(
-                        label="pressure",
-                        x=flat(x[middle] * 1e3),
-                        y=flat((state.pressure(x[middle]) - fem.interface.pressure[middle]) / scale),
-                        style="points",
-                    ),
-                    Series(
-                        label="displacement",
-                        x=flat(points * 1e3),
-                        y=flat(np.subtract(displacement.bem, displacement.fem) / displacement.scale),
-                        style="points",
-                    ),
-                ],
-            ),
-        )
-    ]
+            axes("x / mm", "pressure / kPa",
+                 trace("boundary elements", flat(line * 1e3), [_shown(v / 1e3, SHOWN * scale / 1e3) for v in curve]),
+                 marks("finite elements", flat(x[inside][shown] * 1e3), flat(ours[shown] / 1e3))),
+            axes("x / mm", "signed difference / scale",
+                 marks("pressure", flat(x[middle] * 1e3),
+                       flat((state.pressure(x[middle]) - fem.interface.pressure[middle]) / scale)),
+                 marks("displacement", flat(points * 1e3),
+                       flat(np.subtract(displacement.bem, displacement.fem) / displacement.scale)))
+        ),
+    ]  # fmt: skip
 
 
 def _in_patches(fem: Result, x: FloatArray, share: float) -> NDArray[np.bool_]:

@@ -14,7 +14,9 @@ import bem
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Figure, Panel, Reference, Row, Table
 from validation.references import adapters
 from validation.references.dense_equilibrium import reference
 
@@ -55,46 +57,33 @@ def _layer_path() -> Outcome:
     scenes = _scenes()
     results = {name: bem.solve(posed) for name, posed in scenes.items()}
     doubled = Reference(kind="independent code", source="dense algebra with doubled resolution")
-    rows, compared = [], {}
+    rows, found = [], {}
     for name, posed in scenes.items():
-        compared[name] = errors(posed, results[name].targets)
+        found[name] = errors(posed, results[name].targets)
         for quantity, words in QUANTITIES.items():
-            computed, expected = compared[name][quantity]
+            computed, expected = found[name][quantity]
             rows.append(
-                Row(
-                    quantity=f"{words}, d = 0.02 wavelengths, {name}, over the largest",
-                    unit={"mean_pressure": "Pa", "contact_fraction": "", "elastic_energy": "J/m^2"}[quantity],
-                    reference=doubled,
-                    norm="maximum over states",
-                    expected=list(expected),
-                    computed=list(computed),
-                    scale=max(abs(value) for value in expected),
-                    tolerance=Tolerance(value=REQUIRED, measured=MEASURED, basis="required"),
-                )
-            )
+                compared(f"{words}, d = 0.02 wavelengths, {name}, over the largest",
+                         {"mean_pressure": "Pa", "contact_fraction": "", "elastic_energy": "J/m^2"}[quantity], doubled,
+                         expected, computed, REQUIRED, MEASURED, "maximum over states",
+                         max(abs(value) for value in expected), basis="required"),
+            )  # fmt: skip
     rows += [_certificates(results), *_thick(), _complete()]
     unknowns = max(state.unknowns for result in results.values() for state in result.states)
     evaluations = sum(state.evaluations for result in results.values() for state in result.states)
     return Outcome(
         rows=tuple(rows),
-        figures=(_figure(results, compared),),
-        tables=(_table(compared, results),),
+        figures=(_figure(results, found),),
+        tables=(_table(found, results),),
         counts={"unknowns": unknowns, "evaluations": evaluations},
     )
 
 
 def _certificates(results: dict[str, Result]) -> Row:
     bad = sum(not state.certificate.ok for result in results.values() for state in result.states)
-    return Row(
-        quantity="states whose certificate is not ok",
-        unit="",
-        reference=Reference(kind="exact", source="every state of the paths is an equilibrium"),
-        norm="absolute",
-        expected=[0.0],
-        computed=[float(bad)],
-        tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-        pinned="exact",
-    )
+    return counted("states whose certificate is not ok",
+                   Reference(kind="exact", source="every state of the paths is an equilibrium"), [0.0],
+                   [float(bad)])  # fmt: skip
 
 
 def _thick() -> tuple[Row, Row]:
@@ -105,27 +94,12 @@ def _thick() -> tuple[Row, Row]:
     said = float(not note.active and "left out" in note.reason)
     exact = Reference(kind="exact", source="the layer is thicker than any wave reaches")
     return (
-        Row(
-            quantity="layer of four periods left out, with a note in effects (1: yes)",
-            unit="",
-            reference=exact,
-            norm="absolute",
-            expected=[1.0],
-            computed=[said],
-            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
-        Row(
-            quantity="mean pressure of that layer, over the largest of the half-space",
-            unit="Pa",
-            reference=exact,
-            norm="maximum over states",
-            expected=[state.mean_pressure for state in none.targets],
-            computed=[state.mean_pressure for state in thick.targets],
-            scale=max(abs(state.mean_pressure) for state in none.targets),
-            tolerance=Tolerance(value=1e-13, measured=0.0, basis="required"),
-        ),
-    )
+        counted("layer of four periods left out, with a note in effects (1: yes)", exact, [1.0], [said]),
+        compared("mean pressure of that layer, over the largest of the half-space", "Pa", exact,
+                 [state.mean_pressure for state in none.targets], [state.mean_pressure for state in thick.targets],
+                 1e-13, 0.0, "maximum over states", max(abs(state.mean_pressure) for state in none.targets),
+                 basis="required"),
+    )  # fmt: skip
 
 
 def _complete() -> Row:
@@ -148,64 +122,40 @@ def _complete() -> Row:
     }
     joined = [state.status == "complete_contact" for state in bem.solve(adapters.scene("thin_layer", changes)).targets]
     found = exact if joined == [False, True] else None
-    return Row(
-        quantity="pressure of complete contact of a sinusoid, bracketed to 1e-6",
-        unit="Pa",
-        reference=Reference(kind="exact", source="compliance of a bonded incompressible layer"),
-        norm="relative",
-        expected=[exact],
-        computed=[found],
-        scale=exact,
-        tolerance=Tolerance(value=1e-6, measured=0.0, basis="required"),
-    )
+    return compared("pressure of complete contact of a sinusoid, bracketed to 1e-6", "Pa",
+                    Reference(kind="exact", source="compliance of a bonded incompressible layer"), [exact], [found],
+                    1e-6, 0.0, basis="required")  # fmt: skip
 
 
-def _table(compared: dict[str, dict[str, tuple[list[float], list[float]]]], results: dict[str, Result]) -> Table:
-    return Table(
-        caption="Largest relative error against doubled resolution along each path, d = 0.02 wavelengths.",
-        columns=["path", "states", "events", *QUANTITIES.values()],
-        rows=[
-            [
-                name,
-                len(results[name].targets),
-                len(results[name].events),
-                *(
-                    float(f"{max(abs(np.subtract(*pair))) / max(abs(value) for value in pair[1]):.1e}")
-                    for pair in compared[name].values()
-                ),
-            ]
-            for name in compared
-        ],
-    )
+def _table(found: dict[str, dict[str, tuple[list[float], list[float]]]], results: dict[str, Result]) -> Table:
+    return Table(caption="Largest relative error against doubled resolution along each path, d = 0.02 wavelengths.",
+                 columns=["path", "states", "events", *QUANTITIES.values()],
+                 rows=[[name, len(results[name].targets), len(results[name].events),
+                        *(float(f"{max(abs(np.subtract(*pair))) / max(abs(value) for value in pair[1]):.1e}")
+                          for pair in found[name].values())]
+                       for name in found])  # fmt: skip
 
 
-def _figure(results: dict[str, Result], compared: dict[str, dict[str, tuple[list[float], list[float]]]]) -> Figure:
+def _figure(results: dict[str, Result], found: dict[str, dict[str, tuple[list[float], list[float]]]]) -> Figure:
     half_space = bem.solve(adapters.scene("thin_layer", {"layer": None}))
     shown = {name: results[name] for name in ("nu = 0.5, adhesion", "nu = 0.3, adhesion")} | {"half-space": half_space}
     below = []
     for name in ("nu = 0.5, adhesion", "nu = 0.5"):
-        computed, expected = compared[name]["mean_pressure"]
+        computed, expected = found[name]["mean_pressure"]
         at = [state.separation * 1e6 for state in results[name].targets if state.edges]
         relative = (np.subtract(computed, expected) / max(abs(value) for value in expected)).tolist()
-        below.append(Series(label=name, x=at, y=relative, style="points"))
-    return Figure(
-        id="thin-layer-path",
-        caption="Loading and unloading on a layer of 0.02 wavelengths and on a half-space; below, bem less reference.",
-        solution=Panel(
-            xlabel="separation / um",
-            ylabel="mean pressure / kPa",
-            yscale="symlog",
-            series=[
-                Series(
-                    label=name,
-                    x=[state.separation * 1e6 for state in result.states if state.edges],
-                    y=[state.mean_pressure / 1e3 for state in result.states if state.edges],
-                    style="dashed" if name == "half-space" else "line",
-                )
-                for name, result in shown.items()
-            ],
-        ),
-        error=Panel(xlabel="separation / um", ylabel="relative to the largest", series=below),
+        below.append(marks(name, at, relative))
+    series = []
+    for name, result in shown.items():
+        touching = [state for state in result.states if state.edges]
+        pressures = [state.mean_pressure / 1e3 for state in touching]
+        style = "dashed" if name == "half-space" else "line"
+        series.append(trace(name, [state.separation * 1e6 for state in touching], pressures, style))
+    return drawn(
+        "thin-layer-path",
+        "Loading and unloading on a layer of 0.02 wavelengths and on a half-space; below, bem less reference.",
+        Panel(xlabel="separation / um", ylabel="mean pressure / kPa", yscale="symlog", series=series),
+        axes("separation / um", "relative to the largest", *below),
     )
 
 

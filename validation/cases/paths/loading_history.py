@@ -17,7 +17,9 @@ import bem
 from bem.scene.result import Result
 from validation.cases.paths.energy_balance import Account, accounts, closed, legs
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Figure, Reference, Row, Table
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 
@@ -29,38 +31,17 @@ def _history() -> Outcome:
     balance = Reference(kind="exact", source="first law: work = growth of U + energy released")
     least = min((event.energy_released or 0.0) for event in result.events)
     rows = (
-        Row(
-            quantity="work of a loop (30, 70, 30 um) and of the way apart, over the largest",
-            unit="J/m^2",
-            reference=balance,
-            norm="maximum over states",
-            expected=[loop.growth + loop.released for loop in loops],
-            computed=[loop.work for loop in loops],
-            scale=max(abs(loop.work) for loop in loops),
-            tolerance=Tolerance(value=2.5 * MEASURED_WORK, measured=MEASURED_WORK),
-        ),
-        Row(
-            quantity="least energy released by an event is not negative (1: yes)",
-            unit="",
-            reference=Reference(kind="exact", source="second law"),
-            norm="absolute",
-            expected=[1.0],
-            computed=[float(least >= 0)],
-            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
-        Row(
-            quantity="energy once the surfaces are apart",
-            unit="J/m^2",
-            reference=Reference(kind="exact", source="nothing touches, nothing is stored"),
-            norm="absolute",
-            expected=[0.0, 0.0],
-            computed=[apart.total_energy, apart.contact_fraction],
-            tolerance=Tolerance(value=1e-15, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
+        compared("work of a loop (30, 70, 30 um) and of the way apart, over the largest", "J/m^2", balance,
+                 [loop.growth + loop.released for loop in loops], [loop.work for loop in loops], 2.5 * MEASURED_WORK,
+                 MEASURED_WORK, "maximum over states", max(abs(loop.work) for loop in loops)),
+        counted("least energy released by an event is not negative (1: yes)",
+                Reference(kind="exact", source="second law"), [1.0], [float(least >= 0)]),
+        compared("energy once the surfaces are apart", "J/m^2",
+                 Reference(kind="exact", source="nothing touches, nothing is stored"), [0.0, 0.0],
+                 [apart.total_energy, apart.contact_fraction], 1e-15, 0.0, "absolute", basis="required",
+                 pinned="exact"),
         *_symmetry(),
-    )
+    )  # fmt: skip
     return Outcome(
         rows=rows,
         figures=(_figure(result),),
@@ -87,28 +68,13 @@ def _symmetry() -> tuple[Row, Row]:
         events[order] = [event for event in result.events if event.kind == "bifurcation"]
     found = [_fraction(seventh, event.penetration) for event in events[7][:1]]
     return (
-        Row(
-            quantity="contact fraction at which seven equal contacts lose their symmetry on loading",
-            unit="",
-            reference=Reference(
-                kind="theory", source="dense prototype, two digits: unstable above 0.76", uncertainty=0.005
-            ),
-            norm="absolute",
-            expected=[0.76],
-            computed=list(found) or [None],
-            tolerance=Tolerance(value=0.01, measured=MEASURED_SYMMETRY),
-        ),
-        Row(
-            quantity="bifurcations of one wave alone on loading",
-            unit="",
-            reference=Reference(kind="exact", source="Johnson 1995: one branch up to complete contact"),
-            norm="absolute",
-            expected=[0.0],
-            computed=[float(len(events[1]))],
-            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
-    )
+        compared("contact fraction at which seven equal contacts lose their symmetry on loading", "",
+                 Reference(kind="theory", source="dense prototype, two digits: unstable above 0.76", uncertainty=0.005),
+                 [0.76], list(found) or [None], 0.01, MEASURED_SYMMETRY, "absolute"),
+        counted("bifurcations of one wave alone on loading",
+                Reference(kind="exact", source="Johnson 1995: one branch up to complete contact"), [0.0],
+                [float(len(events[1]))]),
+    )  # fmt: skip
 
 
 def _fraction(wave: Sinusoid, penetration: float) -> float:
@@ -119,31 +85,21 @@ def _fraction(wave: Sinusoid, penetration: float) -> float:
 
 def _loops(loops: list[Account]) -> Table:
     names = ("loop 30, 70, 30 um", "30 um and apart")
-    return Table(
-        caption="Dissipation in J/m^2 of nominal area.",
-        columns=["way", "events", "work", "growth of U", "energy released by events"],
-        rows=[
-            [name, loop.events, *(float(f"{value:.5g}") for value in (loop.work, loop.growth, loop.released))]
-            for name, loop in zip(names, loops, strict=True)
-        ],
-    )
+    return Table(caption="Dissipation in J/m^2 of nominal area.",
+                 columns=["way", "events", "work", "growth of U", "energy released by events"],
+                 rows=[[name, loop.events,
+                        *(float(f"{value:.5g}") for value in (loop.work, loop.growth, loop.released))]
+                       for name, loop in zip(names, loops, strict=True)])  # fmt: skip
 
 
 def _table(result: Result) -> Table:
-    return Table(
-        caption="Events of the path in order.",
-        columns=["event", "position / um", "penetration / um", "mean pressure / kPa", "energy released / (uJ/m^2)"],
-        rows=[
-            [
-                event.kind,
-                None if event.position is None else round(event.position * 1e6, 2),
-                round(event.penetration * 1e6, 4),
-                round(event.mean_pressure / 1e3, 4),
-                None if event.energy_released is None else float(f"{event.energy_released * 1e6:.4g}"),
-            ]
-            for event in result.events
-        ],
-    )
+    return Table(caption="Events of the path in order.",
+                 columns=["event", "position / um", "penetration / um", "mean pressure / kPa",
+                          "energy released / (uJ/m^2)"],
+                 rows=[[event.kind, None if event.position is None else round(event.position * 1e6, 2),
+                        round(event.penetration * 1e6, 4), round(event.mean_pressure / 1e3, 4),
+                        None if event.energy_released is None else float(f"{event.energy_released * 1e6:.4g}")]
+                       for event in result.events])  # fmt: skip
 
 
 def _figure(result: Result) -> Figure:
@@ -151,39 +107,25 @@ def _figure(result: Result) -> Figure:
     styles = ("line", "dashed", "line", "dashed", "dashed")
     height = result.states[0].separation + result.states[0].penetration
     series = [
-        Series(
-            label=word,
-            x=[state.separation * 1e6 for state in states if state.edges],
-            y=[state.mean_pressure / 1e3 for state in states if state.edges],
-            style="dashed" if style == "dashed" else "line",
-        )
+        trace(word, [state.separation * 1e6 for state in states if state.edges],
+              [state.mean_pressure / 1e3 for state in states if state.edges], "dashed" if style == "dashed" else "line")
         for word, style, (states, _) in zip(words[:4], styles[:4], legs(result)[:4], strict=True)
-    ]
-    events = Series(
-        label="events",
-        x=[(height - event.penetration) * 1e6 for event in result.events],
-        y=[event.mean_pressure / 1e3 for event in result.events],
-        style="points",
-    )
-    return Figure(
-        id="hysteresis",
-        caption="Mean pressure along two loops of separation: the area between the branches is what events release.",
-        solution=Panel(xlabel="separation / um", ylabel="mean pressure / kPa", series=[*series, events]),
+    ]  # fmt: skip
+    events = marks("events", [(height - event.penetration) * 1e6 for event in result.events],
+                   [event.mean_pressure / 1e3 for event in result.events])  # fmt: skip
+    return drawn(
+        "hysteresis",
+        "Mean pressure along two loops of separation: the area between the branches is what events release.",
+        axes("separation / um", "mean pressure / kPa", *series, events),
     )
 
 
 MEASURED_WORK, MEASURED_SYMMETRY = 2.6e-10, 0.006
 
 CASES = (
-    Case(
-        id="loading-history",
-        group="path",
-        level="quick",
-        question="Is what a loop dissipates the sum of what its events release, and is a lost symmetry an event?",
-        equations="int sigma_0 dDelta = U_2 - U_1 + sum of energies released;  energy released >= 0",
-        sources=("carbone2009", "johnson1995"),
-        compute=_history,
-        effects=("half_space", "adhesion", "slope_term", "unloading"),
-        scene=adapters.scene_text("hysteresis"),
-    ),
-)
+    Case(id="loading-history", group="path", level="quick",
+         question="Is what a loop dissipates the sum of what its events release, and is a lost symmetry an event?",
+         equations="int sigma_0 dDelta = U_2 - U_1 + sum of energies released;  energy released >= 0",
+         sources=("carbone2009", "johnson1995"), compute=_history,
+         effects=("half_space", "adhesion", "slope_term", "unloading"), scene=adapters.scene_text("hysteresis")),
+)  # fmt: skip

@@ -45,15 +45,10 @@ def _loops() -> Outcome:
         values = (loop.work, loop.growth, loop.released)
         table.append([control, len(result.states), loop.events, *(float(f"{v:.5g}") for v in values)])
     rows = (
-        compared(
-            f"energy released over a loop, over what its work leaves: {', '.join(targets)}",
-            "",
-            Reference(kind="exact", source="first law under every control"),
-            [1.0] * len(found),
-            found,
-            *MEASURED_LOOP,
-        ),
-    )
+        compared(f"energy released over a loop, over what its work leaves: {', '.join(targets)}", "",
+                 Reference(kind="exact", source="first law under every control"), [1.0] * len(found), found,
+                 *MEASURED_LOOP),
+    )  # fmt: skip
     shown = Table(
         caption="Unloading and loading again; energies in J/m^2 of nominal area.",
         columns=["control", "states", "events", "work", "growth of the potential", "energy released"],
@@ -65,15 +60,10 @@ def _loops() -> Outcome:
 MEASURED_LOOP = (4e-7, 1.6e-7)  # the quadrature where the load turns sharply: 1.2e-9 in one loading
 
 CASES = (
-    Case(
-        id="loop-work",
-        group="path",
-        level="quick",
-        question="Is what the work of a loop leaves the energy that its events release, whatever is controlled?",
-        equations="int F dv = Phi_2 - Phi_1 + energy released, v and F of the control",
-        sources=("carbone2009", "carbone2008"),
-        compute=_loops,
-        effects=("layer", "adhesion", "slope_term", "load_control", "unloading"),
-        scene=adapters.scene_text("thin_layer"),
-    ),
-)
+    Case(id="loop-work", group="path", level="quick",
+         question="Is what the work of a loop leaves the energy that its events release, whatever is controlled?",
+         equations="int F dv = Phi_2 - Phi_1 + energy released, v and F of the control",
+         sources=("carbone2009", "carbone2008"), compute=_loops,
+         effects=("layer", "adhesion", "slope_term", "load_control", "unloading"),
+         scene=adapters.scene_text("thin_layer")),
+)  # fmt: skip

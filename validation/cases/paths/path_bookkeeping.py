@@ -46,18 +46,12 @@ def _crossed() -> Outcome:
     pressures = [state.mean_pressure for state in states if _asked(state)]
     separations = [state.separation for state in states if not _asked(state)]
     rows = (
-        compared(
-            "contact fraction at loads that are met twice",
-            "",
-            Reference(kind="self", source="states 0.05 um apart, between which the load is first passed"),
-            known,
-            found,
-            2.5 * MEASURED_FIRST,
-            MEASURED_FIRST,
-        ),
+        compared("contact fraction at loads that are met twice", "",
+                 Reference(kind="self", source="states 0.05 um apart, between which the load is first passed"), known,
+                 found, 2.5 * MEASURED_FIRST, MEASURED_FIRST),
         _listed("mean pressures asked for, in order", "Pa", [*sorted(ASKED), *sorted(ASKED, reverse=True)], pressures),
         _listed("separations asked for, in order", "m", [there, between, back, between, there], separations),
-    )
+    )  # fmt: skip
     return Outcome(rows=rows, counts={"evaluations": sum(state.evaluations for state in states)})
 
 
@@ -149,26 +143,14 @@ MEASURED_LISTED = 8e-13
 SAME = 1e-16  # bit for bit
 
 CASES = (
-    Case(
-        id="first-crossing",
-        group="path",
-        level="quick",
-        question="Are the states at mean pressures asked for the first on the way, and all targets met in order?",
-        equations="p(s) = p_asked for the first time since the path turned",
-        sources=("carbone2009",),
-        compute=_crossed,
-        effects=("half_space", "adhesion", "slope_term", "unloading"),
-        scene=adapters.scene_text("rough_100"),
-    ),
-    Case(
-        id="restarted-path",
-        group="path",
-        level="quick",
-        question="Does a path taken up again, or begun from a stored state, go through the same states and events?",
-        equations="a state holds all that its path depends on",
-        sources=("carbone2009",),
-        compute=_restarted,
-        effects=("half_space", "adhesion", "slope_term", "unloading"),
-        scene=adapters.scene_text("rough_100"),
-    ),
-)
+    Case(id="first-crossing", group="path", level="quick",
+         question="Are the states at mean pressures asked for the first on the way, and all targets met in order?",
+         equations="p(s) = p_asked for the first time since the path turned",
+         sources=("carbone2009",), compute=_crossed, effects=("half_space", "adhesion", "slope_term", "unloading"),
+         scene=adapters.scene_text("rough_100")),
+    Case(id="restarted-path", group="path", level="quick",
+         question="Does a path taken up again, or begun from a stored state, go through the same states and events?",
+         equations="a state holds all that its path depends on",
+         sources=("carbone2009",), compute=_restarted, effects=("half_space", "adhesion", "slope_term", "unloading"),
+         scene=adapters.scene_text("rough_100")),
+)  # fmt: skip

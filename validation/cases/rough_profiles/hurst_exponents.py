@@ -15,7 +15,8 @@ import numpy as np
 import bem
 import persson
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Table
+from validation.harness.drawings import drawn, loglog, marks, trace
+from validation.harness.schema import Band, Panel, Reference, Row, Table
 from validation.references import adapters
 
 HURST = (0.3, 0.5, 0.7, 0.9)
@@ -89,18 +90,10 @@ def _compared(adhesive: bool) -> tuple[list[Row], Panel, list[list[str | float |
         )
         for place, (load, (low, high)) in enumerate(zip(LOADS, bands, strict=True))
     ]
-    series = []
-    for hurst in HURST:
-        series.append(Series(label=f"bem, H = {hurst:g}", x=list(LOADS), y=found[hurst].mean(axis=0).tolist()))
-        series[-1] = series[-1].model_copy(update={"style": "points"})
+    series = [marks(f"bem, H = {hurst:g}", LOADS, found[hurst].mean(axis=0)) for hurst in HURST]
     shown = HURST if adhesive else HURST[:1]
-    series += [
-        Series(label=f"Persson, H = {h:g}" if adhesive else "Persson", x=list(LOADS), y=list(expected[h]))
-        for h in shown
-    ]
-    panel = Panel(
-        xlabel="mean pressure / (E* h'_rms)", ylabel="contact fraction", xscale="log", yscale="log", series=series
-    )
+    series += [trace(f"Persson, H = {h:g}" if adhesive else "Persson", LOADS, expected[h]) for h in shown]
+    panel = loglog("mean pressure / (E* h'_rms)", "contact fraction", *series)
     table: list[list[str | float | int | None]] = [
         [word, hurst, load, float(areas.mean()), float(areas.std(ddof=1) / np.sqrt(areas.size)), theory,
          float(areas.mean()) / theory]
@@ -114,12 +107,8 @@ def _hurst() -> Outcome:
     dry, without, first = _compared(adhesive=False)
     adhesive, within, second = _compared(adhesive=True)
     figures = (
-        Figure(
-            id="hurst-dry",
-            caption="Contact fraction without adhesion: the theory depends on the rms slope alone.",
-            solution=without,
-        ),
-        Figure(id="hurst-adhesive", caption="The same with adhesion, 0.03 J/m^2.", solution=within),
+        drawn("hurst-dry", "Contact fraction without adhesion: the theory depends on the rms slope alone.", without),
+        drawn("hurst-adhesive", "The same with adhesion, 0.03 J/m^2.", within),
     )
     table = Table(
         caption=f"Means over {len(DRY)} realisations without adhesion and {len(ADHESIVE)} with it, and the theory.",
@@ -135,15 +124,9 @@ BANDS_DRY = ((1.36, 1.76), (1.25, 1.66), (1.22, 1.55), (1.16, 1.39))
 BANDS_ADHESIVE = ((1.9, 3.7), (1.65, 2.6), (1.6, 2.1), (1.35, 1.66))
 
 CASES = (
-    Case(
-        id="hurst-exponents",
-        group="rough profiles",
-        level="standard",
-        question="How does the area compare with Persson's theory over loads and Hurst exponents, also with adhesion?",
-        equations="A/A0 = erf(sqrt 2 sigma_0 / (E* h'_rms)) without adhesion, whatever H",
-        sources=("persson2001", "carbone2009"),
-        compute=_hurst,
-        effects=("half_space", "adhesion", "slope_term", "load_control"),
-        scene=adapters.scene_text("rough_100"),
-    ),
-)
+    Case(id="hurst-exponents", group="rough profiles", level="standard",
+         question="How does the area compare with Persson's theory over loads and Hurst exponents, also with adhesion?",
+         equations="A/A0 = erf(sqrt 2 sigma_0 / (E* h'_rms)) without adhesion, whatever H",
+         sources=("persson2001", "carbone2009"), compute=_hurst,
+         effects=("half_space", "adhesion", "slope_term", "load_control"), scene=adapters.scene_text("rough_100")),
+)  # fmt: skip

@@ -19,7 +19,9 @@ import fem_reference
 import persson
 from bem.scene.result import State
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.drawings import axes, drawn, loglog, marks, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Band, Reference, Row, Series
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 
@@ -72,36 +74,23 @@ def _area() -> Outcome:
         uncertainty=max(state.error_estimate.contact_fraction or 0.0 for state in targets),
         band=Band(low=BAND[0], high=BAND[1], cause=CAUSE, source=BAND_SOURCE, review="2027-11-21"),
     )
-    figure = Figure(
-        id="landing-area-against-load",
-        caption="Contact area against load of one rough profile: the theory follows from below, and adhesion adds more "
+    figure = drawn(
+        "landing-area-against-load",
+        "Contact area against load of one rough profile: the theory follows from below, and adhesion adds more "
         "area than it says.",
-        solution=Panel(
-            xlabel="mean pressure / E*",
-            ylabel="contact fraction",
-            series=[
-                _curve("bem, adhesion", wet, "points"),
-                Series(label="theory, adhesion", x=list(THEORY_LOADS), y=[theory(load, WORK) for load in THEORY_LOADS]),
-                _curve("bem, no adhesion", targets, "points"),
-                Series(
-                    label="theory, no adhesion",
-                    x=list(THEORY_LOADS),
-                    y=[theory(load, None) for load in THEORY_LOADS],
-                    style="dashed",
-                ),
-            ],
-        ),
-    )
+        axes("mean pressure / E*", "contact fraction", _curve("bem, adhesion", wet, "points"),
+             trace("theory, adhesion", THEORY_LOADS, [theory(load, WORK) for load in THEORY_LOADS]),
+             _curve("bem, no adhesion", targets, "points"),
+             trace("theory, no adhesion", THEORY_LOADS, [theory(load, None) for load in THEORY_LOADS],
+                   "dashed"))
+    )  # fmt: skip
     counts = {"evaluations": sum(state.evaluations for state in dry + wet)}
     return Outcome(rows=(row,), figures=(figure,), counts=counts)
 
 
 def _curve(label: str, states: list[State], style: Any) -> Series:
-    return Series(
-        label=label,
-        x=[state.mean_pressure / MODULUS for state in states],
-        y=[state.contact_fraction for state in states],
-        style=style,
+    return trace(
+        label, [state.mean_pressure / MODULUS for state in states], [state.contact_fraction for state in states], style
     )
 
 
@@ -153,64 +142,24 @@ def _cost() -> Outcome:
     intensity = float(finest.stress_intensity.max())
     source = Reference(kind="exact", source="Johnson 1995, contact fraction 0.6, alpha 0.3")
     rows = (
-        Row(
-            quantity="mean pressure over p*, boundary elements",
-            unit="Pa",
-            reference=source,
-            norm="absolute",
-            expected=[pressure],
-            computed=[ours[-1][0][0]],
-            scale=star,
-            tolerance=Tolerance(value=2e-15, measured=MEASURED[0]),
-        ),
-        Row(
-            quantity="mean pressure over p*, finite elements",
-            unit="Pa",
-            reference=source,
-            norm="absolute",
-            expected=[pressure],
-            computed=[finest.mean_pressure],
-            scale=star,
-            uncertainty=float(np.max(finest.uncertainty["mean_pressure"])),
-            tolerance=Tolerance(value=MEASURED[1] * 2.5, measured=MEASURED[1]),
-        ),
-        Row(
-            quantity="stress intensity over critical, finite elements",
-            unit="Pa m^1/2",
-            reference=source,
-            norm="absolute",
-            expected=[critical],
-            computed=[intensity],
-            scale=critical,
-            uncertainty=float(np.max(finest.uncertainty["stress_intensity"])),
-            tolerance=Tolerance(value=MEASURED[2] * 2.5, measured=MEASURED[2]),
-        ),
-    )
-    figure = Figure(
-        id="landing-error-against-time",
-        caption="What accuracy costs: error of the stress intensity of one adhesive contact against seconds on one "
-        "thread; the reference is Johnson's closed form.",
-        solution=Panel(
-            xlabel="seconds",
-            ylabel="relative error",
-            xscale="log",
-            yscale="log",
-            series=[
-                Series(
-                    label="boundary elements",
-                    x=[seconds for _, seconds in ours],
-                    y=[max(error, SMALLEST_SHOWN) for (_, error), _ in ours],
-                    style="points",
-                ),
-                Series(
-                    label="finite elements",
-                    x=[seconds for _, seconds in theirs],
-                    y=[float(np.max(np.abs(found.stress_intensity / critical - 1))) for found, _ in theirs],
-                    style="points",
-                ),
-            ],
-        ),
-    )
+        compared("mean pressure over p*, boundary elements", "Pa", source, [pressure], [ours[-1][0][0]], 2e-15,
+                 MEASURED[0], "absolute", star),
+        compared("mean pressure over p*, finite elements", "Pa", source, [pressure], [finest.mean_pressure],
+                 MEASURED[1] * 2.5, MEASURED[1], "absolute", star,
+                 uncertainty=float(np.max(finest.uncertainty["mean_pressure"]))),
+        compared("stress intensity over critical, finite elements", "Pa m^1/2", source, [critical], [intensity],
+                 MEASURED[2] * 2.5, MEASURED[2], "absolute", critical,
+                 uncertainty=float(np.max(finest.uncertainty["stress_intensity"]))),
+    )  # fmt: skip
+    figure = drawn("landing-error-against-time",
+                   "What accuracy costs: error of the stress intensity of one adhesive contact against seconds on one "
+                   "thread; the reference is Johnson's closed form.",
+                   loglog("seconds", "relative error",
+                          marks("boundary elements", [seconds for _, seconds in ours],
+                                [max(error, SMALLEST_SHOWN) for (_, error), _ in ours]),
+                          marks("finite elements", [seconds for _, seconds in theirs],
+                                [float(np.max(np.abs(found.stress_intensity / critical - 1)))
+                                for found, _ in theirs])))  # fmt: skip
     return Outcome(rows=rows, figures=(figure,), counts={"unknowns of the finite elements": finest.unknowns})
 
 
@@ -220,25 +169,13 @@ BAND = (1.25, 1.85)
 MEASURED = (3.1e-16, 2.5e-5, 1.9e-4)
 
 CASES = (
-    Case(
-        id="area-against-load",
-        group="rough profiles",
-        level="quick",
-        question="How does contact area grow with load, with and without adhesion, and what does the theory say?",
-        equations="A/A0 = erf(sqrt 2 sigma_0 / (E* h'_rms)) (Persson, no adhesion)",
-        sources=("carbone2009", "persson2001"),
-        compute=_area,
-        effects=("half_space", "adhesion", "slope_term", "load_control"),
-        scene=adapters.scene_text("rough_100"),
-    ),
-    Case(
-        id="what-accuracy-costs",
-        group="convergence",
-        level="quick",
-        question="How many seconds does a digit cost, by boundary elements and by finite elements?",
-        equations="p = p* [sin^2 psi - alpha sqrt(tan psi)],  K = sqrt(2 E* gamma)",
-        sources=("johnson1995",),
-        compute=_cost,
-        effects=("half_space", "adhesion"),
-    ),
-)
+    Case(id="area-against-load", group="rough profiles", level="quick",
+         question="How does contact area grow with load, with and without adhesion, and what does the theory say?",
+         equations="A/A0 = erf(sqrt 2 sigma_0 / (E* h'_rms)) (Persson, no adhesion)",
+         sources=("carbone2009", "persson2001"), compute=_area,
+         effects=("half_space", "adhesion", "slope_term", "load_control"), scene=adapters.scene_text("rough_100")),
+    Case(id="what-accuracy-costs", group="convergence", level="quick",
+         question="How many seconds does a digit cost, by boundary elements and by finite elements?",
+         equations="p = p* [sin^2 psi - alpha sqrt(tan psi)],  K = sqrt(2 E* gamma)",
+         sources=("johnson1995",), compute=_cost, effects=("half_space", "adhesion")),
+)  # fmt: skip

@@ -18,7 +18,9 @@ import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene, parse_scene
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import drawn, loglog, marks, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Reference, Row, Table
 from validation.references import adapters
 from validation.references.paper_method import PaperState, Surface, follow, solve
 from validation.references.posed_contacts import Posed, scene_tables, scenes
@@ -85,17 +87,9 @@ def _outcome(
     scales = surface.unit_pressure * float(np.sqrt(np.sum((surface.order * _heights(surface)) ** 2) / 2))
     patches = [float(len(found.edges)) for found in states]
     rows = [
-        Row(
-            quantity="patches on every grid",
-            unit="",
-            reference=Reference(kind="independent code", source=METHOD),
-            norm="absolute",
-            expected=list(patches),
-            computed=[float(state.n_patches)] * len(states),
-            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-            pinned="exact",
-        )
-    ]
+        counted("patches on every grid", Reference(kind="independent code", source=METHOD), patches,
+                [float(state.n_patches)] * len(states)),
+    ]  # fmt: skip
     period = surface.period
     quantities = (
         ("contact fraction", "", 1.0, state.contact_fraction, [s.contact_fraction for s in states], measured.fraction),
@@ -112,47 +106,27 @@ def _outcome(
         rows.append(_row("edges over the period", "m", period, computed_edges, found_edges, measured.edges))
     apart = [abs(found.contact_fraction - state.contact_fraction) for found in states]
     sizes = [float(found.unknowns) for found in states]
-    figure = Figure(
-        id=f"{name}-cells",
-        caption="Contact fraction of the paper's method less that of the solver, against its cells.",
-        solution=Panel(
-            xlabel="cells",
-            ylabel="difference of the contact fraction",
-            xscale="log",
-            yscale="log",
-            series=[
-                Series(label="paper's method", x=list(sizes), y=list(apart), style="points"),
-                Series(label="second order", x=list(sizes), y=[apart[-1] * (sizes[-1] / n) ** 2 for n in sizes]),
-            ],
-        ),
-    )
-    table = Table(
-        caption="The audit on its grids.",
-        columns=["cells per patch", "cells", "patches", "contact fraction", "mean pressure / Pa", "|G/w - 1|",
-                 "smallest gap / m", "pressures", "sweeps"],
-        rows=[
-            [count, found.unknowns, len(found.edges), found.contact_fraction, found.mean_pressure, found.residual,
-             found.smallest_gap, found.evaluations, found.sweeps]
-            for count, found in zip(cells, states, strict=True)
-        ],
-    )  # fmt: skip
+    figure = drawn(f"{name}-cells",
+                   "Contact fraction of the paper's method less that of the solver, against its cells.",
+                   loglog("cells", "difference of the contact fraction",
+                          marks("paper's method", sizes, apart),
+                          trace("second order", sizes, [apart[-1] * (sizes[-1] / n) ** 2 for n in sizes])))  # fmt: skip
+    table = Table(caption="The audit on its grids.",
+                  columns=["cells per patch", "cells", "patches", "contact fraction", "mean pressure / Pa", "|G/w - 1|",
+                           "smallest gap / m", "pressures", "sweeps"],
+                  rows=[[count, found.unknowns, len(found.edges), found.contact_fraction, found.mean_pressure,
+                         found.residual, found.smallest_gap, found.evaluations, found.sweeps]
+                        for count, found in zip(cells, states, strict=True)])  # fmt: skip
     counts = {"cells": states[-1].unknowns, "patches": state.n_patches}
     return Outcome(rows=tuple(rows), figures=(figure,), tables=(table,), counts=counts)
 
 
 def _row(quantity: str, unit: str, scale: float, computed: FloatArray, found: list[FloatArray], measured: float) -> Row:
     limit = Extrapolated.of(*found)
-    return Row(
-        quantity=quantity,
-        unit=unit,
-        reference=Reference(kind="independent code", source=f"{METHOD}; extrapolated", uncertainty=limit.uncertainty),
-        norm="maximum over states",
-        expected=limit.value.ravel().tolist(),
-        computed=computed.ravel().tolist(),
-        scale=scale,
-        tolerance=Tolerance(value=2.5 * measured, measured=measured),
-        pinned="converged",
-    )
+    return compared(quantity, unit,
+                    Reference(kind="independent code", source=f"{METHOD}; extrapolated", uncertainty=limit.uncertainty),
+                    limit.value.ravel(), computed.ravel(), 2.5 * measured, measured, "maximum over states", scale,
+                    pinned="converged")  # fmt: skip
 
 
 def _heights(surface: Surface) -> FloatArray:
@@ -218,35 +192,17 @@ MEASURED = {
 }
 
 CASES = (
-    Case(
-        id="paper-method-layer",
-        group="paper's method",
-        level="quick",
-        question="Does the paper's own method find the same two contacts on a layer?",
-        equations="minimum of U over the edges; second order in 1/cells, extrapolated",
-        sources=("carbone2009", "carbone2008"),
-        compute=_layer,
-        effects=("layer", "adhesion"),
-    ),
-    Case(
-        id="paper-method-path",
-        group="paper's method",
-        level="standard",
-        question="Does it, from first touch on a rough profile, through all events, end in the same state?",
-        equations="40 steps of penetration; contacts made where the profile enters, joined and lost as they vanish",
-        sources=("carbone2009",),
-        compute=_path,
-        effects=("half_space", "adhesion", "slope_term"),
-    ),
-    Case(
-        id="paper-method-many",
-        group="paper's method",
-        level="full",
-        question="Is a state with dozens of contacts, its edges moved at random, found again by the paper's method?",
-        equations="edges moved by up to a twentieth of their room, then minimised on three grids, extrapolated",
-        sources=("carbone2009",),
-        compute=_many,
-        effects=("half_space", "adhesion", "slope_term"),
-        scene=adapters.scene_text("rough_100"),
-    ),
-)
+    Case(id="paper-method-layer", group="paper's method", level="quick",
+         question="Does the paper's own method find the same two contacts on a layer?",
+         equations="minimum of U over the edges; second order in 1/cells, extrapolated",
+         sources=("carbone2009", "carbone2008"), compute=_layer, effects=("layer", "adhesion")),
+    Case(id="paper-method-path", group="paper's method", level="standard",
+         question="Does it, from first touch on a rough profile, through all events, end in the same state?",
+         equations="40 steps of penetration; contacts made where the profile enters, joined and lost as they vanish",
+         sources=("carbone2009",), compute=_path, effects=("half_space", "adhesion", "slope_term")),
+    Case(id="paper-method-many", group="paper's method", level="full",
+         question="Is a state with dozens of contacts, its edges moved at random, found again by the paper's method?",
+         equations="edges moved by up to a twentieth of their room, then minimised on three grids, extrapolated",
+         sources=("carbone2009",), compute=_many, effects=("half_space", "adhesion", "slope_term"),
+         scene=adapters.scene_text("rough_100")),
+)  # fmt: skip

@@ -11,7 +11,9 @@ import bem
 from bem.scene.result import State
 from persson import DiscreteSpectrum, solve_nonadhesive
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import axes, drawn, marks, semilogy, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Band, Figure, Reference, Row, Table
 from validation.references import adapters
 
 COMPARED_FROM = 0.005  # of E*
@@ -30,52 +32,25 @@ def _paper_profile() -> Outcome:
     at_load = [state for state in result.targets if state.mean_pressure >= 0.999 * COMPARED_FROM * modulus]
     theory = [solve_nonadhesive(spectrum, state.mean_pressure, **solid) for state in at_load]
     rows = (
-        Row(
-            quantity="contact fraction, bem over Persson, 0.005 to 0.02 E*",
-            unit="",
+        Row(quantity="contact fraction, bem over Persson, 0.005 to 0.02 E*", unit="",
             reference=Reference(kind="theory", source="Persson 2001, closed form for one-dimensional roughness"),
-            norm="ratio",
-            expected=[contact.contact_fraction for contact in theory],
+            norm="ratio", expected=[contact.contact_fraction for contact in theory],
             computed=[state.contact_fraction for state in at_load],
             uncertainty=max(state.error_estimate.contact_fraction or 0.0 for state in at_load),
-            band=Band(
-                low=1.5,
-                high=3.0,
-                cause=CAUSE,
-                source="Carbone, Scaraggi, Tartaglino 2009, section 5: about a factor of two",
-                review="2027-11-21",
-            ),
-        ),
-        Row(
-            quantity="loads reached (0.0025 to 0.02 E* in eight steps)",
-            unit="Pa",
-            reference=Reference(kind="exact", source="the scene"),
-            norm="relative",
-            expected=[0.0025 * step * modulus for step in range(1, 9)],
-            computed=[state.mean_pressure for state in result.targets[:8]] + [None] * (8 - len(result.targets[:8])),
-            scale=modulus,
-            tolerance=Tolerance(value=5e-13, measured=MEASURED_LOAD),
-        ),
-        Row(
-            quantity="states whose certificate is not ok",
-            unit="",
-            reference=Reference(kind="exact", source="every state of the path is a stable equilibrium"),
-            norm="absolute",
-            expected=[0.0],
-            computed=[float(sum(not state.certificate.ok for state in result.states))],
-            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
-        Row(
-            quantity="closure max |G/w - 1| over all states",
-            unit="",
-            reference=Reference(kind="exact", source="G = w at every edge"),
-            norm="maximum over states",
-            expected=[0.0] * len(result.states),
-            computed=[state.certificate.closure or 0.0 for state in result.states],
-            tolerance=Tolerance(value=1e-8, measured=MEASURED_CLOSURE, basis="required"),
-        ),
-    )
+            band=Band(low=1.5, high=3.0, cause=CAUSE,
+                      source="Carbone, Scaraggi, Tartaglino 2009, section 5: about a factor of two",
+                      review="2027-11-21")),
+        compared("loads reached (0.0025 to 0.02 E* in eight steps)", "Pa", Reference(kind="exact", source="the scene"),
+                 [0.0025 * step * modulus for step in range(1, 9)],
+                 [state.mean_pressure for state in result.targets[:8]] + [None] * (8 - len(result.targets[:8])), 5e-13,
+                 MEASURED_LOAD, scale=modulus),
+        counted("states whose certificate is not ok",
+                Reference(kind="exact", source="every state of the path is a stable equilibrium"), [0.0],
+                [float(sum(not state.certificate.ok for state in result.states))]),
+        compared("closure max |G/w - 1| over all states", "", Reference(kind="exact", source="G = w at every edge"),
+                 [0.0] * len(result.states), [state.certificate.closure or 0.0 for state in result.states], 1e-8,
+                 MEASURED_CLOSURE, "maximum over states", 1.0, basis="required"),
+    )  # fmt: skip
     touching = [state for state in result.states if state.n_patches]
     counts = {
         "unknowns": max(state.unknowns for state in touching),
@@ -95,93 +70,37 @@ def _figures(
     load = [state.mean_pressure / modulus for state in compressive]
     curve = np.linspace(1e-4, 0.021, 60)
     theory = [solve_nonadhesive(spectrum, value * modulus, **solid) for value in curve]
-    area = Figure(
-        id="landing-area-against-load",
-        caption="Contact area of the paper's profile against load: solver with adhesion, Persson's theory without.",
-        solution=Panel(
-            xlabel="mean pressure / E*",
-            ylabel="contact fraction",
-            series=[
-                Series(
-                    label="bem, adhesive",
-                    x=load,
-                    y=[state.contact_fraction for state in compressive],
-                    style="points",
-                ),
-                Series(
-                    label="Persson, no adhesion",
-                    x=curve.tolist(),
-                    y=[contact.contact_fraction for contact in theory],
-                ),
-            ],
-        ),
-    )
-    separation = Figure(
-        id="separation-against-load",
-        caption="Separation of the mean planes against load, in rms heights.",
-        solution=Panel(
-            xlabel="separation / h_rms",
-            ylabel="mean pressure / E*",
-            yscale="log",
-            series=[
-                Series(
-                    label="bem, adhesive",
-                    x=[state.separation / spectrum.h_rms for state in compressive],
-                    y=load,
-                    style="points",
-                ),
-                Series(
-                    label="Persson, no adhesion",
-                    x=[contact.separation / spectrum.h_rms for contact in theory],
-                    y=curve.tolist(),
-                ),
-            ],
-        ),
-    )
+    area = drawn("landing-area-against-load",
+                 "Contact area of the paper's profile against load: solver with adhesion, Persson's theory without.",
+                 axes("mean pressure / E*", "contact fraction",
+                      marks("bem, adhesive", load, [state.contact_fraction for state in compressive]),
+                      trace("Persson, no adhesion", curve,
+                            [contact.contact_fraction for contact in theory])))  # fmt: skip
+    separation = drawn("separation-against-load", "Separation of the mean planes against load, in rms heights.",
+                       semilogy("separation / h_rms", "mean pressure / E*",
+                                marks("bem, adhesive", [state.separation / spectrum.h_rms for state in compressive],
+                                      load),
+                                trace("Persson, no adhesion",
+                                      [contact.separation / spectrum.h_rms for contact in theory], curve)))  # fmt: skip
     return area, separation
 
 
 def _table(targets: tuple[State, ...], modulus: float) -> Table:
-    return Table(
-        caption="States at the loads asked for.",
-        columns=[
-            "mean pressure / E*",
-            "separation / um",
-            "contact fraction",
-            "estimated error",
-            "patches",
-            "unknowns",
-            "closure",
-            "stable at fixed load",
-        ],
-        rows=[
-            [
-                state.mean_pressure / modulus,
-                state.separation * 1e6,
-                state.contact_fraction,
-                state.error_estimate.contact_fraction,
-                state.n_patches,
-                state.unknowns,
-                state.certificate.closure,
-                str(state.stable_at_fixed_load),
-            ]
-            for state in targets
-        ],
-    )
+    return Table(caption="States at the loads asked for.",
+                 columns=["mean pressure / E*", "separation / um", "contact fraction", "estimated error", "patches",
+                          "unknowns", "closure", "stable at fixed load"],
+                 rows=[[state.mean_pressure / modulus, state.separation * 1e6, state.contact_fraction,
+                        state.error_estimate.contact_fraction, state.n_patches, state.unknowns,
+                        state.certificate.closure, str(state.stable_at_fixed_load)]
+                       for state in targets])  # fmt: skip
 
 
 MEASURED_LOAD, MEASURED_CLOSURE = 2e-13, 7.6e-10
 
 CASES = (
-    Case(
-        id="paper-profile",
-        group="rough profiles",
-        level="standard",
-        question="What is the contact area of the paper's profile, and how far off is the theory?",
-        equations="A/A0 = erf(sqrt 2 sigma_0 / (E* h'_rms)) (Persson, no adhesion)",
-        sources=("carbone2009", "persson2001"),
-        compute=_paper_profile,
-        effects=("half_space", "adhesion", "slope_term"),
-        scene=adapters.scene_text("paper_profile"),
-    ),
-)
+    Case(id="paper-profile", group="rough profiles", level="standard",
+         question="What is the contact area of the paper's profile, and how far off is the theory?",
+         equations="A/A0 = erf(sqrt 2 sigma_0 / (E* h'_rms)) (Persson, no adhesion)",
+         sources=("carbone2009", "persson2001"), compute=_paper_profile,
+         effects=("half_space", "adhesion", "slope_term"), scene=adapters.scene_text("paper_profile")),
+)  # fmt: skip

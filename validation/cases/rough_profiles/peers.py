@@ -15,7 +15,9 @@ import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import axes, drawn, marks, semilogy, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Figure, Reference, Table
 from validation.references import adapters
 from validation.references.fft_solver import Extrapolated, GridContact, extrapolated, grid_contact, missing
 
@@ -51,26 +53,14 @@ def _recorded() -> Outcome:
     states = bem.solve(posed).targets
     recorded = Reference(kind="independent code", source="FFT solver, figures recorded for seed 2009", uncertainty=0.0)
     rows = (
-        Row(
-            quantity="separation at 0.005, 0.01 and 0.02 E*, over the rms height",
-            unit="m",
-            reference=recorded,
-            norm="maximum over states",
-            expected=list(RECORDED_SEPARATION),
-            computed=[state.separation for state in states],
-            scale=posed.surface().rms_height,
-            tolerance=Tolerance(value=2e-4, measured=MEASURED_RECORDED[0] / 50e-6, basis="required"),
-        ),
-        Row(
-            quantity="contact fraction over that of the grid, which counts too much: ratio",
-            unit="",
-            reference=recorded,
-            norm="maximum over states",
-            expected=[1.0] * len(states),
-            computed=[state.contact_fraction / area for state, area in zip(states, RECORDED_AREA, strict=True)],
-            tolerance=Tolerance(value=0.015, measured=MEASURED_RECORDED[1]),
-        ),
-    )
+        compared("separation at 0.005, 0.01 and 0.02 E*, over the rms height", "m", recorded, RECORDED_SEPARATION,
+                 [state.separation for state in states], 2e-4, MEASURED_RECORDED[0] / 50e-6, "maximum over states",
+                 posed.surface().rms_height, basis="required"),
+        compared("contact fraction over that of the grid, which counts too much: ratio", "", recorded,
+                 [1.0] * len(states),
+                 [state.contact_fraction / area for state, area in zip(states, RECORDED_AREA, strict=True)], 0.015,
+                 MEASURED_RECORDED[1], "maximum over states", 1.0),
+    )  # fmt: skip
     table = Table(
         caption="Paper's profile without adhesion, seed 2009, and figures recorded from an FFT solver.",
         columns=["pressure / E*", "separation / um", "recorded", "contact fraction", "recorded, still falling"],
@@ -95,47 +85,26 @@ def _peer(harmonics: int) -> Outcome:
     rms = posed.surface().rms_height
     measured_separation, measured_area = MEASURED[harmonics]
     rows = (
-        Row(
-            quantity="separation at 0.005, 0.01 and 0.02 E*, over the rms height",
-            unit="m",
-            reference=Reference(
-                kind="independent code",
-                source=f"ContactMechanics, {POINTS[harmonics][-1]} points",
-                uncertainty=max(limit.separation_error for limit in limits),
-            ),
-            norm="maximum over states",
-            expected=[limit.separation for limit in limits],
-            computed=[state.separation for state in states],
-            scale=rms,
-            tolerance=Tolerance(value=2.5 * measured_separation, measured=measured_separation),
-        ),
-        Row(
-            quantity="contact fraction over that of the grids extrapolated: ratio",
-            unit="",
-            reference=Reference(
-                kind="independent code",
-                source=f"ContactMechanics, from {POINTS[harmonics][-2]} and {POINTS[harmonics][-1]} points",
-                uncertainty=max(limit.contact_fraction_error / limit.contact_fraction for limit in limits),
-            ),
-            norm="maximum over states",
-            expected=[1.0] * len(states),
-            computed=[s.contact_fraction / limit.contact_fraction for s, limit in zip(states, limits, strict=True)],
-            tolerance=Tolerance(value=2.5 * measured_area, measured=measured_area),
-        ),
-    )
-    table = Table(
-        caption="Contact fraction on grids, their extrapolation, and ours.",
-        columns=["pressure / E*", *(f"{n} points" for n in POINTS[harmonics]), "extrapolated", "bem"],
-        rows=[
-            [
-                share,
-                *(round(grid.contact_fraction, 6) for grid in sequence),
-                round(limit.contact_fraction, 6),
-                round(state.contact_fraction, 6),
-            ]
-            for share, sequence, limit, state in zip(SHARES, grids, limits, states, strict=True)
-        ],
-    )
+        compared("separation at 0.005, 0.01 and 0.02 E*, over the rms height", "m",
+                 Reference(kind="independent code", source=f"ContactMechanics, {POINTS[harmonics][-1]} points",
+                           uncertainty=max(limit.separation_error for limit in limits)),
+                 [limit.separation for limit in limits],
+                 [state.separation for state in states], 2.5 * measured_separation, measured_separation,
+                 "maximum over states", rms),
+        compared("contact fraction over that of the grids extrapolated: ratio", "",
+                 Reference(kind="independent code",
+                           source=f"ContactMechanics, from {POINTS[harmonics][-2]} and {POINTS[harmonics][-1]} points",
+                           uncertainty=max(one.contact_fraction_error / one.contact_fraction for one in limits)),
+                 [1.0] * len(states),
+                 [s.contact_fraction / limit.contact_fraction for s, limit in zip(states, limits, strict=True)],
+                 2.5 * measured_area, measured_area, "maximum over states", 1.0),
+    )  # fmt: skip
+    table = Table(caption="Contact fraction on grids, their extrapolation, and ours.",
+                  columns=["pressure / E*", *(f"{n} points" for n in POINTS[harmonics]), "extrapolated", "bem"],
+                  rows=[[share, *(round(grid.contact_fraction, 6) for grid in sequence),
+                         round(limit.contact_fraction, 6), round(state.contact_fraction, 6)]
+                        for share, sequence, limit, state
+                        in zip(SHARES, grids, limits, states, strict=True)])  # fmt: skip
     figures = (
         _figure(harmonics, states, [limit.separation for limit in limits], posed),
         _areas(harmonics, states, grids, limits),
@@ -152,23 +121,15 @@ def _areas(
         spacing = [1 / grid.points for grid in sequence]
         found = [grid.contact_fraction / state.contact_fraction for grid in sequence]
         end = limit.contact_fraction / state.contact_fraction
-        series.append(Series(label=f"{share:g} E*, grids", x=list(spacing), y=list(found), style="points"))
-        series.append(
-            Series(label=f"{share:g} E*, extrapolated", x=[0.0, spacing[-2]], y=[end, found[-2]], style="dashed")
-        )
+        series.append(marks(f"{share:g} E*, grids", spacing, found))
+        series.append(trace(f"{share:g} E*, extrapolated", [0.0, spacing[-2]], [end, found[-2]], "dashed"))
         ratios.append(end - 1)
-    return Figure(
-        id=f"fft-peer-area-{harmonics}",
-        caption=(
-            f"Contact fraction of an FFT solver over that of the boundary elements, {harmonics} harmonics: a grid "
-            "counts whole points, and its area falls to the extrapolation with the spacing."
-        ),
-        solution=Panel(xlabel="spacing / period", ylabel="contact fraction, FFT over bem", series=series),
-        error=Panel(
-            xlabel="pressure / E*",
-            ylabel="extrapolated - 1",
-            series=[Series(label="extrapolated", x=list(SHARES), y=list(ratios), style="points")],
-        ),
+    return drawn(
+        f"fft-peer-area-{harmonics}",
+        f"Contact fraction of an FFT solver over that of the boundary elements, {harmonics} harmonics: a grid "
+        "counts whole points, and its area falls to the extrapolation with the spacing.",
+        axes("spacing / period", "contact fraction, FFT over bem", *series),
+        axes("pressure / E*", "extrapolated - 1", marks("extrapolated", SHARES, ratios)),
     )
 
 
@@ -184,68 +145,30 @@ def _figure(harmonics: int, states: tuple[State, ...], separations: list[float],
     }
     curve = bem.solve(adapters.scene("paper_profile", changes)).targets
     at = [separation * 1e6 for separation in separations]
-    return Figure(
-        id=f"fft-peer-{harmonics}",
-        caption=f"Pressure against separation without adhesion, {harmonics} harmonics, against an FFT solver.",
-        solution=Panel(
-            xlabel="separation / um",
-            ylabel="mean pressure / E*",
-            yscale="log",
-            series=[
-                Series(
-                    label="bem",
-                    x=[state.separation * 1e6 for state in curve],
-                    y=[state.mean_pressure / modulus for state in curve],
-                ),
-                Series(label="ContactMechanics", x=at, y=list(SHARES), style="points"),
-            ],
-        ),
-        error=Panel(
-            xlabel="separation / um",
-            ylabel="difference / um",
-            series=[
-                Series(
-                    label="bem less FFT",
-                    x=at,
-                    y=[state.separation * 1e6 - value for state, value in zip(states, at, strict=True)],
-                    style="points",
-                )
-            ],
-        ),
-    )
+    return drawn(f"fft-peer-{harmonics}",
+                 f"Pressure against separation without adhesion, {harmonics} harmonics, against an FFT solver.",
+                 semilogy("separation / um", "mean pressure / E*",
+                          trace("bem", [state.separation * 1e6 for state in curve],
+                                [state.mean_pressure / modulus for state in curve]),
+                          marks("ContactMechanics", at, SHARES)),
+                 axes("separation / um", "difference / um",
+                      marks("bem less FFT", at, [state.separation * 1e6 - value
+                            for state, value in zip(states, at, strict=True)])))  # fmt: skip
 
 
 EQUATIONS = "p >= 0, gap >= 0, p gap = 0;  s = mean gap;  A_grid(n) = A + O(1/n)"
 
 CASES = (
-    Case(
-        id="fft-recorded",
-        group="peers",
-        level="standard",
-        question="Does the paper's profile without adhesion give separations and areas recorded from an FFT solver?",
-        equations=EQUATIONS,
-        sources=("carbone2009",),
-        compute=_recorded,
-        effects=("half_space", "load_control"),
-    ),
-    Case(
-        id="fft-peer",
-        group="peers",
-        level="standard",
-        question="Does an FFT solver find the same separations, and the same areas once extrapolated from its grids?",
-        equations=EQUATIONS,
-        sources=("carbone2009",),
-        compute=partial(_peer, 100),
-        effects=("half_space", "load_control"),
-    ),
-    Case(
-        id="fft-peer-paper",
-        group="peers",
-        level="full",
-        question="The same with all 1000 harmonics of the paper's profile.",
-        equations=EQUATIONS,
-        sources=("carbone2009",),
-        compute=partial(_peer, 1000),
-        effects=("half_space", "load_control"),
-    ),
-)
+    Case(id="fft-recorded", group="peers", level="standard",
+         question="Does the paper's profile without adhesion give separations and areas recorded from an FFT solver?",
+         equations=EQUATIONS,
+         sources=("carbone2009",), compute=_recorded, effects=("half_space", "load_control")),
+    Case(id="fft-peer", group="peers", level="standard",
+         question="Does an FFT solver find the same separations, and the same areas once extrapolated from its grids?",
+         equations=EQUATIONS,
+         sources=("carbone2009",), compute=partial(_peer, 100), effects=("half_space", "load_control")),
+    Case(id="fft-peer-paper", group="peers", level="full",
+         question="The same with all 1000 harmonics of the paper's profile.",
+         equations=EQUATIONS,
+         sources=("carbone2009",), compute=partial(_peer, 1000), effects=("half_space", "load_control")),
+)  # fmt: skip

@@ -20,7 +20,9 @@ import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import drawn, loglog, marks, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Figure, Reference, Row, Table
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 from validation.references.dense_equilibrium import reference
@@ -168,40 +170,16 @@ def _rows(found: list[Number], errors: dict[float, float]) -> tuple[Row, ...]:
     close = float(np.mean([number.ratio <= ORDERS for number in found]))
     same = Reference(kind="self", source=f"the same path at tolerance {TIGHT:g}")
     return (
-        Row(
-            quantity=f"share of {len(found)} reported numbers whose true error is below the estimate",
-            unit="",
-            reference=known,
-            norm="absolute",
-            expected=[1.0],
-            computed=[bounded],
-            tolerance=Tolerance(value=0.05, measured=1 - MEASURED_BOUNDED, basis="required"),
-            pinned="unconverged",
-        ),
-        Row(
-            quantity="share of estimates at most a hundred times the true error",
-            unit="",
-            reference=known,
-            norm="absolute",
-            expected=[1.0],
-            computed=[close],
-            tolerance=Tolerance(value=0.05, measured=1 - MEASURED_CLOSE, basis="required"),
-            pinned="unconverged",
-        ),
+        compared(f"share of {len(found)} reported numbers whose true error is below the estimate", "", known, [1.0],
+                 [bounded], 0.05, 1 - MEASURED_BOUNDED, "absolute", basis="required", pinned="unconverged"),
+        compared("share of estimates at most a hundred times the true error", "", known, [1.0], [close], 0.05,
+                 1 - MEASURED_CLOSE, "absolute", basis="required", pinned="unconverged"),
         *(
-            Row(
-                quantity=f"true error of contact fraction and mean pressure at tolerance {tolerance:g}",
-                unit="",
-                reference=same,
-                norm="absolute",
-                expected=[0.0],
-                computed=[error],
-                tolerance=Tolerance(value=tolerance, measured=MEASURED_ERROR[tolerance], basis="required"),
-                pinned="unconverged",
-            )
+            compared(f"true error of contact fraction and mean pressure at tolerance {tolerance:g}", "", same, [0.0],
+                     [error], tolerance, MEASURED_ERROR[tolerance], "absolute", basis="required", pinned="unconverged")
             for tolerance, error in errors.items()
         ),
-    )
+    )  # fmt: skip
 
 
 def _table(found: list[Number]) -> Table:
@@ -221,16 +199,10 @@ def _table(found: list[Number]) -> Table:
         )
     return Table(
         caption="Estimated over true errors of every number reported; 1e-14 of the largest value counts as no error.",
-        columns=[
-            "quantity",
-            "numbers",
-            "bounded",
-            "median of estimate/true",
-            "largest",
-            "largest true error, relative",
-        ],
-        rows=rows,
-    )
+        columns=["quantity", "numbers", "bounded", "median of estimate/true", "largest",
+                 "largest true error, relative"],
+        rows=rows
+    )  # fmt: skip
 
 
 def _effort_table(errors: dict[float, float], effort: dict[float, list[int]]) -> Table:
@@ -250,64 +222,35 @@ def _figure(found: list[Number]) -> Figure:
     }
     span = [RESOLUTION, 1e-7]
     series = [
-        Series(
-            label=label,
-            x=[max(number.true, RESOLUTION) for number in found if number.quantity in names],
-            y=[number.estimate for number in found if number.quantity in names],
-            style="points",
-        )
+        marks(label, [max(number.true, RESOLUTION) for number in found if number.quantity in names],
+              [number.estimate for number in found if number.quantity in names])
         for label, names in kinds.items()
-    ]
-    return Figure(
-        id="error-estimates",
-        caption="Estimated against true errors, over the largest value of the scene: good ones lie between the lines.",
-        solution=Panel(
-            xlabel="true error (1e-14: that or less)",
-            ylabel="estimated error",
-            xscale="log",
-            yscale="log",
-            series=[
-                *series,
-                Series(label="true error", x=span, y=span),
-                Series(label="a hundred times that", x=span, y=[ORDERS * value for value in span], style="dashed"),
-            ],
-        ),
-    )
+    ]  # fmt: skip
+    return drawn("error-estimates",
+                 "Estimated against true errors, over the largest value of the scene: good ones lie between the lines.",
+                 loglog("true error (1e-14: that or less)", "estimated error",
+                        *series,
+                        trace("true error", span, span),
+                        trace("a hundred times that", span, [ORDERS * value for value in span], "dashed")))  # fmt: skip
 
 
 def _tolerance_figure(errors: dict[float, float]) -> Figure:
     tolerances = sorted(errors)
-    return Figure(
-        id="tolerance-met",
-        caption="Largest true error of contact fraction and mean pressure at the targets of all scenes.",
-        solution=Panel(
-            xlabel="tolerance asked for",
-            ylabel="error",
-            xscale="log",
-            yscale="log",
-            series=[
-                Series(
-                    label="largest true error", x=list(tolerances), y=[errors[t] for t in tolerances], style="points"
-                ),
-                Series(label="tolerance", x=list(tolerances), y=list(tolerances), style="dashed"),
-            ],
-        ),
-    )
+    return drawn("tolerance-met",
+                 "Largest true error of contact fraction and mean pressure at the targets of all scenes.",
+                 loglog("tolerance asked for", "error",
+                        marks("largest true error", tolerances, [errors[t] for t in tolerances]),
+                        trace("tolerance", tolerances, tolerances, "dashed")))  # fmt: skip
 
 
 MEASURED_BOUNDED, MEASURED_CLOSE = 0.997, 0.99
 MEASURED_ERROR = {1e-3: 2.7e-9, 1e-6: 2.7e-9, 1e-8: 8.4e-11, 1e-10: 1.8e-12}
 
 CASES = (
-    Case(
-        id="error-estimate",
-        group="accuracy",
-        level="quick",
-        question="Do the error estimates of a state bound its true errors closely, and is the tolerance met?",
-        equations="true error <= estimate <= 100 true error in 95 % of the numbers;  error <= tolerance",
-        sources=("johnson1995", "carbone2009"),
-        compute=_error_estimate,
-        effects=("half_space", "layer", "adhesion", "slope_term", "unloading", "load_control"),
-        scene=adapters.scene_text("rough_100"),
-    ),
-)
+    Case(id="error-estimate", group="accuracy", level="quick",
+         question="Do the error estimates of a state bound its true errors closely, and is the tolerance met?",
+         equations="true error <= estimate <= 100 true error in 95 % of the numbers;  error <= tolerance",
+         sources=("johnson1995", "carbone2009"), compute=_error_estimate,
+         effects=("half_space", "layer", "adhesion", "slope_term", "unloading", "load_control"),
+         scene=adapters.scene_text("rough_100")),
+)  # fmt: skip

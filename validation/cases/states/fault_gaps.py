@@ -56,23 +56,13 @@ def _layer_complete() -> Outcome:
     height = np.cos(2 * np.pi * np.outer(x, orders) / PERIOD + [0.0, 1.0, 2.0]) @ amplitudes
     source = Reference(kind="exact", source="Carbone and Mangialardi 2008, mode by mode")
     rows = (
-        compared(
-            "elastic energy of complete contact",
-            "J/m^2",
-            source,
-            [float(np.sum(amplitudes**2 / compliance)) / 4],
-            [state.elastic_energy],
-            *MEASURED_LAYER_ENERGY,
-        ),
-        compared(
-            "total displacement, with the mean compression",
-            "m",
-            source,
-            [float(height.max()) + mean * pressure],
-            [float("nan") if state.total_displacement is None else state.total_displacement],
-            *MEASURED_LAYER_DISPLACEMENT,
-        ),
-    )
+        compared("elastic energy of complete contact", "J/m^2", source, [float(np.sum(amplitudes**2 / compliance)) / 4],
+                 [state.elastic_energy],
+                 *MEASURED_LAYER_ENERGY),
+        compared("total displacement, with the mean compression", "m", source, [float(height.max()) + mean * pressure],
+                 [float("nan") if state.total_displacement is None else state.total_displacement],
+                 *MEASURED_LAYER_DISPLACEMENT),
+    )  # fmt: skip
     return Outcome(rows=rows)
 
 
@@ -109,36 +99,23 @@ def _layer_by_fem() -> Outcome:
         ),
     }
     rows = tuple(
-        compared(
-            f"{name.replace('_', ' ')} at given edges",
-            unit,
-            Reference(kind="FEM", source="P4/P3, 6 cells", uncertainty=float(np.max(found.uncertainty[name]))),
-            expected,
-            computed,
-            *MEASURED_FEM[name],
-        )
+        compared(f"{name.replace('_', ' ')} at given edges", unit,
+                 Reference(kind="FEM", source="P4/P3, 6 cells", uncertainty=float(np.max(found.uncertainty[name]))),
+                 expected, computed,
+                 *MEASURED_FEM[name])
         for name, (unit, computed, expected) in known.items()
-    )
+    )  # fmt: skip
     mean = thickness * (1 - 2 * nu) * (1 + nu) / (YOUNGS_MODULUS * (1 - nu)) * found.mean_pressure
     rows += (
-        compared(
-            "mean displacement of the face, finite elements",
-            "m",
-            Reference(kind="exact", source="Betti: c(0) times the mean pressure"),
-            [mean],
-            [found.total_displacement - found.penetration],
-            *MEASURED_BETTI,
-        ),
-        compared(
-            "uncertainty of the load of the finite elements, over the load",
-            "",
-            Reference(kind="exact", source="an exact solution has none: as sharp as when it was measured"),
-            [0.0],
-            [float(found.uncertainty["load"]) / found.load],
-            *MEASURED_SHARPNESS,
-            norm="absolute",
-        ),
-    )
+        compared("mean displacement of the face, finite elements", "m",
+                 Reference(kind="exact", source="Betti: c(0) times the mean pressure"), [mean],
+                 [found.total_displacement - found.penetration],
+                 *MEASURED_BETTI),
+        compared("uncertainty of the load of the finite elements, over the load", "",
+                 Reference(kind="exact", source="an exact solution has none: as sharp as when it was measured"), [0.0],
+                 [float(found.uncertainty["load"]) / found.load],
+                 *MEASURED_SHARPNESS, norm="absolute"),
+    )  # fmt: skip
     return Outcome(rows=rows, counts={"unknowns": found.unknowns})
 
 
@@ -159,32 +136,13 @@ def _spectra() -> Outcome:
     carried = float(np.sum(fields["P_0"] * np.diff(levels)))
     source = Reference(kind="exact", source="Westergaard 1939, half of the period in contact")
     rows = (
-        compared(
-            "two-sided pressure spectrum at the first two orders",
-            "Pa^2 m",
-            source,
-            exact.tolist(),
-            fields["C_sigma_0"][:2].tolist(),
-            *MEASURED_SPECTRUM,
-        ),
-        compared(
-            "integral of the pressure distribution = contact fraction",
-            "",
-            source,
-            [0.5],
-            [carried],
-            *MEASURED_DISTRIBUTION,
-        ),
-        compared(
-            "contact fraction",
-            "",
-            source,
-            [0.5],
-            [state.contact_fraction],
-            1e-10,
-            1e-12,
-        ),
-    )
+        compared("two-sided pressure spectrum at the first two orders", "Pa^2 m", source, exact.tolist(),
+                 fields["C_sigma_0"][:2].tolist(),
+                 *MEASURED_SPECTRUM),
+        compared("integral of the pressure distribution = contact fraction", "", source, [0.5], [carried],
+                 *MEASURED_DISTRIBUTION),
+        compared("contact fraction", "", source, [0.5], [state.contact_fraction], 1e-10, 1e-12),
+    )  # fmt: skip
     return Outcome(rows=rows)
 
 
@@ -208,43 +166,25 @@ def _shifted() -> Outcome:
     kinds = ("new_contact", "coalescence", "detachment", "pull_off")
     met = [[float(sum(event.kind == kind for event in result.events)) for kind in kinds] for result in results]
     source = Reference(kind="self", source="the same profile elsewhere in the period")
-    rows = [
-        compared(
-            f"{quantity}, over all shifts",
-            unit,
-            source,
-            [float(getattr(state, name)) for state in first] * len(others),
-            [float(getattr(state, name)) for states in others for state in states],
-            *bounds,
-        )
-        for quantity, unit, name, bounds in (
-            ("contact fraction", "", "contact_fraction", MEASURED_SHIFT[0]),
-            ("mean pressure", "Pa", "mean_pressure", MEASURED_SHIFT[1]),
-            ("patches", "", "n_patches", MEASURED_SHIFT[2]),
-        )
-    ]
+    rows = [compared(f"{quantity}, over all shifts", unit, source,
+                     [float(getattr(state, name)) for state in first] * len(others),
+                     [float(getattr(state, name)) for states in others for state in states],
+                     *bounds)
+            for quantity, unit, name, bounds in (("contact fraction", "", "contact_fraction", MEASURED_SHIFT[0]),
+                ("mean pressure", "Pa", "mean_pressure", MEASURED_SHIFT[1]),
+                ("patches", "", "n_patches", MEASURED_SHIFT[2]))]  # fmt: skip
     rows.append(
-        compared(
-            "events of each kind, over all shifts",
-            "",
-            source,
-            met[0] * len(others),
-            [number for numbers in met[1:] for number in numbers],
-            *MEASURED_SHIFT[2],
-        )
-    )
+        compared("events of each kind, over all shifts", "", source, met[0] * len(others),
+                 [number for numbers in met[1:] for number in numbers],
+                 *MEASURED_SHIFT[2]),
+    )  # fmt: skip
     rows.append(
-        compared(
-            "states whose certificate is not ok, per shift",
-            "",
-            Reference(kind="exact", source="every state of a path is an equilibrium without interpenetration"),
-            [0.0] * len(results),
-            [float(sum(not state.certificate.ok for state in result.states)) for result in results],
-            0.5,
-            0.0,
-            norm="absolute",
-        )
-    )
+        compared("states whose certificate is not ok, per shift", "",
+                 Reference(kind="exact", source="every state of a path is an equilibrium without interpenetration"),
+                 [0.0] * len(results),
+                 [float(sum(not state.certificate.ok for state in result.states)) for result in results], 0.5, 0.0,
+                 norm="absolute"),
+    )  # fmt: skip
     return Outcome(rows=tuple(rows), counts={"states": sum(len(result.states) for result in results)})
 
 
@@ -252,16 +192,11 @@ def _realisations() -> Outcome:
     phases = [bem.Profile.self_affine(PERIOD, 0.7, 50e-6, 400, seed).phases for seed in range(8)]
     alike = [float(np.mean(np.cos(one - other))) for one, other in combinations(phases, 2)]
     rows = (
-        compared(
-            "mean cosine of the phase differences of any two of eight realisations",
-            "",
-            Reference(kind="exact", source="independent phases, n = 400: zero within 1 / sqrt(2 n) each"),
-            [0.0] * len(alike),
-            alike,
-            *MEASURED_PHASES,
-            norm="absolute",
-        ),
-    )
+        compared("mean cosine of the phase differences of any two of eight realisations", "",
+                 Reference(kind="exact", source="independent phases, n = 400: zero within 1 / sqrt(2 n) each"),
+                 [0.0] * len(alike), alike,
+                 *MEASURED_PHASES, norm="absolute"),
+    )  # fmt: skip
     return Outcome(rows=rows)
 
 
@@ -285,55 +220,26 @@ MEASURED_SHIFT = ((1e-12, 3e-14), (1e-12, 1e-14), (1e-12, 0.0))
 MEASURED_PHASES = (0.15, 0.07)
 
 CASES = (
-    Case(
-        id="layer-complete-contact",
-        group="closed forms",
-        level="quick",
-        question="Has a compressible layer pressed flat the energy and the displacement of its closed form?",
-        equations="U_el = sum h_m^2 / (4 c(q_m)),  u_tot = h_max + c(0) sigma_0",
-        sources=("carbone2008",),
-        compute=_layer_complete,
-        effects=("layer", "load_control"),
-    ),
-    Case(
-        id="layer-two-patches-fem",
-        group="finite elements",
-        level="quick",
-        question="Do both codes see the same load, stress intensity, energy and displacement of two given patches?",
-        equations="div sigma = 0 in the layer;  u_y = h - h_max + u_tot on the patches;  K = sqrt(2 E* G)",
-        sources=("carbone2008",),
-        compute=_layer_by_fem,
-        effects=("layer",),
-    ),
-    Case(
-        id="westergaard-spectrum",
-        group="closed forms",
-        level="quick",
-        question="Are spectrum and distribution of the pressure those of Westergaard's contact?",
-        equations="sigma = 2 p* cos(x/2) sqrt(sin^2 psi - sin^2(x/2)),  C_sigma(m q0) = sigma_m^2 / q0",
-        sources=("westergaard1939",),
-        compute=_spectra,
-        effects=("half_space", "spectra", "pressure_distribution"),
-        scene=adapters.scene_text("sinusoid"),
-    ),
-    Case(
-        id="shifted-profile",
-        group="identities",
-        level="quick",
-        question="Is a profile the same wherever the period begins, also when patches merge across its end?",
-        equations="h(x - s) has the contact fractions, loads and patches of h(x)",
-        sources=("carbone2009",),
-        compute=_shifted,
-        effects=("half_space", "adhesion", "slope_term", "unloading"),
-        scene=adapters.scene_text("rough_100"),
-    ),
-    Case(
-        id="independent-realisations",
-        group="identities",
-        level="quick",
-        question="Are the phases of different realisations independent?",
-        equations="mean over m of cos(phi_m - phi'_m) = 0 within 1 / sqrt(2 n)",
-        sources=("carbone2009",),
-        compute=_realisations,
-    ),
-)
+    Case(id="layer-complete-contact", group="closed forms", level="quick",
+         question="Has a compressible layer pressed flat the energy and the displacement of its closed form?",
+         equations="U_el = sum h_m^2 / (4 c(q_m)),  u_tot = h_max + c(0) sigma_0",
+         sources=("carbone2008",), compute=_layer_complete, effects=("layer", "load_control")),
+    Case(id="layer-two-patches-fem", group="finite elements", level="quick",
+         question="Do both codes see the same load, stress intensity, energy and displacement of two given patches?",
+         equations="div sigma = 0 in the layer;  u_y = h - h_max + u_tot on the patches;  K = sqrt(2 E* G)",
+         sources=("carbone2008",), compute=_layer_by_fem, effects=("layer",)),
+    Case(id="westergaard-spectrum", group="closed forms", level="quick",
+         question="Are spectrum and distribution of the pressure those of Westergaard's contact?",
+         equations="sigma = 2 p* cos(x/2) sqrt(sin^2 psi - sin^2(x/2)),  C_sigma(m q0) = sigma_m^2 / q0",
+         sources=("westergaard1939",), compute=_spectra, effects=("half_space", "spectra", "pressure_distribution"),
+         scene=adapters.scene_text("sinusoid")),
+    Case(id="shifted-profile", group="identities", level="quick",
+         question="Is a profile the same wherever the period begins, also when patches merge across its end?",
+         equations="h(x - s) has the contact fractions, loads and patches of h(x)",
+         sources=("carbone2009",), compute=_shifted, effects=("half_space", "adhesion", "slope_term", "unloading"),
+         scene=adapters.scene_text("rough_100")),
+    Case(id="independent-realisations", group="identities", level="quick",
+         question="Are the phases of different realisations independent?",
+         equations="mean over m of cos(phi_m - phi'_m) = 0 within 1 / sqrt(2 n)",
+         sources=("carbone2009",), compute=_realisations),
+)  # fmt: skip

@@ -8,7 +8,9 @@ import numpy as np
 
 import bem
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Tolerance
+from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Reference
 from validation.references import adapters
 
 STEP = 2e-4  # of the width of the narrowest patch, in differences of fourth order
@@ -53,57 +55,23 @@ def _energy_release() -> Outcome:
     slope = (ahead.energy - back.energy) / (2 * depth_step)
     source = Reference(kind="self", source="central differences of the energy at moved edges")
     rows = (
-        Row(
-            quantity="dU/d(edge) = G - w at every edge, over the largest",
-            unit="J/m^2",
-            reference=source,
-            norm="relative",
-            expected=difference,
-            computed=gradient.tolist(),
-            scale=scale,
-            tolerance=Tolerance(value=MEASURED_GRADIENT * 2.5, measured=MEASURED_GRADIENT),
-        ),
-        Row(
-            quantity="d2U/d(edge)d(edge) at every pair of edges, over the largest",
-            unit="J/m^3",
-            reference=Reference(kind="self", source="central differences of G - w at moved edges"),
-            norm="relative",
-            expected=np.ravel(curvature).tolist(),
-            computed=here.hessian.T.ravel().tolist(),
-            scale=float(np.abs(curvature).max()),
-            tolerance=Tolerance(value=MEASURED_HESSIAN * 2.5, measured=MEASURED_HESSIAN),
-        ),
-        Row(
-            quantity="dU/d(penetration) = load, relative",
-            unit="N/m",
-            reference=source,
-            norm="relative",
-            expected=[slope],
-            computed=[here.load],
-            scale=abs(here.load),
-            tolerance=Tolerance(value=MEASURED_LOAD * 2.5, measured=MEASURED_LOAD),
-        ),
-    )
+        compared("dU/d(edge) = G - w at every edge, over the largest", "J/m^2", source, difference, gradient,
+                 MEASURED_GRADIENT * 2.5, MEASURED_GRADIENT, scale=scale),
+        compared("d2U/d(edge)d(edge) at every pair of edges, over the largest", "J/m^3",
+                 Reference(kind="self", source="central differences of G - w at moved edges"), np.ravel(curvature),
+                 here.hessian.T.ravel(), MEASURED_HESSIAN * 2.5, MEASURED_HESSIAN,
+                 scale=float(np.abs(curvature).max())),
+        compared("dU/d(penetration) = load, relative", "N/m", source, [slope], [here.load], MEASURED_LOAD * 2.5,
+                 MEASURED_LOAD, scale=abs(here.load)),
+    )  # fmt: skip
     order = np.arange(edges.size).tolist()
-    figure = Figure(
-        id="energy-release",
-        caption="Derivative of the energy by each edge: from the stress intensity, and by differences.",
-        solution=Panel(
-            xlabel="edge",
-            ylabel="dU/d(edge) / (J/m^2)",
-            series=[
-                Series(label="central difference", x=order, y=difference),
-                Series(label="G - w", x=order, y=gradient.tolist(), style="points"),
-            ],
-        ),
-        error=Panel(
-            xlabel="edge",
-            ylabel="signed error / (J/m^2)",
-            series=[
-                Series(label="bem", x=order, y=(gradient - np.array(difference)).tolist(), style="points"),
-            ],
-        ),
-    )
+    figure = drawn("energy-release",
+                   "Derivative of the energy by each edge: from the stress intensity, and by differences.",
+                   axes("edge", "dU/d(edge) / (J/m^2)",
+                        trace("central difference", order, difference),
+                        marks("G - w", order, gradient)),
+                   axes("edge", "signed error / (J/m^2)",
+                        marks("bem", order, gradient - np.array(difference))))  # fmt: skip
     return Outcome(rows=rows, figures=(figure,), counts={"unknowns": here.evaluation.unknowns})
 
 
@@ -131,46 +99,22 @@ def _path_identities() -> Outcome:
     separations = [state.separation for state in touching]
     released_least = min(event.energy_released or 0.0 for event in result.events)
     rows = (
-        Row(
-            quantity="mean gap = separation, over rms height",
-            unit="m",
-            reference=Reference(kind="exact", source="integral of the gap over a period"),
-            norm="maximum over states",
-            expected=separations,
-            computed=gaps,
-            scale=profile.rms_height,
-            tolerance=Tolerance(value=MEASURED_GAP * 2.5, measured=MEASURED_GAP),
-        ),
-        Row(
-            quantity="events that would release negative energy",
-            unit="",
-            reference=Reference(kind="exact", source="second law"),
-            norm="absolute",
-            expected=[0.0],
-            computed=[float(released_least < 0)],
-            tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-            pinned="exact",
-        ),
-    )
+        compared("mean gap = separation, over rms height", "m",
+                 Reference(kind="exact", source="integral of the gap over a period"), separations, gaps,
+                 MEASURED_GAP * 2.5, MEASURED_GAP, "maximum over states", profile.rms_height),
+        counted("events that would release negative energy", Reference(kind="exact", source="second law"), [0.0],
+                [float(released_least < 0)]),
+    )  # fmt: skip
     loading = [state for state in result.states if state.branch == "loading"]
     unloading = [state for state in result.states if state.branch == "unloading"]
-    figure = Figure(
-        id="hysteresis",
-        caption="Mean pressure against separation: adhesion makes loading and unloading differ.",
-        solution=Panel(
-            xlabel="separation / um",
-            ylabel="mean pressure / kPa",
-            series=[
-                Series(
-                    label=label,
-                    x=[state.separation * 1e6 for state in states],
-                    y=[state.mean_pressure / 1e3 for state in states],
-                    style=style,
-                )
-                for label, states, style in (("loading", loading, "line"), ("unloading", unloading, "dashed"))
-            ],
-        ),
-    )
+    figure = drawn("hysteresis", "Mean pressure against separation: adhesion makes loading and unloading differ.",
+                   axes("separation / um", "mean pressure / kPa",
+                        *(
+                            trace(label, [state.separation * 1e6 for state in states],
+                                  [state.mean_pressure / 1e3 for state in states], style)
+                            for label, states, style in (("loading", loading, "line"),
+                                ("unloading", unloading, "dashed"))
+                        )))  # fmt: skip
     counts = {
         "evaluations": sum(state.evaluations for state in result.states),
         "events": len(result.events),
@@ -184,26 +128,14 @@ MEASURED_GRADIENT, MEASURED_LOAD, MEASURED_HESSIAN = 1.8e-11, 2.6e-12, 1.2e-10
 MEASURED_GAP = 2e-13
 
 CASES = (
-    Case(
-        id="energy-release-rate",
-        group="identities",
-        level="quick",
-        question="Do stress intensities and their sensitivities give the derivatives of the energy by edges?",
-        equations="dU/db = G - w, dU/da = -(G - w), G = K^2 / 2E*, w = gamma sqrt(1 + h'^2), dU/dDelta = load;  "
-        "d2U/db de = d(G - w)/de for every edge e",
-        sources=("carbone2009",),
-        compute=_energy_release,
-        effects=("half_space", "adhesion", "slope_term"),
-    ),
-    Case(
-        id="path-identities",
-        group="identities",
-        level="quick",
-        question="Do mean gap and dissipation hold along a loading and unloading path with events?",
-        equations="s = mean gap;  energy released >= 0",
-        sources=("carbone2009",),
-        compute=_path_identities,
-        effects=("half_space", "adhesion", "slope_term", "unloading"),
-        scene=adapters.scene_text("rough_100"),
-    ),
-)
+    Case(id="energy-release-rate", group="identities", level="quick",
+         question="Do stress intensities and their sensitivities give the derivatives of the energy by edges?",
+         equations="dU/db = G - w, dU/da = -(G - w), G = K^2 / 2E*, w = gamma sqrt(1 + h'^2), dU/dDelta = load;  "
+         "d2U/db de = d(G - w)/de for every edge e",
+         sources=("carbone2009",), compute=_energy_release, effects=("half_space", "adhesion", "slope_term")),
+    Case(id="path-identities", group="identities", level="quick",
+         question="Do mean gap and dissipation hold along a loading and unloading path with events?",
+         equations="s = mean gap;  energy released >= 0",
+         sources=("carbone2009",), compute=_path_identities,
+         effects=("half_space", "adhesion", "slope_term", "unloading"), scene=adapters.scene_text("rough_100")),
+)  # fmt: skip

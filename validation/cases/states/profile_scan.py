@@ -69,28 +69,19 @@ def _shifted_scan() -> Outcome:
     samples = Reference(kind="exact", source="the samples, less their mean")
     rows = (
         compared("surface at the samples, over the largest", "m", samples, expected, found, *MEASURED_SURFACE),
-        compared(
-            "place of first touch",
-            "m",
-            Reference(kind="exact", source="highest point of the trigonometric interpolant"),
-            highest,
-            [float("nan") if place is None else place for place in touched],
-            *MEASURED_PLACE,
-        ),
-    )
+        compared("place of first touch", "m",
+                 Reference(kind="exact", source="highest point of the trigonometric interpolant"), highest,
+                 [float("nan") if place is None else place for place in touched],
+                 *MEASURED_PLACE),
+    )  # fmt: skip
     return Outcome(rows=rows)
 
 
 MEASURED_SURFACE, MEASURED_PLACE = (1e-12, 4e-13), (1e-12, 4e-13)
 
 CASES = (
-    Case(
-        id="shifted-scan",
-        group="identities",
-        level="quick",
-        question="Does the surface of a scan that does not begin at x = 0 pass through its samples?",
-        equations="h(x_j) = h_j - mean for every sample, wherever x_0 is",
-        sources=("carbone2009",),
-        compute=_shifted_scan,
-    ),
-)
+    Case(id="shifted-scan", group="identities", level="quick",
+         question="Does the surface of a scan that does not begin at x = 0 pass through its samples?",
+         equations="h(x_j) = h_j - mean for every sample, wherever x_0 is",
+         sources=("carbone2009",), compute=_shifted_scan),
+)  # fmt: skip

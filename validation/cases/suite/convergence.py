@@ -16,7 +16,9 @@ from validation.corpus.convergence_curves import (
     persson_curves,
 )
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import drawn, marks, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Figure, Panel, Reference, Row, Table
 
 EQUATIONS = (
     "error = C rho^-n (K), C rho^-2n (load), rho = z + sqrt(z^2 - 1), z = 1 + gap / half width;  "
@@ -27,16 +29,9 @@ EQUATIONS = (
 def _rate_row(curve: Curve, measured: float) -> Row:
     """Fitted against predicted rate."""
     of = "order" if curve.law == "algebraic" else "factor per node"
-    return Row(
-        quantity=f"{of}: {curve.quantity} of {curve.id}",
-        unit="",
-        reference=Reference(kind="theory", source=f"{curve.why}; errors against {curve.reference} ({curve.kind})"),
-        norm="relative",
-        expected=[curve.predicted],
-        computed=[curve.rate.value],
-        scale=curve.predicted,
-        tolerance=Tolerance(value=2.5 * measured, measured=measured),
-    )
+    return compared(f"{of}: {curve.quantity} of {curve.id}", "",
+                    Reference(kind="theory", source=f"{curve.why}; errors against {curve.reference} ({curve.kind})"),
+                    [curve.predicted], [curve.rate.value], 2.5 * measured, measured)  # fmt: skip
 
 
 def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
@@ -44,7 +39,7 @@ def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
     series = []
     for curve in curves:
         label = f"{curve.id}: predicted {curve.predicted:.3g}, fitted {curve.rate.value:.3g}"
-        series.append(Series(label=label, x=list(curve.sizes), y=list(curve.errors), style="points"))
+        series.append(marks(label, curve.sizes, curve.errors))
     for curve in curves:
         used = curve.rate.used
         at, last = [curve.sizes[i] for i in used], curve.errors[used[-1]]
@@ -52,13 +47,9 @@ def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
             y = [last * curve.predicted ** (at[-1] - n) for n in at]
         else:
             y = [last * (at[-1] / n) ** curve.predicted for n in at]
-        series.append(Series(label=f"predicted, {curve.id}", x=at, y=y, style="dashed"))
+        series.append(trace(f"predicted, {curve.id}", at, y, "dashed"))
     scale = "linear" if curves[0].law == "geometric" else "log"
-    return Figure(
-        id=name,
-        caption=caption,
-        solution=Panel(xlabel=curves[0].knob, ylabel="error", xscale=scale, yscale="log", series=series),
-    )
+    return drawn(name, caption, Panel(xlabel=curves[0].knob, ylabel="error", xscale=scale, yscale="log", series=series))
 
 
 def _table(curves: Sequence[Curve]) -> Table:
@@ -79,15 +70,9 @@ def _rates() -> Outcome:
     bem = bem_curves(0.9, range(4, 49, 4))
     fem = (fem_curve(2, (4, 8, 16), True), fem_curve(4, (8, 16, 32), False))
     others = (*persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100)), paper_method_curve((8, 16, 32, 64)))
-    plateau = Row(
-        quantity="plateau of K over critical and of the load over p*",
-        unit="",
-        reference=Reference(kind="exact", source="Johnson 1995"),
-        norm="absolute",
-        expected=[0.0, 0.0],
-        computed=[curve.rate.plateau for curve in bem],
-        tolerance=Tolerance(value=1e-12, measured=2.3e-14, basis="required"),
-    )
+    plateau = compared("plateau of K over critical and of the load over p*", "",
+                       Reference(kind="exact", source="Johnson 1995"), [0.0, 0.0],
+                       [curve.rate.plateau for curve in bem], 1e-12, 2.3e-14, "absolute", basis="required")  # fmt: skip
     every = (*bem, *fem, *others)
     return Outcome(
         rows=(*(_rate_row(curve, MEASURED[curve.id]) for curve in every), plateau),
@@ -145,34 +130,17 @@ MEASURED = {
 MEASURED_FULL = {"fem-p2-graded": 0.05, "fem-p4-graded": 0.023, "fem-p2-uniform": 0.099, "fem-p4-uniform": 0.022}
 
 CASES = (
-    Case(
-        id="convergence-rates",
-        group="convergence",
-        level="quick",
-        question="Does every code converge at the rate that its theory predicts, and to which plateau?",
-        equations=EQUATIONS,
-        sources=("johnson1995", "persson2001", "carbone2009"),
-        compute=_rates,
-        effects=("half_space", "adhesion"),
-    ),
-    Case(
-        id="convergence-ensemble",
-        group="convergence",
-        level="standard",
-        question="Does the mean area of an ensemble settle like the square root of the number of realisations?",
-        equations="spread of the mean over groups of n ~ n^-1/2",
-        sources=("carbone2009",),
-        compute=partial(_ensemble, 20, 64),
-        effects=("half_space", "adhesion", "slope_term"),
-    ),
-    Case(
-        id="convergence-elements",
-        group="convergence",
-        level="full",
-        question="What do the edges cost finite elements on uniform meshes, and do graded ones win it back?",
-        equations="energy norm h^m graded, h^(1/2) uniform, whatever m; load: twice the order",
-        sources=("johnson1995",),
-        compute=_elements,
-        effects=("half_space", "adhesion"),
-    ),
-)
+    Case(id="convergence-rates", group="convergence", level="quick",
+         question="Does every code converge at the rate that its theory predicts, and to which plateau?",
+         equations=EQUATIONS,
+         sources=("johnson1995", "persson2001", "carbone2009"), compute=_rates, effects=("half_space", "adhesion")),
+    Case(id="convergence-ensemble", group="convergence", level="standard",
+         question="Does the mean area of an ensemble settle like the square root of the number of realisations?",
+         equations="spread of the mean over groups of n ~ n^-1/2",
+         sources=("carbone2009",), compute=partial(_ensemble, 20, 64),
+         effects=("half_space", "adhesion", "slope_term")),
+    Case(id="convergence-elements", group="convergence", level="full",
+         question="What do the edges cost finite elements on uniform meshes, and do graded ones win it back?",
+         equations="energy norm h^m graded, h^(1/2) uniform, whatever m; load: twice the order",
+         sources=("johnson1995",), compute=_elements, effects=("half_space", "adhesion")),
+)  # fmt: skip

@@ -14,7 +14,8 @@ from pathlib import Path
 from validation.harness.baseline import Baseline, differences, quantities_of
 from validation.harness.case import Case, Outcome
 from validation.harness.compare import combined_tolerance, error_of, fitted_order, pairwise_orders
-from validation.harness.schema import Band, CaseRecord, Reference, Row, Tolerance
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Band, CaseRecord, Reference, Row
 from validation.harness.verdict import Verdict, verdict_of
 
 KNOWN = Reference(kind="exact", source="rows made for the purpose")
@@ -22,16 +23,7 @@ KNOWN = Reference(kind="exact", source="rows made for the purpose")
 
 def _row(computed: list[float | None], expected: list[float | None], uncertainty: float = 0.0) -> Row:
     reference = Reference(kind="FEM", source="a row made for the purpose", uncertainty=uncertainty)
-    return Row(
-        quantity="load",
-        unit="N/m",
-        reference=reference,
-        norm="absolute",
-        expected=expected,
-        computed=computed,
-        scale=2.0,
-        tolerance=Tolerance(value=0.1, measured=0.04),
-    )
+    return compared("load", "N/m", reference, expected, computed, 0.1, 0.04, "absolute", 2.0)
 
 
 def _ratio(computed: float) -> Row:
@@ -118,40 +110,18 @@ def _record(load: list[float | None], patches: float, evaluations: int) -> CaseR
 
 
 def _exactly(quantity: str, expected: list[float | None], computed: list[float | None]) -> Row:
-    return Row(
-        quantity=quantity,
-        unit="",
-        reference=KNOWN,
-        norm="absolute",
-        expected=expected,
-        computed=computed,
-        tolerance=Tolerance(value=0.5, measured=0.0, basis="required"),
-        pinned="exact",
-    )
+    return counted(quantity, KNOWN, expected, computed)
 
 
 def _within(quantity: str, expected: list[float | None], computed: list[float]) -> Row:
-    return Row(
-        quantity=quantity,
-        unit="",
-        reference=KNOWN,
-        norm="absolute",
-        expected=expected,
-        computed=[float(value) for value in computed],
-        tolerance=Tolerance(value=1e-12, measured=MEASURED_ARITHMETIC),
-    )
+    return compared(quantity, "", KNOWN, expected, computed, 1e-12, MEASURED_ARITHMETIC, "absolute")
 
 
 MEASURED_ARITHMETIC = 4e-15  # orders by logarithms; the others to the last digit
 
 CASES = (
-    Case(
-        id="harness",
-        group="harness",
-        level="quick",
-        question="Does the harness judge rows right whose verdicts are known?",
-        equations="error = max |computed - expected| / scale;  allowed = max(tolerance, 2 (u + u_ref) / scale)",
-        sources=("oberkampf2008",),
-        compute=_harness,
-    ),
-)
+    Case(id="harness", group="harness", level="quick",
+         question="Does the harness judge rows right whose verdicts are known?",
+         equations="error = max |computed - expected| / scale;  allowed = max(tolerance, 2 (u + u_ref) / scale)",
+         sources=("oberkampf2008",), compute=_harness),
+)  # fmt: skip

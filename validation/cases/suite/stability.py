@@ -69,14 +69,9 @@ NAMES: dict[Code, tuple[str, str, tuple[str, ...]]] = {
 }
 
 CASES = tuple(
-    Case(
-        id=f"hard-cases-{NAMES[code][0]}",
-        group="stability",
-        level="standard",
-        question=f"Does {NAMES[code][1]} end as expected in every hard case, and is what it gives correct?",
-        equations="expected outcome stated beforehand; certificates, closed forms, second routes, invariances",
-        sources=NAMES[code][2],
-        compute=partial(_hard_cases, code),
-    )
+    Case(id=f"hard-cases-{NAMES[code][0]}", group="stability", level="standard",
+         question=f"Does {NAMES[code][1]} end as expected in every hard case, and is what it gives correct?",
+         equations="expected outcome stated beforehand; certificates, closed forms, second routes, invariances",
+         sources=NAMES[code][2], compute=partial(_hard_cases, code))
     for code in NAMES
-)
+)  # fmt: skip

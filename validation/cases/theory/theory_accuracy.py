@@ -14,7 +14,9 @@ import persson
 from persson.adhesive import ROUTES, Route
 from persson.spectrum import Spectrum
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import drawn, loglog, marks, semilogx, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Reference, Row, Table, Tolerance
 
 YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03
 MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
@@ -132,32 +134,18 @@ def _routes() -> Outcome:
         )
         ratio = [one / other for one, other in zip(volumes, integral, strict=True)]
         rows.append(
-            Row(
-                quantity=f"A/A0 by finite volumes over that by the integral equation, {name}",
-                unit="",
-                reference=Reference(kind="self", source="the other route, with its own fixed point"),
-                norm="relative",
-                expected=[1.0] * len(CURVE),
-                computed=list(ratio),
-                tolerance=Tolerance(value=1e-5, measured=measured, basis="required"),
-                pinned="unconverged",
-            )
-        )
-        solution += [
-            Series(label=name, x=list(CURVE), y=list(volumes)),
-            Series(label=f"{name}, integral equation", x=list(CURVE), y=list(integral), style="points"),
-        ]
-        errors.append(Series(label=name, x=list(CURVE), y=[value - 1 for value in ratio], style="points"))
-    figure = Figure(
-        id="theory-routes",
-        caption=(
-            "Contact fraction of the theory with adhesion by two routes: conservative finite volumes on the moving "
-            "domain (lines) and a Volterra integral equation for the flux at the barrier (points)."
-        ),
-        solution=Panel(
-            xlabel="load / E*", ylabel="A / A0", xscale="log", yscale="log", series=solution[::2] + solution[1::2]
-        ),
-        error=Panel(xlabel="load / E*", ylabel="ratio of routes - 1", xscale="log", series=errors),
+            compared(f"A/A0 by finite volumes over that by the integral equation, {name}", "",
+                     Reference(kind="self", source="the other route, with its own fixed point"), [1.0] * len(CURVE),
+                     ratio, 1e-5, measured, scale=1.0, basis="required", pinned="unconverged"),
+        )  # fmt: skip
+        solution += [trace(name, CURVE, volumes), marks(f"{name}, integral equation", CURVE, integral)]
+        errors.append(marks(name, CURVE, [value - 1 for value in ratio]))
+    figure = drawn(
+        "theory-routes",
+        "Contact fraction of the theory with adhesion by two routes: conservative finite volumes on the moving "
+        "domain (lines) and a Volterra integral equation for the flux at the barrier (points).",
+        loglog("load / E*", "A / A0", *(solution[::2] + solution[1::2])),
+        semilogx("load / E*", "ratio of routes - 1", *errors),
     )
     return Outcome(rows=tuple(rows), figures=(figure,))
 
@@ -168,41 +156,26 @@ def _convergence() -> Outcome:
         for place, load in enumerate(LOADS):
             default, finer = (adhesive(spectrum, load, resolution=factor).contact_fraction for factor in (1.0, 2.0))
             rows.append(
-                Row(
-                    quantity=f"A/A0 at {load} E*, {name}",
-                    unit="",
-                    reference=Reference(kind="self", source="every discretisation at half the step"),
-                    norm="relative",
-                    expected=[finer],
-                    computed=[default],
-                    scale=finer,
-                    tolerance=Tolerance(value=1e-5, measured=MEASURED_CONVERGENCE[index][place], basis="required"),
-                )
-            )
+                compared(f"A/A0 at {load} E*, {name}", "",
+                         Reference(kind="self", source="every discretisation at half the step"), [finer], [default],
+                         1e-5, MEASURED_CONVERGENCE[index][place], basis="required"),
+            )  # fmt: skip
     spectrum = spectra()["paper's lines"]
     series, table = [], []
     for route in ROUTES:
         reference = adhesive(spectrum, 0.02, route=route, resolution=REFERENCE_RESOLUTION).contact_fraction
         states = [adhesive(spectrum, 0.02, route=route, resolution=factor) for factor in RESOLUTIONS]
         error = [abs(state.contact_fraction / reference - 1) for state in states]
-        series.append(Series(label=ROUTE_NAMES[route], x=[s.areas.size for s in states], y=list(error), style="points"))
+        series.append(marks(ROUTE_NAMES[route], [s.areas.size for s in states], error))
         table += [
             [ROUTE_NAMES[route], factor, state.areas.size, state.contact_fraction, value]
             for factor, state, value in zip(RESOLUTIONS, states, error, strict=True)
         ]
-    figure = Figure(
-        id="theory-self-convergence",
-        caption=(
-            f"Error of A/A0 at 0.02 E* of the paper's lines, against the same route at {REFERENCE_RESOLUTION:g} times "
-            "the default resolution."
-        ),
-        solution=Panel(
-            xlabel="nodes in magnification",
-            ylabel="relative error of A / A0",
-            xscale="log",
-            yscale="log",
-            series=series,
-        ),
+    figure = drawn(
+        "theory-self-convergence",
+        f"Error of A/A0 at 0.02 E* of the paper's lines, against the same route at {REFERENCE_RESOLUTION:g} times "
+        "the default resolution.",
+        loglog("nodes in magnification", "relative error of A / A0", *series),
     )
     columns = ["route", "resolution", "nodes", "A/A0", "error"]
     return Outcome(
@@ -228,33 +201,19 @@ def _balance() -> Outcome:
             at.append(float(state.stress_distribution(order * Q0).load[0]) / 0.02)
             due.append(1 + float(gained_at(variance)))
         rows.append(
-            Row(
-                quantity=f"int sigma P / sigma_0 at magnifications up to all roughness, {name}",
-                unit="",
-                reference=Reference(kind="exact", source="1 + int a (-dA/dV) dV / sigma_0"),
-                norm="relative",
-                expected=list(due),
-                computed=list(at),
-                tolerance=Tolerance(value=1e-6, measured=measured, basis="required"),
-            )
-        )
-        carried.append(Series(label=f"{name}: int sigma P", x=list(zeta), y=list(at), style="points"))
-        absorbed.append(Series(label=f"{name}: 1 + int a (-dA)", x=list(zeta), y=list(due)))
-        errors.append(
-            Series(
-                label=name, x=list(zeta), y=[one - other for one, other in zip(at, due, strict=True)], style="points"
-            )
-        )
-    figure = Figure(
-        id="theory-load-balance",
-        caption=(
-            "Mean stress carried by the contact at each magnification, over sigma_0 = 0.02 E*: it grows once the "
-            "effective work of adhesion is positive, by the tension at which contact is lost."
-        ),
-        solution=Panel(
-            xlabel="magnification q / q0", ylabel="int sigma P / sigma_0", xscale="log", series=carried + absorbed
-        ),
-        error=Panel(xlabel="magnification q / q0", ylabel="difference", xscale="log", series=errors),
+            compared(f"int sigma P / sigma_0 at magnifications up to all roughness, {name}", "",
+                     Reference(kind="exact", source="1 + int a (-dA/dV) dV / sigma_0"), due, at, 1e-6, measured,
+                     scale=1.0, basis="required"),
+        )  # fmt: skip
+        carried.append(marks(f"{name}: int sigma P", zeta, at))
+        absorbed.append(trace(f"{name}: 1 + int a (-dA)", zeta, due))
+        errors.append(marks(name, zeta, [one - other for one, other in zip(at, due, strict=True)]))
+    figure = drawn(
+        "theory-load-balance",
+        "Mean stress carried by the contact at each magnification, over sigma_0 = 0.02 E*: it grows once the "
+        "effective work of adhesion is positive, by the tension at which contact is lost.",
+        semilogx("magnification q / q0", "int sigma P / sigma_0", *(carried + absorbed)),
+        semilogx("magnification q / q0", "difference", *errors),
     )
     return Outcome(rows=tuple(rows), figures=(figure,))
 
@@ -276,48 +235,22 @@ EQUATIONS = (
 )
 
 CASES = (
+    Case(id="theory-points", group="theory", level="quick",
+         question="Does the theory with adhesion reproduce area and separation of the paper's case?",
+         equations=EQUATIONS,
+         sources=("carbone2009", "persson2001", "persson2002"), compute=_points, effects=("adhesion",), scene=SCENE),
     Case(
-        id="theory-points",
-        group="theory",
-        level="quick",
-        question="Does the theory with adhesion reproduce area and separation of the paper's case?",
-        equations=EQUATIONS,
-        sources=("carbone2009", "persson2001", "persson2002"),
-        compute=_points,
-        effects=("adhesion",),
-        scene=SCENE,
-    ),
-    Case(
-        id="theory-routes",
-        group="theory",
-        level="quick",
+        id="theory-routes", group="theory", level="quick",
         question="Do finite volumes and an integral equation, each with its own fixed point, give the same area?",
         equations=EQUATIONS + "; N(-D(V)/sqrt V) = int N(-(D(V) - D(U))/sqrt(V - U)) dF(U), D = sigma_0 + a, F = 1 - A",
-        sources=("carbone2009", "peskir2002"),
-        compute=_routes,
-        effects=("adhesion",),
-        scene=SCENES,
+        sources=("carbone2009", "peskir2002"), compute=_routes, effects=("adhesion",), scene=SCENES
     ),
-    Case(
-        id="theory-convergence",
-        group="theory",
-        level="quick",
-        question="Does the area of the theory with adhesion settle when every step is halved?",
-        equations=EQUATIONS,
-        sources=("carbone2009",),
-        compute=_convergence,
-        effects=("adhesion",),
-        scene=SCENES,
-    ),
-    Case(
-        id="theory-load-balance",
-        group="theory",
-        level="quick",
-        question="Does the load grow by just the stress that the moving barrier absorbs?",
-        equations="d(int sigma P dsigma)/dV = a (-dA/dV)",
-        sources=("carbone2009",),
-        compute=_balance,
-        effects=("adhesion",),
-        scene=SCENES,
-    ),
-)
+    Case(id="theory-convergence", group="theory", level="quick",
+         question="Does the area of the theory with adhesion settle when every step is halved?",
+         equations=EQUATIONS,
+         sources=("carbone2009",), compute=_convergence, effects=("adhesion",), scene=SCENES),
+    Case(id="theory-load-balance", group="theory", level="quick",
+         question="Does the load grow by just the stress that the moving barrier absorbs?",
+         equations="d(int sigma P dsigma)/dV = a (-dA/dV)",
+         sources=("carbone2009",), compute=_balance, effects=("adhesion",), scene=SCENES),
+)  # fmt: skip

@@ -11,7 +11,9 @@ import numpy as np
 import persson
 from validation.cases.theory.theory_accuracy import EQUATIONS, MODULUS, Q0, SCENE, adhesive, dry, spectra
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Band, Figure, Panel, Reference, Row, Series, Table, Tolerance
+from validation.harness.drawings import axes, drawn, loglog, marks, semilogx, semilogy, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Band, Reference, Row, Table
 
 MAGNIFICATIONS = np.unique(np.round(np.geomspace(1.0, 1000.0, 61)))  # those at which a line is added
 AREA_LOADS = (0.005, 0.02, 0.1)
@@ -35,65 +37,36 @@ def _magnification() -> Outcome:
     orders = (1, 10, 100, 300, 500, 1000)
     integral = adhesive(spectrum, 0.02, route="volterra")
     rows = (
-        Row(
-            quantity="A/A0 at 0.02 E*, magnifications 1, 10, 100, 300, 500, 1000",
-            unit="",
-            reference=Reference(kind="self", source="the integral equation at the same magnifications"),
-            norm="absolute",
-            expected=[integral.contact_fraction_at(order * Q0) for order in orders],
-            computed=[states[0.02].contact_fraction_at(order * Q0) for order in orders],
-            tolerance=Tolerance(value=1e-5, measured=MEASURED_MAGNIFICATION, basis="required"),
-        ),
-        Row(
-            quantity="gamma_eff / gamma with all roughness resolved",
-            unit="",
-            reference=Reference(kind="exact", source="nothing is left unresolved"),
-            norm="absolute",
-            expected=[1.0] * len(AREA_LOADS),
-            computed=[float(state.effective_work[-1] / state.work_of_adhesion) for state in states.values()],
-            tolerance=Tolerance(value=1e-12, measured=0.0, basis="required"),
-        ),
-    )
-    area = Figure(
-        id="theory-area-over-magnification",
-        caption=(
-            "Contact fraction that is left when wavenumbers up to zeta q0 are resolved, with adhesion (lines) and "
-            "without (dashed). Contact with adhesion levels off where the effective work of adhesion turns positive."
-        ),
-        solution=Panel(
-            xlabel="magnification zeta = q / q0",
-            ylabel="A / A0",
-            xscale="log",
-            yscale="log",
-            series=[Series(label=f"{load} E*", x=list(zeta), y=list(with_adhesion[load])) for load in AREA_LOADS]
-            + [
-                Series(label=f"{load} E*, no adhesion", x=list(zeta), y=list(without[load]), style="dashed")
-                for load in AREA_LOADS
-            ],
-        ),
-    )
-    work = Figure(
-        id="theory-effective-work",
-        caption=(
-            "Effective work of adhesion at each magnification. Where it is negative, over most of the decades, the "
-            "elastic energy of the finer roughness outweighs its adhesion and the barrier stays at zero."
-        ),
-        solution=Panel(
-            xlabel="magnification zeta = q / q0",
-            ylabel="gamma_eff / gamma",
-            xscale="log",
-            series=[
-                Series(
-                    label=f"{load} E*",
-                    x=list(zeta),
-                    y=[
-                        float(np.interp(spectrum.resolved_variance(z * Q0), s.slope_variances, s.effective_work))
-                        / s.work_of_adhesion
-                        for z in MAGNIFICATIONS
-                    ],
-                )
+        compared("A/A0 at 0.02 E*, magnifications 1, 10, 100, 300, 500, 1000", "",
+                 Reference(kind="self", source="the integral equation at the same magnifications"),
+                 [integral.contact_fraction_at(order * Q0) for order in orders],
+                 [states[0.02].contact_fraction_at(order * Q0) for order in orders], 1e-5, MEASURED_MAGNIFICATION,
+                 "absolute", basis="required"),
+        compared("gamma_eff / gamma with all roughness resolved", "",
+                 Reference(kind="exact", source="nothing is left unresolved"), [1.0] * len(AREA_LOADS),
+                 [float(state.effective_work[-1] / state.work_of_adhesion) for state in states.values()], 1e-12, 0.0,
+                 "absolute", basis="required"),
+    )  # fmt: skip
+    area = drawn(
+        "theory-area-over-magnification",
+        "Contact fraction that is left when wavenumbers up to zeta q0 are resolved, with adhesion (lines) and "
+        "without (dashed). Contact with adhesion levels off where the effective work of adhesion turns positive.",
+        loglog("magnification zeta = q / q0", "A / A0",
+               *(trace(f"{load} E*", zeta, with_adhesion[load]) for load in AREA_LOADS),
+               *(trace(f"{load} E*, no adhesion", zeta, without[load], "dashed") for load in AREA_LOADS))
+    )  # fmt: skip
+    resolved = [spectrum.resolved_variance(z * Q0) for z in MAGNIFICATIONS]
+    work = drawn(
+        "theory-effective-work",
+        "Effective work of adhesion at each magnification. Where it is negative, over most of the decades, the "
+        "elastic energy of the finer roughness outweighs its adhesion and the barrier stays at zero.",
+        semilogx(
+            "magnification zeta = q / q0",
+            "gamma_eff / gamma",
+            *(
+                trace(f"{load} E*", zeta, np.interp(resolved, s.slope_variances, s.effective_work) / s.work_of_adhesion)
                 for load, s in states.items()
-            ],
+            ),
         ),
     )
     return Outcome(rows=rows, figures=(area, work))
@@ -123,88 +96,46 @@ def _distribution() -> Outcome:
         ("a detached width half as large", half, 1.09, 1.16),
     )
     rows = (
-        Row(
-            quantity="int P dsigma at 0.1 E*",
-            unit="",
-            reference=Reference(kind="self", source="A/A0 by the integral equation"),
-            norm="absolute",
-            expected=[adhesive(spectrum, FIT_LOAD, route="volterra").contact_fraction],
-            computed=[float(distribution.area[0])],
-            tolerance=Tolerance(value=1e-5, measured=MEASURED_DISTRIBUTION, basis="required"),
-        ),
+        compared("int P dsigma at 0.1 E*", "", Reference(kind="self", source="A/A0 by the integral equation"),
+                 [adhesive(spectrum, FIT_LOAD, route="volterra").contact_fraction], [float(distribution.area[0])], 1e-5,
+                 MEASURED_DISTRIBUTION, "absolute", basis="required"),
         *(
-            Row(
-                quantity=f"sigma_a at 0.1 E* with {name}",
-                unit="Pa",
-                reference=nearer,
-                norm="ratio",
-                expected=[fit.detachment_stress],
-                computed=[state.detachment_stress],
-                band=Band(
-                    low=low, high=high, cause=why, source="Carbone, Scaraggi, Tartaglino 2009", review="2027-11-21"
-                ),
-            )
+            Row(quantity=f"sigma_a at 0.1 E* with {name}", unit="Pa", reference=nearer, norm="ratio",
+                expected=[fit.detachment_stress], computed=[state.detachment_stress],
+                band=Band(low=low, high=high, cause=why, source="Carbone, Scaraggi, Tartaglino 2009",
+                          review="2027-11-21"))
             for name, state, low, high in ratios
         ),
-    )
+    )  # fmt: skip
     table = Table(
-        caption=(
-            "Double Gaussian with relaxed sigma_a and G, fitted by least squares from the barrier to five standard "
-            "deviations of the full-contact stress; G over that of full contact, residual rms over the largest P. "
-            "Half the detached width raises sigma_a by sqrt 2 and the area by a few per cent. At small loads the fit "
-            "is poor and its sigma_a means nothing."
-        ),
-        columns=[
-            "load / E*",
-            "detached width",
-            "A/A0",
-            "sigma_a / E*",
-            "fitted sigma_a / E*",
-            "fitted G / G",
-            "residual",
-        ],
-        rows=[
-            [
-                load,
-                width,
-                state.contact_fraction,
-                state.detachment_stress / MODULUS,
-                fits[load, width].detachment_stress / MODULUS,
-                fits[load, width].diffusivity * 8 * load**2 / spectrum.total_slope_variance,
-                fits[load, width].residual,
-            ]
-            for (load, width), state in states.items()
-        ],
-    )
+        caption="Double Gaussian with relaxed sigma_a and G, fitted by least squares from the barrier to five standard "
+        "deviations of the full-contact stress; G over that of full contact, residual rms over the largest P. "
+        "Half the detached width raises sigma_a by sqrt 2 and the area by a few per cent. At small loads the fit "
+        "is poor and its sigma_a means nothing.",
+        columns=["load / E*", "detached width", "A/A0", "sigma_a / E*", "fitted sigma_a / E*", "fitted G / G",
+                 "residual"],
+        rows=[[load, width, state.contact_fraction, state.detachment_stress / MODULUS,
+               fits[load, width].detachment_stress / MODULUS,
+               fits[load, width].diffusivity * 8 * load**2 / spectrum.total_slope_variance, fits[load, width].residual]
+              for (load, width), state in states.items()]
+    )  # fmt: skip
     scaled = (stress / MODULUS).tolist()
     coarser = [
-        Series(
-            label=f"zeta = {order}",
-            x=list(scaled),
-            y=(whole.pressure_distribution(stress, order * Q0) * MODULUS).tolist(),
-        )
+        trace(f"zeta = {order}", scaled, whole.pressure_distribution(stress, order * Q0) * MODULUS)
         for order in (10, 100)
     ]
-    figure = Figure(
-        id="theory-stress-distribution",
-        caption=(
-            "Stress distribution at 0.1 E* with the roughness up to three magnifications resolved, and the double "
-            "Gaussian fitted to the finest; tension is negative. Below: the fit less the theory."
+    figure = drawn(
+        "theory-stress-distribution",
+        "Stress distribution at 0.1 E* with the roughness up to three magnifications resolved, and the double "
+        "Gaussian fitted to the finest; tension is negative. Below: the fit less the theory.",
+        axes(
+            "stress / E*",
+            "P E*",
+            trace("zeta = 1000", scaled, density * MODULUS),
+            trace("fit to zeta = 1000", scaled, fit(stress) * MODULUS, "dashed"),
+            *coarser,
         ),
-        solution=Panel(
-            xlabel="stress / E*",
-            ylabel="P E*",
-            series=[
-                Series(label="zeta = 1000", x=list(scaled), y=(density * MODULUS).tolist()),
-                Series(label="fit to zeta = 1000", x=list(scaled), y=(fit(stress) * MODULUS).tolist(), style="dashed"),
-                *coarser,
-            ],
-        ),
-        error=Panel(
-            xlabel="stress / E*",
-            ylabel="fit - theory",
-            series=[Series(label="fit - theory", x=list(scaled), y=((fit(stress) - density) * MODULUS).tolist())],
-        ),
+        axes("stress / E*", "fit - theory", trace("fit - theory", scaled, (fit(stress) - density) * MODULUS)),
     )
     return Outcome(rows=rows, figures=(figure,), tables=(table,))
 
@@ -222,45 +153,23 @@ def _separation() -> Outcome:
             (below.total_energy - above.total_energy) / (above.separation - below.separation) / load / MODULUS
         )
     rows = (
-        Row(
-            quantity="-dU_tot/ds over sigma_0 at 0.005 and 0.02 E*",
-            unit="",
-            reference=Reference(kind="exact", source="work of the load; central differences over 4 % of the load"),
-            norm="relative",
-            expected=[1.0, 1.0],
-            computed=list(balance),
-            tolerance=Tolerance(value=2.5 * MEASURED_WORK, measured=MEASURED_WORK),
-        ),
-    )
+        compared("-dU_tot/ds over sigma_0 at 0.005 and 0.02 E*", "",
+                 Reference(kind="exact", source="work of the load; central differences over 4 % of the load"),
+                 [1.0, 1.0], balance, 2.5 * MEASURED_WORK, MEASURED_WORK, scale=1.0),
+    )  # fmt: skip
     reached = [None if state.separation is None else state.separation / spectrum.h_rms for state in states]
     apart = [state.separation / spectrum.h_rms for state in without]
-    figure = Figure(
-        id="theory-separation",
-        caption=(
-            "Load against separation of the mean planes with and without adhesion, and below how much closer adhesion "
-            "brings them at the same load."
-        ),
-        solution=Panel(
-            xlabel="separation / h_rms",
-            ylabel="load / E*",
-            yscale="log",
-            series=[
-                Series(label="with adhesion", x=list(reached), y=SEPARATION_LOADS.tolist(), style="points"),
-                Series(label="no adhesion", x=list(apart), y=SEPARATION_LOADS.tolist(), style="dashed"),
-            ],
-        ),
-        error=Panel(
-            xlabel="separation / h_rms without adhesion",
-            ylabel="change / h_rms",
-            series=[
-                Series(
-                    label="with less without adhesion",
-                    x=list(apart),
-                    y=[None if one is None else one - other for one, other in zip(reached, apart, strict=True)],
-                )
-            ],
-        ),
-    )
+    figure = drawn(
+        "theory-separation",
+        "Load against separation of the mean planes with and without adhesion, and below how much closer adhesion "
+        "brings them at the same load.",
+        semilogy("separation / h_rms", "load / E*",
+                 marks("with adhesion", reached, SEPARATION_LOADS),
+                 trace("no adhesion", apart, SEPARATION_LOADS, "dashed")),
+        axes("separation / h_rms without adhesion", "change / h_rms",
+             trace("with less without adhesion", apart, [None if one is None else one - other
+                   for one, other in zip(reached, apart, strict=True)]))
+    )  # fmt: skip
     return Outcome(rows=rows, figures=(figure,))
 
 

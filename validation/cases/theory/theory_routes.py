@@ -41,31 +41,15 @@ def _theory_by_quadrature() -> Outcome:
     source = Reference(kind="independent code", source="Gauss-Legendre quadrature of the definitions, line by line")
     total = float(ends[-1])
     rows = (
-        compared(
-            "contact fraction",
-            "",
-            source,
-            [float(erf(load * np.sqrt(2 / total)))],
-            [contact.contact_fraction],
-            *MEASURED_THEORY[0],
-        ),
-        compared(
-            "elastic energy",
-            "J/m^2",
-            source,
-            [MODULUS * float(np.sum(np.sum(area * measure, axis=1) / q)) / 4],
-            [contact.elastic_energy],
-            *MEASURED_THEORY[1],
-        ),
-        compared(
-            "separation",
-            "m",
-            source,
-            [float(np.sum(np.sum(gap * measure, axis=1) / q)) / 4],
-            [contact.separation],
-            *MEASURED_THEORY[2],
-        ),
-    )
+        compared("contact fraction", "", source, [float(erf(load * np.sqrt(2 / total)))], [contact.contact_fraction],
+                 *MEASURED_THEORY[0]),
+        compared("elastic energy", "J/m^2", source, [MODULUS * float(np.sum(np.sum(area * measure, axis=1) / q)) / 4],
+                 [contact.elastic_energy],
+                 *MEASURED_THEORY[1]),
+        compared("separation", "m", source, [float(np.sum(np.sum(gap * measure, axis=1) / q)) / 4],
+                 [contact.separation],
+                 *MEASURED_THEORY[2]),
+    )  # fmt: skip
     return Outcome(rows=rows)
 
 
@@ -102,23 +86,12 @@ MEASURED_THEORY = ((2e-15, 1.8e-16), (5e-15, 8.5e-16), (5e-15, 1.7e-15))
 MEASURED_ROUTES = ((6e-9, 2.1e-9), (8e-6, 3.3e-6))
 
 CASES = (
-    Case(
-        id="theory-quadrature",
-        group="theory",
-        level="quick",
-        question="Are the closed forms of the theory without adhesion the integrals they stand for?",
-        equations="A = erf(sqrt 2 sigma_0 / (E* S^1/2)),  U_el = E* / 4 int A / q dS,  narrow-band rule inside a line",
-        sources=("persson2001", "carbone2009"),
-        compute=_theory_by_quadrature,
-    ),
-    Case(
-        id="theory-energies",
-        group="theory",
-        level="quick",
-        question="Do finite volumes and the Volterra equation store the same energies in the theory with adhesion?",
-        equations="U_el = E* / 4 int A / q dS at A with adhesion,  U_ad = -gamma A M,  both at all roughness",
-        sources=("carbone2009", "persson2001"),
-        compute=_energies_by_two_routes,
-        effects=("adhesion",),
-    ),
-)
+    Case(id="theory-quadrature", group="theory", level="quick",
+         question="Are the closed forms of the theory without adhesion the integrals they stand for?",
+         equations="A = erf(sqrt 2 sigma_0 / (E* S^1/2)),  U_el = E* / 4 int A / q dS,  narrow-band rule inside a line",
+         sources=("persson2001", "carbone2009"), compute=_theory_by_quadrature),
+    Case(id="theory-energies", group="theory", level="quick",
+         question="Do finite volumes and the Volterra equation store the same energies in the theory with adhesion?",
+         equations="U_el = E* / 4 int A / q dS at A with adhesion,  U_ad = -gamma A M,  both at all roughness",
+         sources=("carbone2009", "persson2001"), compute=_energies_by_two_routes, effects=("adhesion",)),
+)  # fmt: skip

@@ -43,45 +43,33 @@ def swept_cases() -> list[HardCase]:
     for harmonics, full in ((1, 1), (10, 10), (125, 1000), (125, 4000)):
         targets = [60e-6, 40e-6] if full < 4000 else [60e-6, 48e-6]
         cases.append(
-            HardCase(
-                f"harmonics_{full}",
-                "from one contact to hundreds",
-                scene(rough(harmonics), "separation", targets, WORK, True),
-                scene(rough(full), "separation", targets, WORK, True),
-                same * len(targets),
-                reached_in_full=Reached(largest=0.02) if full == 4000 else None,
-            )
-        )
+            HardCase(f"harmonics_{full}",
+                     "from one contact to hundreds",
+                     scene(rough(harmonics), "separation", targets, WORK, True),
+                     scene(rough(full), "separation", targets, WORK, True),
+                     same * len(targets), reached_in_full=Reached(largest=0.02) if full == 4000 else None),
+        )  # fmt: skip
         if full < 4000:
             cases.append(
-                HardCase(
-                    f"harmonics_{full}_without_adhesion",
-                    "from one contact to hundreds of tiny ones",
-                    scene(rough(harmonics), "separation", targets),
-                    scene(rough(full), "separation", targets),
-                    same * len(targets),
-                    ("dense", "target_alone"),
-                )
-            )
+                HardCase(f"harmonics_{full}_without_adhesion",
+                         "from one contact to hundreds of tiny ones",
+                         scene(rough(harmonics), "separation", targets),
+                         scene(rough(full), "separation", targets),
+                         same * len(targets), ("dense", "target_alone")),
+            )  # fmt: skip
     for ratio in (-0.9, 0.0, 0.499999, 0.5):
         cases.append(
-            HardCase(
-                f"poisson_ratio_{ratio:g}",
-                "a half-space knows E/(1 - nu^2) only",
-                scene(rough(20), "separation", [60e-6, 40e-6], WORK, poisson_ratio=ratio),
-                scene(rough(1000), "separation", [60e-6, 40e-6], WORK, poisson_ratio=ratio),
-                same * 2,
-                ("dense", "plane_strain_only"),
-            )
-        )
+            HardCase(f"poisson_ratio_{ratio:g}",
+                     "a half-space knows E/(1 - nu^2) only",
+                     scene(rough(20), "separation", [60e-6, 40e-6], WORK, poisson_ratio=ratio),
+                     scene(rough(1000), "separation", [60e-6, 40e-6], WORK, poisson_ratio=ratio),
+                     same * 2, ("dense", "plane_strain_only")),
+        )  # fmt: skip
         cases.append(
-            HardCase(
-                f"poisson_ratio_{ratio:g}_layer",
-                "a layer near incompressibility and beyond",
-                scene(rough(20), "separation", [60e-6, 40e-6], WORK, thickness=5e-4, poisson_ratio=ratio),
-                scene(rough(1000), "separation", [60e-6, 40e-6], WORK, thickness=5e-4, poisson_ratio=ratio),
-                same * 2,
-                ("doubled",),
-            )
-        )
+            HardCase(f"poisson_ratio_{ratio:g}_layer",
+                     "a layer near incompressibility and beyond",
+                     scene(rough(20), "separation", [60e-6, 40e-6], WORK, thickness=5e-4, poisson_ratio=ratio),
+                     scene(rough(1000), "separation", [60e-6, 40e-6], WORK, thickness=5e-4, poisson_ratio=ratio),
+                     same * 2, ("doubled",)),
+        )  # fmt: skip
     return cases

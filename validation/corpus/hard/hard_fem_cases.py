@@ -81,15 +81,11 @@ WAVE_LAYER: Table = {
 
 def _fem_cases() -> list[FemCase]:
     edges = [[-0.05 * PERIOD, 0.08 * PERIOD]]
-    cases = [
-        FemCase(
-            f"poisson_ratio_{ratio:g}",
-            "volumetric locking towards incompressibility; an auxetic layer at the other end",
-            {"poisson_ratio": ratio, "thickness": 0.1 * PERIOD, "edges": edges, "value": 2e-6},
-            "boundary_elements",
-        )
-        for ratio in (-0.9, 0.0, 0.499999, 0.5)
-    ]
+    cases = [FemCase(f"poisson_ratio_{ratio:g}",
+                     "volumetric locking towards incompressibility; an auxetic layer at the other end",
+                     {"poisson_ratio": ratio, "thickness": 0.1 * PERIOD, "edges": edges, "value": 2e-6},
+                     "boundary_elements")
+             for ratio in (-0.9, 0.0, 0.499999, 0.5)]  # fmt: skip
     thin = {"thickness": 0.02 * PERIOD, "edges": edges, "value": 2e-7}
     rough_orders = np.arange(1, ROUGH_ORDERS + 1)
     heights = rough_orders**-1.2 * WAVE / np.sqrt(np.sum(rough_orders**-2.4) / 2)
@@ -98,97 +94,40 @@ def _fem_cases() -> list[FemCase]:
     adhesive = {"work_of_adhesion": WAVE_WORK}
     return [
         *cases,
-        FemCase(
-            "thin_incompressible_layer",
-            "a layer of 0.02 periods and nu = 0.5 is stiff by its third power",
-            thin,
-            "boundary_elements",
-        ),
-        FemCase(
-            "thin_incompressible_layer_in_complete_contact",
-            "the same, pressed flat",
-            {"thickness": 0.02 * PERIOD, "edges": "complete", "value": 1e4, **pressed},
-            "complete",
-            expected="complete_contact",
-        ),
-        FemCase(
-            "rough_thin_layer",
-            "twenty harmonics on a layer thinner than most of their wavelengths",
-            {"thickness": 0.05 * PERIOD, "poisson_ratio": 0.45, "edges": edges, "value": 4e-6, "harmonics": rough},
-            "boundary_elements",
-        ),
-        FemCase(
-            "nearly_complete_contact",
-            "the last gap closes without adhesion",
-            {"value": westergaard_pressure(0.95), **pressed},
-            "wave",
-            full={"value": westergaard_pressure(0.999)},
-        ),
-        FemCase(
-            "nearly_complete_contact_with_adhesion",
-            "the load grows tensile without limit as the last gap closes",
-            {"value": johnson_penetration(0.9), **adhesive},
-            "wave",
-            full={"value": johnson_penetration(0.99)},
-        ),
-        FemCase(
-            "tiny_load",
-            "a contact of a thousandth of the period, and of a ten-thousandth",
-            {"value": westergaard_pressure(1e-3), **pressed},
-            "wave",
-            full={"value": westergaard_pressure(1e-4)},
-        ),
-        FemCase(
-            "tension_before_pull_off",
-            "a small adhesive contact in tension, near the fold",
-            {"value": johnson_penetration(0.1), **adhesive},
-            "wave",
-        ),
+        FemCase("thin_incompressible_layer", "a layer of 0.02 periods and nu = 0.5 is stiff by its third power",
+                thin, "boundary_elements"),
+        FemCase("thin_incompressible_layer_in_complete_contact", "the same, pressed flat",
+                {"thickness": 0.02 * PERIOD, "edges": "complete", "value": 1e4, **pressed}, "complete",
+                expected="complete_contact"),
+        FemCase("rough_thin_layer", "twenty harmonics on a layer thinner than most of their wavelengths",
+                {"thickness": 0.05 * PERIOD, "poisson_ratio": 0.45, "edges": edges, "value": 4e-6, "harmonics": rough},
+                "boundary_elements"),
+        FemCase("nearly_complete_contact", "the last gap closes without adhesion",
+                {"value": westergaard_pressure(0.95), **pressed}, "wave", full={"value": westergaard_pressure(0.999)}),
+        FemCase("nearly_complete_contact_with_adhesion", "the load grows tensile without limit as the last gap closes",
+                {"value": johnson_penetration(0.9), **adhesive}, "wave", full={"value": johnson_penetration(0.99)}),
+        FemCase("tiny_load", "a contact of a thousandth of the period, and of a ten-thousandth",
+                {"value": westergaard_pressure(1e-3), **pressed}, "wave", full={"value": westergaard_pressure(1e-4)}),
+        FemCase("tension_before_pull_off", "a small adhesive contact in tension, near the fold",
+                {"value": johnson_penetration(0.1), **adhesive}, "wave"),
         FemCase("weak_adhesion", "1e-8 J/m^2", {"value": 2e-5, "work_of_adhesion": 1e-8}, "boundary_elements"),
         FemCase("strong_adhesion", "100 J/m^2", {"value": 2e-5, "work_of_adhesion": 100.0}, "boundary_elements"),
-        FemCase(
-            "units_times_1e6",
-            "lengths and stresses in units a million times smaller",
-            {
-                "youngs_modulus": MODULUS * 1e6,
-                "thickness": 2e6 * PERIOD,
-                "period": 1e6 * PERIOD,
-                "harmonics": ([1], [WAVE * 1e6], [0.0]),
-                "value": 1e6 * johnson_penetration(0.5),
-                "work_of_adhesion": 1e12 * WAVE_WORK,
-            },
-            "wave",
-        ),
-        FemCase(
-            "uncovered_crest",
-            "two equal crests and one patch: the other crest enters the layer",
-            {"harmonics": ([2], [WAVE], [0.0]), "value": 2e-5},
-            "status_only",
-            expected="interpenetration",
-        ),
-        FemCase(
-            "beyond_pull_off",
-            "a penetration at which no contact is left",
-            {"value": -5e-5, **adhesive},
-            "status_only",
-            expected="refused: value",
-        ),
+        FemCase("units_times_1e6", "lengths and stresses in units a million times smaller",
+                {"youngs_modulus": MODULUS * 1e6, "thickness": 2e6 * PERIOD, "period": 1e6 * PERIOD,
+                "harmonics": ([1], [WAVE * 1e6], [0.0]), "value": 1e6 * johnson_penetration(0.5),
+                "work_of_adhesion": 1e12 * WAVE_WORK}, "wave"),
+        FemCase("uncovered_crest", "two equal crests and one patch: the other crest enters the layer",
+                {"harmonics": ([2], [WAVE], [0.0]), "value": 2e-5}, "status_only", expected="interpenetration"),
+        FemCase("beyond_pull_off", "a penetration at which no contact is left",
+                {"value": -5e-5, **adhesive}, "status_only", expected="refused: value"),
         FemCase("apart", "nothing in contact, no adhesion", {"value": -1e-6}, "status_only", expected="refused: value"),
-        FemCase(
-            "narrower_than_the_mesh",
-            "a patch of 1e-7 periods",
-            {"edges": [[0.0, 1e-7 * PERIOD]], "value": 1e-6},
-            "status_only",
-            expected="refused: edges",
-        ),
-        FemCase(
-            "incompressible_by_displacement",
-            "complete contact of an incompressible layer knows no displacement but one",
-            {"edges": "complete", "control": "total_displacement", "value": 1e-6},
-            "status_only",
-            expected="refused: control",
-        ),
-    ]
+        FemCase("narrower_than_the_mesh", "a patch of 1e-7 periods",
+                {"edges": [[0.0, 1e-7 * PERIOD]], "value": 1e-6}, "status_only", expected="refused: edges"),
+        FemCase("incompressible_by_displacement",
+                "complete contact of an incompressible layer knows no displacement but one",
+                {"edges": "complete", "control": "total_displacement", "value": 1e-6}, "status_only",
+                expected="refused: control"),
+    ]  # fmt: skip
 
 
 FEM_CASES: tuple[FemCase, ...] = tuple(_fem_cases())

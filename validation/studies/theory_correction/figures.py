@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.drawings import drawn, loglog, marks, semilogx, shaded, trace
+from validation.harness.schema import Figure, Series
 from validation.studies.theory_correction.judge import CALIBRATED, PLAIN, Judged
 
 
@@ -25,33 +26,17 @@ def figures_of(judged: Sequence[Judged]) -> list[Figure]:
         words = "with" if adhesive else "without"
         at = [one.contact_fraction for one in some]
         figures.append(
-            Figure(
-                id=f"landing-correction-{words}-adhesion",
-                caption=f"Hold-out {words} adhesion: contact fraction by the plain and the corrected theory against "
-                "that of the ensembles; below the relative errors with two standard errors of the ensembles.",
-                solution=Panel(
-                    xlabel="contact fraction of the ensembles",
-                    ylabel="of the theory",
-                    xscale="log",
-                    yscale="log",
-                    series=[
-                        Series(label="calibrated", x=at, y=_times(some, CALIBRATED), style="points"),
-                        Series(label="plain theory", x=at, y=_times(some, PLAIN), style="points"),
-                        Series(label="equal", x=[min(at), max(at)], y=[min(at), max(at)]),
-                    ],
-                ),
-                error=Panel(
-                    xlabel="contact fraction of the ensembles",
-                    ylabel="relative error",
-                    xscale="log",
-                    series=[
-                        Series(label="calibrated", x=at, y=[one.area[CALIBRATED] for one in some], style="points"),
-                        Series(label="plain theory", x=at, y=[one.area[PLAIN] for one in some], style="points"),
-                        _noise(some),
-                    ],
-                ),
-            )
-        )
+            drawn(f"landing-correction-{words}-adhesion",
+                  f"Hold-out {words} adhesion: contact fraction by the plain and the corrected theory against "
+                  "that of the ensembles; below the relative errors with two standard errors of the ensembles.",
+                  loglog("contact fraction of the ensembles", "of the theory",
+                         marks("calibrated", at, _times(some, CALIBRATED)),
+                         marks("plain theory", at, _times(some, PLAIN)),
+                         trace("equal", [min(at), max(at)], [min(at), max(at)])),
+                  semilogx("contact fraction of the ensembles", "relative error",
+                           marks("calibrated", at, [one.area[CALIBRATED] for one in some]),
+                           marks("plain theory", at, [one.area[PLAIN] for one in some]), _noise(some))),
+        )  # fmt: skip
         figures.append(_separation_figure(some, words))
     return figures
 
@@ -60,34 +45,17 @@ def _separation_figure(some: Sequence[Judged], words: str) -> Figure:
     ordered = sorted(some, key=lambda one: one.separation)
     at = [one.separation for one in ordered]
     noise: list[float | None] = [known(2 * one.separation_noise / one.separation) for one in ordered]
-    return Figure(
-        id=f"correction-separation-{words}-adhesion",
-        caption=f"Hold-out {words} adhesion: relative error of the separation, before and after, with two standard "
-        "errors of the ensembles.",
-        solution=Panel(
-            xlabel="separation of the ensembles / h_rms",
-            ylabel="relative error",
-            xscale="log",
-            series=[
-                *(
-                    Series(
-                        label=name,
-                        x=at,
-                        y=[known(one.separations.get(name, np.nan) / one.separation - 1) for one in ordered],
-                        style="points",
-                    )
-                    for name in (CALIBRATED, PLAIN)
-                ),
-                Series(
-                    label="two standard errors",
-                    x=at,
-                    y=[None if value is None else -value for value in noise],
-                    upper=noise,
-                    style="band",
-                ),
-            ],
-        ),
-    )
+    return drawn(f"correction-separation-{words}-adhesion",
+                 f"Hold-out {words} adhesion: relative error of the separation, before and after, with two standard "
+                 "errors of the ensembles.",
+                 semilogx("separation of the ensembles / h_rms", "relative error",
+                          *(
+                              marks(name, at,
+                                    [known(one.separations.get(name, np.nan) / one.separation - 1) for one in ordered])
+                              for name in (CALIBRATED, PLAIN)
+                          ),
+                          shaded("two standard errors", at, [None if value is None else -value for value in noise],
+                                 noise)))  # fmt: skip
 
 
 def _times(some: Sequence[Judged], name: str) -> list[float | None]:
@@ -97,13 +65,8 @@ def _times(some: Sequence[Judged], name: str) -> list[float | None]:
 def _noise(some: Sequence[Judged]) -> Series:
     ordered = sorted(some, key=lambda one: one.contact_fraction)
     noise: list[float | None] = [2 * one.area_noise for one in ordered]
-    return Series(
-        label="two standard errors",
-        x=[one.contact_fraction for one in ordered],
-        y=[None if value is None else -value for value in noise],
-        upper=noise,
-        style="band",
-    )
+    return shaded("two standard errors", [one.contact_fraction for one in ordered],
+                  [None if value is None else -value for value in noise], noise)  # fmt: skip
 
 
 def known(value: float) -> float | None:

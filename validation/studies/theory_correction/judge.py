@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ FloatArray = NDArray[np.float64]
 PLAIN, CALIBRATED = "plain", "calibrated"
 WITH_ADHESION = ("yang_persson_2008", "wang_muser_2017", "xu_2024")  # a drift in every iteration costs minutes
 COARSE = 0.4  # resolution of the plain theory with adhesion: 1e-3 of the area
+SOLID: Any = {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO}
 FINE_STRESSES = np.linspace(-0.5, 1.5, 4001)  # of E*
 
 
@@ -160,43 +162,24 @@ def rms(values: Sequence[float]) -> float:
 
 
 def _plain(lines: DiscreteSpectrum, load: float, work: float | None, height: float) -> Said:
-    found = persson.solve(
-        lines,
-        load * MODULUS,
-        youngs_modulus=YOUNGS_MODULUS,
-        poisson_ratio=POISSON_RATIO,
-        work_of_adhesion=work,
-        resolution=COARSE,
-    )
-    separation = np.nan if found.separation is None else found.separation / height
-    return Said(found.contact_fraction, separation, _share(found.pressure_distribution), found.status)
+    return _whole(persson.solve(lines, load * MODULUS, **SOLID, work_of_adhesion=work, resolution=COARSE), height)
 
 
 def _corrected(lines: DiscreteSpectrum, load: float, work: float | None, height: float, correction: Correction) -> Said:
-    found = persson.corrected.solve(
-        lines,
-        load * MODULUS,
-        youngs_modulus=YOUNGS_MODULUS,
-        poisson_ratio=POISSON_RATIO,
-        work_of_adhesion=work,
-        correction=correction,
-    )
-    separation = np.nan if found.separation is None else found.separation / height
-    return Said(found.contact_fraction, separation, _share(found.pressure_distribution), found.status)
+    asked: Any = {"work_of_adhesion": work, "correction": correction}
+    return _whole(persson.corrected.solve(lines, load * MODULUS, **SOLID, **asked), height)
 
 
 def _literature(lines: DiscreteSpectrum, load: float, work: float | None, correction: Correction) -> Said:
-    found = persson.corrected.solve(
-        lines,
-        load * MODULUS,
-        youngs_modulus=YOUNGS_MODULUS,
-        poisson_ratio=POISSON_RATIO,
-        work_of_adhesion=work,
-        correction=correction,
-        with_separation=False,
-        resolution=COARSE,
-    )
+    asked: Any = {"work_of_adhesion": work, "correction": correction, "with_separation": False, "resolution": COARSE}
+    found = persson.corrected.solve(lines, load * MODULUS, **SOLID, **asked)
     return Said(found.contact_fraction, status=found.status)
+
+
+def _whole(found: Any, height: float) -> Said:
+    """All that a contact of the theory says."""
+    separation = np.nan if found.separation is None else found.separation / height
+    return Said(found.contact_fraction, separation, _share(found.pressure_distribution), found.status)
 
 
 def _share(density: Callable[[FloatArray], FloatArray]) -> FloatArray:

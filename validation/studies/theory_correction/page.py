@@ -84,16 +84,12 @@ def outcome(
 
 def case_of(made: Outcome) -> Case:
     """The page as a case of a report."""
-    return Case(
-        id=CASE,
-        group="correction of the theory",
-        level="full",
-        question=QUESTION,
-        equations=EQUATIONS,
-        sources=("carbone2009", "persson2001", "yang2008", "almqvist2011", "wang2017", "dapp2014", "yastrebov2017"),
-        compute=lambda: made,
-        effects=("half_space", "adhesion", "pressure_distribution"),
-    )
+    return Case(id=CASE, group="correction of the theory", level="full",
+                question=QUESTION,
+                equations=EQUATIONS,
+                sources=("carbone2009", "persson2001", "yang2008", "almqvist2011", "wang2017", "dapp2014",
+                "yastrebov2017"), compute=lambda: made,
+                effects=("half_space", "adhesion", "pressure_distribution"))  # fmt: skip
 
 
 def separation_error(one: Judged, name: str) -> float:
@@ -215,19 +211,10 @@ def _uncertainties(judged: Sequence[Judged]) -> Table:
     return Table(
         caption="How certain: relative error of the contact fraction on the hold-out; the rms column is the standard "
         "uncertainty to be used. Part of it is the noise of the ensembles it was judged by, in the last column.",
-        columns=[
-            "adhesion",
-            "p/(E* h'_rms)",
-            "loads",
-            "plain theory, rms",
-            "calibrated, rms",
-            "mean",
-            "largest",
-            f"share within {AIM:g}",
-            "noise of the ensembles, rms",
-        ],
-        rows=rows,
-    )
+        columns=["adhesion", "p/(E* h'_rms)", "loads", "plain theory, rms", "calibrated, rms", "mean", "largest",
+                 f"share within {AIM:g}", "noise of the ensembles, rms"],
+        rows=rows
+    )  # fmt: skip
 
 
 def _aims(judged: Sequence[Judged]) -> Table:
@@ -300,12 +287,9 @@ def _all(judged: Sequence[Judged]) -> Table:
         columns=["group", "p/E*", "realisations", "A/A0", "standard error", "plain", "calibrated", "s/h_rms",
                  "standard error of s", "s plain", "s calibrated", "distance plain", "distance calibrated",
                  "noise of the distance", "remark"],
-        rows=[
-            [one.group, one.load, one.realisations, one.contact_fraction, one.contact_fraction * one.area_noise,
-             one.area[PLAIN], one.area[CALIBRATED], one.separation, known(one.separation_noise),
-             known(one.separations.get(PLAIN, np.nan)), known(one.separations.get(CALIBRATED, np.nan)),
-             one.distribution[PLAIN], one.distribution[CALIBRATED],
-             known(one.distribution_noise), one.remark]
-            for one in judged
-        ],
+        rows=[[one.group, one.load, one.realisations, one.contact_fraction, one.contact_fraction * one.area_noise,
+               one.area[PLAIN], one.area[CALIBRATED], one.separation, known(one.separation_noise),
+               known(one.separations.get(PLAIN, np.nan)), known(one.separations.get(CALIBRATED, np.nan)),
+               one.distribution[PLAIN], one.distribution[CALIBRATED], known(one.distribution_noise), one.remark]
+              for one in judged]
     )  # fmt: skip

@@ -23,7 +23,7 @@ from fem_reference.result import quantities
 from fem_reference.solve import closed, control_of, problem_of
 from persson import AdhesiveContact, DiscreteSpectrum
 from persson import solve as persson_solve
-from validation.references.dense_newton import solve_dense
+from validation.references.dense_equilibrium import solve_dense
 from validation.references.paper_method import PaperState, follow
 from validation.references.paper_method import solve as paper_solve
 from validation.references.posed_contacts import Answer, Found, MethodError, Posed, overlap, scene_tables
@@ -186,71 +186,32 @@ NOT_THEORY = {
 PERSSON_SETTINGS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 METHODS: tuple[Method, ...] = (
-    Method(
-        name="bem",
-        code="bem",
-        knob="accuracy.tolerance",
-        fixed="path from first touch, increments 0.05 rms heights",
-        settings=(1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
-        scenes=("sinusoid", "layer", "rough"),
-        solve=solve_bem,
-        cannot={},
-    ),
-    Method(
-        name="bem, dense",
-        code="bem",
-        knob="nodes per patch",
-        fixed="Newton on K from the geometric overlap: patches given, no path, no search for contacts",
-        settings=(4, 6, 8, 10, 12, 16, 20, 24),
-        scenes=("sinusoid", "layer"),
-        solve=solve_dense,
-        cannot={"rough": "without a path and a search for contacts it does not know the patches"},
-    ),
-    Method(
-        name="fem",
-        code="fem",
-        knob="mesh: order, cells, tip levels",
-        fixed="closure from crests on a scouting mesh, then one mesh; half-space: layer of three periods",
-        settings=((2, 4, 4), (2, 6, 6), (2, 8, 8), (2, 12, 10), (4, 6, 11), (4, 8, 14), (4, 12, 19)),
-        scenes=("sinusoid", "layer"),
-        solve=solve_fem,
-        cannot=NOT_ROUGH,
-        slow=1,
-    ),
-    Method(
-        name="paper's method",
-        code="paper's method",
-        knob="cells per patch",
-        fixed=f"closure {PAPER_CLOSURE:g}; rough: {PATH_CLOSURE:g}, path of {PATH_STEPS} steps from first touch",
-        settings=(4, 8, 16, 32, 64, 128, 256),
-        scenes=("sinusoid", "layer", "rough"),
-        solve=solve_paper,
-        cannot={},
-        other_settings={"rough": (4, 6, 8, 12, 16, 24)},
-    ),
-    Method(
-        name="persson, finite volumes",
-        code="persson, finite volumes",
-        knob="resolution",
-        fixed=f"mean pressure {PERSSON_LOAD:g} Pa, no separation",
-        settings=PERSSON_SETTINGS,
-        scenes=("theory",),
-        solve=persson_finite_volumes,
-        cannot=NOT_THEORY,
-        slow=2,
-    ),
-    Method(
-        name="persson, volterra",
-        code="persson, volterra",
-        knob="resolution",
-        fixed=f"mean pressure {PERSSON_LOAD:g} Pa, no separation",
-        settings=PERSSON_SETTINGS,
-        scenes=("theory",),
-        solve=persson_volterra,
-        cannot=NOT_THEORY,
-        slow=2,
-    ),
-)
+    Method(name="bem", code="bem", knob="accuracy.tolerance",
+           fixed="path from first touch, increments 0.05 rms heights",
+           settings=(1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12), scenes=("sinusoid", "layer", "rough"), solve=solve_bem,
+           cannot={}),
+    Method(name="bem, dense", code="bem", knob="nodes per patch",
+           fixed="Newton on K from the geometric overlap: patches given, no path, no search for contacts",
+           settings=(4, 6, 8, 10, 12, 16, 20, 24), scenes=("sinusoid", "layer"), solve=solve_dense,
+           cannot={"rough": "without a path and a search for contacts it does not know the patches"}),
+    Method(name="fem", code="fem", knob="mesh: order, cells, tip levels",
+           fixed="closure from crests on a scouting mesh, then one mesh; half-space: layer of three periods",
+           settings=((2, 4, 4), (2, 6, 6), (2, 8, 8), (2, 12, 10), (4, 6, 11), (4, 8, 14), (4, 12, 19)),
+           scenes=("sinusoid", "layer"), solve=solve_fem,
+           cannot=NOT_ROUGH, slow=1),
+    Method(name="paper's method", code="paper's method", knob="cells per patch",
+           fixed=f"closure {PAPER_CLOSURE:g}; rough: {PATH_CLOSURE:g}, path of {PATH_STEPS} steps from first touch",
+           settings=(4, 8, 16, 32, 64, 128, 256), scenes=("sinusoid", "layer", "rough"), solve=solve_paper,
+           cannot={}, other_settings={"rough": (4, 6, 8, 12, 16, 24)}),
+    Method(name="persson, finite volumes", code="persson, finite volumes", knob="resolution",
+           fixed=f"mean pressure {PERSSON_LOAD:g} Pa, no separation",
+           settings=PERSSON_SETTINGS, scenes=("theory",), solve=persson_finite_volumes,
+           cannot=NOT_THEORY, slow=2),
+    Method(name="persson, volterra", code="persson, volterra", knob="resolution",
+           fixed=f"mean pressure {PERSSON_LOAD:g} Pa, no separation",
+           settings=PERSSON_SETTINGS, scenes=("theory",), solve=persson_volterra,
+           cannot=NOT_THEORY, slow=2),
+)  # fmt: skip
 
 
 def _answer(contact_fraction: float, mean_pressure: float, elastic_energy: float, gap: float) -> Answer:

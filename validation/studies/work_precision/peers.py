@@ -24,18 +24,12 @@ def _method(spacings: int, finest: int, finest_rough: int) -> Method:
     At c = 8 the lattice holds edges so much that a grid of 2^14 takes three times the iterations of c = 16; on the
     rough profile the wider range costs more.
     """
-    return Method(
-        name=f"fft, c = {spacings}",
-        code="fft",
-        knob="points of the grid",
-        fixed=f"cohesion along {spacings} spacings; rough: path of {STEPS} steps from first touch",
-        settings=tuple(points for points in POINTS if points <= finest),
-        scenes=("sinusoid", "rough"),
-        solve=partial(solve_fft, spacings=spacings),
-        cannot={"layer": "the package knows layers under areas, not under lines"},
-        slow=2,
-        other_settings={"rough": tuple(points for points in POINTS if points <= finest_rough)},
-    )
+    return Method(name=f"fft, c = {spacings}", code="fft", knob="points of the grid",
+                  fixed=f"cohesion along {spacings} spacings; rough: path of {STEPS} steps from first touch",
+                  settings=tuple(points for points in POINTS if points <= finest), scenes=("sinusoid", "rough"),
+                  solve=partial(solve_fft, spacings=spacings),
+                  cannot={"layer": "the package knows layers under areas, not under lines"}, slow=2,
+                  other_settings={"rough": tuple(points for points in POINTS if points <= finest_rough)})  # fmt: skip
 
 
 FFT_METHODS: tuple[Method, ...] = (_method(8, 2**15, 2**16), _method(16, 2**16, 2**13))

@@ -14,12 +14,10 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from validation.harness.execution import Ended, Running, run_alone
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
 from validation.references import fft_adhesion as fft_methods
@@ -41,10 +39,6 @@ QUICK_SCENES = ("sinusoid", "theory")
 QUICK_PRICES, PRICES = (60, 1), (250, 2)  # harmonics of the rough scene, runs of each effect
 PRICE_COLUMNS = ("effect", "on top of", "cpu/s", "extra/s", "ratio", "evaluations", "digits", "reference")
 REPEATS, SECONDS = (20, 2.0), (2, 0.3)  # most repeats and seconds for them: in full, quick
-
-
-Item = TypeVar("Item")
-Answered = TypeVar("Answered")
 
 
 @dataclass(frozen=True)
@@ -137,7 +131,7 @@ def run(
             task = Task(posed, method, method.settings_for(posed.id, quick), repeats, seconds)
             name = f"{posed.id}, {method.name}"
             decides = (posed, method.fixed, task.settings, repeats, seconds)
-            answer = _alone(list[Timed], measured, task, name, answers, *decides)
+            answer = answers.alone(list[Timed], measured, task, name, *decides)
             timed = answer if isinstance(answer, list) else [Timed("all", f"{type(answer).__name__}: {answer}")]
             reference = references.get(source_for(posed.id, method, known).name)
             points += [point_of(posed, method, entry, reference) for entry in timed]
@@ -255,8 +249,8 @@ def _timed(task: Task, setting: Any) -> Timed:
 def _prices(quick: bool, answers: Answers, failures: list[str]) -> tuple[list[Price], list[str]]:
     """The price list and what it says in words."""
     harmonics, runs = QUICK_PRICES if quick else PRICES
-    answer = _alone(list[Price], priced, (harmonics, runs), f"price list, {harmonics} harmonics", answers, runs)
-    loaded = _alone(list[str], loaded_for_nothing, harmonics, "the bare scene, alone", answers, harmonics)
+    answer = answers.alone(list[Price], priced, (harmonics, runs), f"price list, {harmonics} harmonics", runs)
+    loaded = answers.alone(list[str], loaded_for_nothing, harmonics, "the bare scene, alone", harmonics)
     if not isinstance(answer, list) or not isinstance(loaded, list):
         failures.append(f"price list: {answer if isinstance(answer, Exception) else loaded}")
         return [], []
@@ -277,35 +271,12 @@ def _references(
     found: dict[str, Reference] = {}
     for name, source in wanted.items():
         task = f"{posed.id}, reference: {name}"
-        answer = _alone(Reference, computed_reference, (source, posed), task, answers, posed)
+        answer = answers.alone(Reference, computed_reference, (source, posed), task, posed)
         if isinstance(answer, Reference):
             found[name] = answer
         else:
             failures.append(f"{posed.id}, reference {name}: {type(answer).__name__}: {answer}")
     return found
-
-
-def _alone(
-    form: type[Answered], function: Callable[[Item], Answered], item: Item, name: str, answers: Answers, *decides: Any
-) -> Answered | Exception:
-    """The answer of a function in a process of its own, or its exception; one that is kept is taken."""
-    known = answers.kept(form, name, *decides)
-    if known is not None:
-        return known
-    report = answers.report
-    report(Note(f"{name}: started"))
-    begun = time.monotonic()
-    answer: Answered | Exception = RuntimeError("no answer")
-    with closing(run_alone(function, item)) as events:
-        for event in events:
-            if isinstance(event, Running):
-                report(Note(f"{name}: {event.seconds[0]:.0f} s"))
-            elif isinstance(event, Ended):
-                answer = event.answer
-    report(Note(f"{name}: {time.monotonic() - begun:.1f} s"))
-    if not isinstance(answer, Exception):
-        answers.keep(form, answer, name, *decides)
-    return answer
 
 
 def _is(point: Point, scene: str, method: str) -> bool:
