@@ -78,14 +78,14 @@ class Finding:
         return self.caught or bool(self.failed)
 
     @property
-    def met(self) -> bool:
-        """Whether the case that must notice it does."""
-        return self.fault.case in {*self.failed, *(sight.case for sight in self.sights)}
+    def excesses(self) -> dict[str, float]:
+        """Cases that caught it and the largest error over what is allowed in each, the largest last."""
+        return {sight.case: sight.excess for sight in sorted(self.sights, key=lambda sight: sight.excess)}
 
     @property
     def excess(self) -> float:
         """Largest error over what is allowed; nan if nothing saw it."""
-        return max((sight.excess for sight in self.sights), default=math.nan)
+        return max(self.excesses.values(), default=math.nan)
 
 
 @dataclass
@@ -101,8 +101,7 @@ class Search:
     @classmethod
     def of(cls, finding: Finding) -> Search:
         """The search that a fault which is seen begins with, predicted from its excess."""
-        best = sorted(finding.sights, key=lambda sight: -sight.excess)
-        keen = list(dict.fromkeys(sight.case for sight in best))[:KEEN]
+        keen = sorted(finding.excesses, key=lambda case: -finding.excesses[case])[:KEEN]
         reach = math.log10(finding.excess) if 1 < finding.excess < math.inf else 0.0
         seen = -round(math.log10(finding.size))
         return cls(finding, keen, min(seen + int(reach), LAST_DECADE - 1), seen)
@@ -112,7 +111,7 @@ class Search:
 
         Examples
         --------
-        >>> search = Search(Finding(Fault("f", "w", "m.py", "a", "b", "c", "s")), [], predicted=5)
+        >>> search = Search(Finding(Fault("f", "w", "m", "a", "b", "c", "s")), [], predicted=5)
         >>> search.next_decade()
         6
         >>> search.lost = 6

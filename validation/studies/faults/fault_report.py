@@ -17,15 +17,7 @@ SCHEMA = "linecontact-faults/2"
 def lines_of(findings: Iterable[Finding]) -> list[Line]:
     """The findings as lines of the figure of faults against cases."""
     return [
-        Line(
-            name=finding.fault.id,
-            excesses={
-                case: max(sight.excess for sight in finding.sights if sight.case == case)
-                for case in {sight.case for sight in finding.sights}
-            },
-            apart={*finding.failed, *finding.apart},
-            asked=finding.asked,
-        )
+        Line(finding.fault.id, finding.excesses, {*finding.failed, *finding.apart}, finding.asked)
         for finding in findings
     ]
 
@@ -34,9 +26,9 @@ def failures_of(findings: Iterable[Finding]) -> list[str]:
     """What the study asks for and did not get, one line each."""
     lines = []
     for finding in findings:
-        if not finding.met:
-            others = sorted({*finding.failed, *(sight.case for sight in finding.sights)})
-            told = f"noticed by {', '.join(others)}" if others else "nothing notices it"
+        others = {*finding.failed, *finding.excesses}
+        if finding.fault.case not in others:
+            told = f"noticed by {', '.join(sorted(others))}" if others else "nothing notices it"
             lines.append(f"{finding.fault.id}: {finding.fault.case}, which must notice it, does not; {told}")
     return lines
 
@@ -45,14 +37,13 @@ def table_of(findings: Iterable[Finding]) -> str:
     """The table on stdout."""
     lines = [f"{'fault':34} {'caught by':>9} {'error/allowed':>13} {'smallest':>9} {'keenest case'}"]
     for finding in findings:
-        cases = {sight.case for sight in finding.sights}
         best = max(finding.sights, key=lambda sight: sight.excess, default=None)
         unseen = f"by name: {', '.join(sorted(finding.failed))}" if finding.failed else "NOTHING"
         keenest = unseen if best is None else f"{best.case}: {best.quantity}"
         smallest = "-" if finding.smallest is None else f"{finding.smallest:.0e}"
         apart = f"  [apart: {', '.join(sorted(finding.apart))}]" if finding.apart else ""
         lines.append(
-            f"{finding.fault.id:34} {len(cases):>3} of {len(finding.asked):<2} {finding.excess:>13.3g} "
+            f"{finding.fault.id:34} {len(finding.excesses):>3} of {len(finding.asked):<2} {finding.excess:>13.3g} "
             f"{smallest:>9} {keenest}{apart}"
         )
     return "\n".join(lines)
