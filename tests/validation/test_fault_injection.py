@@ -1,116 +1,116 @@
-"""Patches: they reach every module that holds the name, every kind of target, and count that they were called."""
+"""Faults as changes of text: they fit the sources, reach all that uses the copy, are counted, and leave no trace."""
 
 import signal
 import sys
-import types
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from validation.studies.faults import fault_injection
-from validation.studies.faults.fault_injection import FaultError, Task, examine, inject
+from validation.harness.registry import registry
+from validation.studies.faults.fault_injection import Task, examine
+from validation.studies.faults.fault_table import SIZE, FaultError, Studied, faults_in
+
+FAULTS = faults_in()
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.id)
+def test_fault_fits_the_sources(fault):
+    """The message names fault and file: there the code has moved, and `before` is to be moved with it."""
+    text = (Studied(()).root / fault.file).read_text("utf-8")
+    assert Studied((fault,)).functions()
+    for size in (1.0, 1e-3):
+        wrong = fault.changed(text, size)
+        compile(wrong, fault.file, "exec")
+        assert wrong != text
+    assert (SIZE in fault.after) == bool(fault.size)
+
+
+def test_faults_of_all_packages_have_different_names_and_cases_of_the_quick_level():
+    assert {fault.case for fault in FAULTS} <= {case.id for case in registry() if case.level == "quick"}
+    assert len({fault.id for fault in FAULTS}) == len(FAULTS) >= 65
+    assert {Path(fault.file).parts[0] for fault in FAULTS} == {"bem", "fem_reference", "persson", "validation"}
 
 
 @pytest.fixture
-def example(monkeypatch):
-    """A fresh copy of the example module, seen as a package of the project."""
+def studied(monkeypatch):
+    """The example, importable here."""
     monkeypatch.syspath_prepend(str(Path(__file__).parent))
-    for name in ("example_faults", "example_cases"):
-        monkeypatch.delitem(sys.modules, name, raising=False)
+    for name in [name for name in sys.modules if name.split(".")[0] in ("example_faults", "example_cases")]:
+        monkeypatch.delitem(sys.modules, name)
     import example_faults
 
-    yield example_faults
-    sys.modules.pop("example_faults", None)
+    return example_faults.STUDIED
 
 
-def off(original, size):
-    return lambda *given: original(*given) + size
+def examined(studied, folder, fault, *cases):
+    chosen = next((known for known in studied.faults if known.id == fault), None)
+    return examine(studied, folder, Task(chosen, 0.5, cases))
+
+
+def test_every_use_of_a_function_has_the_fault(studied, tmp_path):
+    cases = (("uses-function", 10.0), ("uses-function-loosely", 10.0))  # by its name, and by a table of functions
+    answer = examined(studied, tmp_path, "off", *cases)
+    assert [record.rows[0].computed for record in answer.records] == [[1.5], [1.5]]
+    assert answer.calls == {"uses-function": {"off": 1}, "uses-function-loosely": {"off": 1}}
+
+
+def test_control_counts_for_all_faults_and_changes_nothing(studied, tmp_path):
+    answer = examined(studied, tmp_path, None, ("uses-function", 10.0), ("uses-method", 10.0))
+    assert [record.rows[0].computed for record in answer.records] == [[1.0], [4.0]]
+    assert answer.calls == {"uses-function": {"off": 1, "crash": 1, "blank": 1}, "uses-method": {"die": 1}}
+
+
+def test_nothing_stays_of_a_fault(studied, tmp_path):
+    def seen():
+        handlers = [signal.getsignal(number) for number in (signal.SIGPROF, signal.SIGALRM)]
+        return sys.modules["example_faults"], list(sys.path), sys.gettrace(), handlers
+
+    source = studied.root / studied.faults[0].file
+    before, text = seen(), source.read_text()
+    examined(studied, tmp_path, "off", ("uses-function", 10.0))
+    assert seen() == before
+    assert source.read_text() == text
+    assert list(tmp_path.iterdir()) == []
+    assert [signal.getitimer(timer)[0] for timer in (signal.ITIMER_PROF, signal.ITIMER_REAL)] == [0.0, 0.0]
 
 
 @pytest.mark.parametrize(
-    ("target", "use", "value"),
+    ("change", "told"),
     [
-        ("right", lambda module: module.right(1.0), 1.0),
-        ("table", lambda module: module.table(2), 4.0),
-        ("right", lambda module: module.FUNCTIONS["right"](1.0), 1.0),
-        ("Thing.size", lambda module: module.Thing().size, 3.0),
-        ("Thing.kept", lambda module: module.Thing().kept, 3.0),
-        ("Thing.made", lambda module: module.Thing.made(5.0), 5.0),
-        ("Thing.method", lambda module: module.Thing().method(), 3.0),
+        ({"before": "return y\n"}, r"example_faults/sources.py holds 'return y\\n' 0 times, exactly once is needed"),
+        ({"before": "return"}, r"holds 'return' \d+ times"),
+        ({"before": "FUNCTIONS"}, "is in no function"),
+        ({"file": "example_faults/absent.py"}, "absent.py: No such file"),
     ],
-    ids=["function", "cached function", "table of functions", "property", "cached property", "classmethod", "method"],
+    ids=["gone", "several", "not in a function", "no file"],
 )
-def test_fault_takes_effect_and_is_counted(example, target, use, value):
-    assert use(example) == value
-    counter = inject(f"example_faults:{target}", off, 0.5)
-    assert counter.calls == 0
-    assert use(example) == value + 0.5
-    assert counter.calls == 1
+def test_fault_that_does_not_fit_is_refused(studied, change, told):
+    unfit = replace(studied.faults[0], **change)
+    with pytest.raises(FaultError, match=f"^off: .*{told}"):
+        replace(studied, faults=(unfit,)).functions()
 
 
-def test_module_that_imported_the_name_has_the_fault_too(example, monkeypatch):
-    monkeypatch.setattr(fault_injection, "PACKAGES", ("importer",))
-    importer = types.ModuleType("importer")
-    importer.renamed = example.right
-    monkeypatch.setitem(sys.modules, "importer", importer)
-    inject("example_faults:right", off, 0.5)
-    assert importer.renamed(1.0) == 1.5
+@pytest.mark.parametrize("line", ["", "surprise = 1", "before = 3"], ids=["missing", "unknown", "no text"])
+def test_malformed_table_is_refused(tmp_path, line):
+    (tmp_path / "some.toml").write_text(f'["f".off]\nwhat = "w"\nafter = "a"\n{line}\n')
+    with pytest.raises(FaultError, match=r"^some.toml: off: "):
+        faults_in((tmp_path / "some.toml",))
 
 
 @pytest.mark.parametrize(
-    "target", ["example_faults:absent", "example_faults:Thing.value", "nowhere:f", "example_faults"]
+    ("case", "message"),
+    [("spins", "no answer in 0.2 s of the processor"), ("waits", "no answer in 2 s")],
 )
-def test_target_that_cannot_be_replaced_is_refused(example, target):
-    with pytest.raises(FaultError, match=target.split(":")[0]):
-        inject(target, off, 0.5)
-
-
-def test_crash_under_a_fault_is_a_record_with_its_message(example):
-    answer = examine(Task("example_faults", "crash", 1.0, (("uses-function", 10.0),), ("example_faults",)))
-    assert [(record.status, record.message) for record in answer.records] == [
-        ("error", "ZeroDivisionError: a fault divides by zero")
-    ]
-    assert answer.calls == {"uses-function": {"example_faults:right": 1}}
-
-
-def test_control_counts_all_targets_and_changes_nothing(example):
-    answer = examine(Task("example_faults", None, 0.0, (("uses-function", 10.0),), ("example_faults",)))
-    assert answer.records[0].rows[0].computed == [1.0]
-    assert answer.calls["uses-function"] == {
-        "example_faults:right": 1,
-        "example_faults:table": 0,
-        "example_faults:never": 0,
-    }
-
-
-def spin():
-    while True:
-        pass
-
-
-@pytest.mark.parametrize(
-    ("compute", "message"),
-    [("spin", "no answer in 0.2 s of the processor"), ("wait", "no answer in 2 s")],
-    ids=["works on", "waits"],
-)
-def test_case_without_end_is_cut_off(example, monkeypatch, compute, message):
-    endless = {"spin": spin, "wait": example.example_cases.wait}[compute]
-    monkeypatch.setattr(example, "CASES", (example.case("endless", endless),))
-    answer = examine(Task("example_faults", "off", 1.0, (("endless", 0.2),), ("example_faults",)))
+def test_case_without_end_is_cut_off(studied, tmp_path, case, message):
+    answer = examined(replace(studied, modules=("example_faults.endless",)), tmp_path, "off", (case, 0.2))
     assert answer.records[0].message == f"TooSlowError: {message}"
 
 
-def test_seconds_by_the_clock_alone_cut_no_case_off(example, monkeypatch):
+def test_seconds_by_the_clock_alone_cut_no_case_off(studied, tmp_path):
     """On a busy machine a case waits for its turn; here it sleeps through several times its limit."""
-    monkeypatch.setattr(example, "CASES", (example.case("sleeps", example.example_cases.dawdle),))
-    answer = examine(Task("example_faults", "off", 1.0, (("sleeps", 0.5),), ("example_faults",)))
-    assert answer.records[0].status == "run"
-    assert answer.records[0].seconds < 0.5
-
-
-def test_timers_and_handlers_are_as_before(example):
-    timers = ((signal.SIGPROF, signal.ITIMER_PROF), (signal.SIGALRM, signal.ITIMER_REAL))
-    before = [signal.getsignal(number) for number, _ in timers]
-    examine(Task("example_faults", "off", 1.0, (("uses-function", 10.0),), ("example_faults",)))
-    assert [signal.getsignal(number) for number, _ in timers] == before
-    assert [signal.getitimer(timer)[0] for _, timer in timers] == [0.0, 0.0]
+    (record,) = examined(
+        replace(studied, modules=("example_faults.endless",)), tmp_path, "off", ("sleeps", 0.5)
+    ).records
+    assert record.status == "run"
+    assert record.seconds < 0.5

@@ -1,40 +1,42 @@
-"""The study of faults: what is caught and by how much, what is not counted, and five faults of the real catalogue."""
+"""The study of faults: what is caught and by how much, what is not counted, and five faults of the real tables."""
 
 import json
 import sys
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import pytest
 
+from validation.__main__ import main
 from validation.harness.execution import run_each_alone
+from validation.harness.runner import record_of
 from validation.harness.schema import Band
 from validation.studies.answers import Answers
 from validation.studies.faults import faults
-from validation.studies.faults.fault_catalogue import CATALOGUE, QUICK
 from validation.studies.faults.fault_findings import Finding, Search, compared, excess_of
-from validation.studies.faults.fault_injection import Examined, Fault, Task
-from validation.studies.faults.faults import answers_of, control_run, examine_faults
+from validation.studies.faults.fault_injection import Examined, Task
+from validation.studies.faults.fault_table import Fault, Studied, faults_in
+from validation.studies.faults.faults import Runs, control_run, examine_faults
 
 HERE = Path(__file__).parent
-SHORT = ("states.fault_gaps", "theory.theory_routes", "suite.harness")  # modules of cases below a second
-SHORT = tuple(f"validation.cases.{name}" for name in SHORT)
+SHORT = ("exact.sinusoid", "states.fault_gaps", "states.identities", "theory.theory_routes", "suite.harness")
+QUICK = Studied(tuple(f for f in faults_in() if f.quick), modules=tuple(f"validation.cases.{name}" for name in SHORT))
 
 
 def silent(note):
     return None
 
 
-def nothing_kept(folder):
-    return Answers(folder, "now", silent)
+def runs(folder, studied=QUICK, jobs=1):
+    return Runs(studied, Answers(folder, "now", silent), jobs)
 
 
 @pytest.fixture
 def example(monkeypatch):
-    """The example catalogue, importable here and by worker processes."""
+    """The example, importable here and by worker processes."""
     monkeypatch.syspath_prepend(str(HERE))
-    sys.modules.pop("example_faults", None)
+    for name in [name for name in sys.modules if name.split(".")[0] == "example_faults"]:
+        monkeypatch.delitem(sys.modules, name)
     import example_faults
 
     return example_faults
@@ -42,11 +44,13 @@ def example(monkeypatch):
 
 @pytest.fixture(scope="module")
 def studied(tmp_path_factory):
-    """The whole study of the example catalogue, once: exit code and faults.json."""
+    """The whole study of the example, once: exit code, faults.json and folder."""
     folder = tmp_path_factory.mktemp("faults")
     sys.path.insert(0, str(HERE))
     try:
-        code = faults.run(folder, False, silent, "example_faults", ("example_faults",))
+        import example_faults
+
+        code = faults.run(folder, False, silent, example_faults.STUDIED)
     finally:
         sys.path.remove(str(HERE))
     return code, json.loads((folder / "faults.json").read_text()), folder
@@ -59,7 +63,7 @@ def fault_of(studied, name):
 def test_fault_is_caught_by_the_row_that_moved_and_by_how_much(studied):
     found = fault_of(studied, "off")
     assert found["caught"]
-    by = {sight["case"]: sight["error_over_allowed"] for sight in found["caught_by"]}
+    by = {sight["case"]: sight["excess"] for sight in found["caught_by"]}
     assert by == pytest.approx({"uses-function": 1000.0, "uses-function-loosely": 1 / 0.3})
 
 
@@ -69,7 +73,7 @@ def test_smallest_size_is_a_decade_that_is_caught_beside_one_that_is_not(studied
 
 
 @pytest.mark.parametrize(
-    ("name", "message"), [("crash", "divides by zero"), ("blank", "answer"), ("die", "ended without an answer")]
+    ("name", "message"), [("crash", "division by zero"), ("blank", "answer"), ("die", "ended without an answer")]
 )
 def test_what_fails_by_name_is_noticed_and_not_counted_as_caught(studied, name, message):
     found = fault_of(studied, name)
@@ -77,11 +81,17 @@ def test_what_fails_by_name_is_noticed_and_not_counted_as_caught(studied, name, 
     assert any(message in told for told in found["crashes_and_refusals"].values())
 
 
-def test_study_fails_for_what_nothing_catches_and_what_is_never_called(studied):
+def test_study_fails_for_what_its_case_does_not_notice(studied):
     code, content, _ = studied
     assert code == 1
-    assert [line.split(":")[0] for line in content["failures"]] == ["never"]
-    assert "no case calls example_faults:never" in content["failures"][-1]
+    assert content["failures"] == ["never: uses-function, which must notice it, does not; nothing notices it"]
+
+
+def test_other_case_that_notices_is_named(example, tmp_path):
+    loosely = replace(example.FAULTS[0], case="uses-method")
+    assert faults.run(tmp_path, True, silent, replace(example.STUDIED, faults=(loosely,))) == 1
+    (line,) = json.loads((tmp_path / "faults.json").read_text())["failures"]
+    assert line.endswith("uses-method, which must notice it, does not; noticed by uses-function, uses-function-loosely")
 
 
 def test_planned_faults_are_reported(studied):
@@ -96,14 +106,12 @@ def test_figure_shows_every_fault(studied):
 def test_red_base_proves_nothing(example, tmp_path, monkeypatch, capsys):
     red = Examined((faults_record(example, example.red),), {})
     monkeypatch.setattr(faults, "control_run", lambda *_: red)
-    assert faults.run(tmp_path, True, silent, "example_faults", ("example_faults",)) == 1
+    assert faults.run(tmp_path, True, silent, example.STUDIED) == 1
     assert "control run is not green: red: deviates" in capsys.readouterr().out
     assert json.loads((tmp_path / "faults.json").read_text())["faults"] == []
 
 
 def faults_record(example, compute):
-    from validation.harness.runner import record_of
-
     return record_of(example.case(compute.__name__, compute), compute(), 0.1)
 
 
@@ -131,7 +139,7 @@ def test_excess_of_a_band_is_counted_from_its_middle(example):
 @pytest.mark.parametrize("last", [0, 1, 4, 9, 15])
 @pytest.mark.parametrize("predicted", [0, 3, 12])
 def test_search_ends_at_the_last_decade_that_is_seen(last, predicted):
-    search = Search(Finding(Fault("f", "w", "m:f", lambda f, s: f, "s")), [], predicted)
+    search = Search(Finding(Fault("f", "w", "m", "a", "b", "c", "s")), [], predicted)
     asked = 0
     while (decade := search.next_decade()) is not None:
         asked += 1
@@ -143,42 +151,39 @@ def test_search_ends_at_the_last_decade_that_is_seen(last, predicted):
     assert (search.seen, search.lost) == (last, last + 1)
 
 
-def test_catalogue_has_25_faults_of_different_names_in_all_parts():
-    assert len({fault.id for fault in CATALOGUE}) == len(CATALOGUE) >= 25
-    assert {fault.target.split(".")[0] for fault in CATALOGUE} == {"bem", "fem_reference", "persson", "validation"}
-
-
-def test_target_that_does_not_exist_stops_the_study(example, monkeypatch):
-    task = Task("example_faults", "lost", 1.0, (("uses-function", 1.0),), ("example_faults",))
-    lost = replace(example.CATALOGUE[0], id="lost", target="example_faults:lost")
-    monkeypatch.setattr(example, "CATALOGUE", (lost,))
-    from validation.studies.faults.fault_injection import FaultError, examine
-
-    with pytest.raises(FaultError, match="lost"):
-        examine(task)
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"before": "return y"}, "off: example_faults/sources.py holds 'return y' 0 times, exactly once is needed"),
+        ({"case": "gone"}, "off: its case is none of uses-function, uses-function-loosely, uses-method"),
+    ],
+    ids=["text", "case"],
+)
+def test_fault_that_does_not_fit_is_refused_before_anything_runs(example, tmp_path, monkeypatch, capsys, change, told):
+    unfit = replace(example.STUDIED, faults=(replace(example.FAULTS[0], **change),))
+    monkeypatch.setattr(faults, "Studied", lambda _: unfit)
+    assert main(["study", "faults", "--quick", "--out", str(tmp_path)]) == 2
+    assert capsys.readouterr().err == f"error: {told}\n"
+    assert not (tmp_path / "answers").exists()
 
 
 @pytest.fixture(scope="module")
 def control(tmp_path_factory):
-    return control_run(faults.CATALOGUE, True, 1, nothing_kept(tmp_path_factory.mktemp("control")), SHORT)
+    return control_run(runs(tmp_path_factory.mktemp("control")), QUICK.faults, True)
 
 
-@pytest.mark.parametrize("name", QUICK)
-def test_fault_of_the_solver_or_the_harness_is_caught(control, name, tmp_path):
-    chosen = [fault for fault in import_module(faults.CATALOGUE).CATALOGUE if fault.id == name]
-    (finding,) = examine_faults(chosen, faults.CATALOGUE, control, 1, nothing_kept(tmp_path), SHORT)
+@pytest.mark.parametrize("fault", QUICK.faults, ids=lambda fault: fault.id)
+def test_fault_of_the_solver_or_the_harness_is_caught(control, fault, tmp_path, monkeypatch):
+    monkeypatch.setattr(faults, "SHOWN_SECONDS", 0.0)  # shown to the case that must notice it alone
+    (finding,) = examine_faults(runs(tmp_path), [fault], control)
     assert finding.calls > 0
-    assert finding.caught
+    assert fault.case in finding.excesses
 
 
 def test_answers_come_in_the_order_of_the_tasks(example, tmp_path):
-    tasks = [
-        Task("example_faults", "off", size, (("uses-function", 10.0),), ("example_faults",)) for size in (0.5, 0.25)
-    ]
-    assert [answer.records[0].rows[0].computed for answer in answers_of(tasks, 2, nothing_kept(tmp_path))] == [
-        [1.5],
-        [1.25],
-    ]
+    tasks = [Task(example.FAULTS[0], size, (("uses-function", 10.0),)) for size in (0.5, 0.25)]
+    answers = runs(tmp_path, example.STUDIED, 2).answers(tasks)
+    assert [answer.records[0].rows[0].computed for answer in answers] == [[1.5], [1.25]]
 
 
 def test_interrupted_study_goes_on_to_the_same_report(studied, example, tmp_path, monkeypatch):
@@ -190,15 +195,15 @@ def test_interrupted_study_goes_on_to_the_same_report(studied, example, tmp_path
         yield from run_each_alone(function, tasks, jobs)
 
     def noted(function, tasks, jobs):
-        begun.extend(task.fault for task in tasks)
+        begun.extend(task.fault and task.fault.id for task in tasks)
         yield from run_each_alone(function, tasks, jobs)
 
     monkeypatch.setattr(faults, "run_each_alone", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        faults.run(tmp_path, True, silent, "example_faults", ("example_faults",))
+        faults.run(tmp_path, True, silent, example.STUDIED)
     monkeypatch.setattr(faults, "run_each_alone", noted)
     for asked in (["off"], []):  # the control run is not repeated, then nothing is
-        assert faults.run(tmp_path, True, silent, "example_faults", ("example_faults",)) == 0
+        assert faults.run(tmp_path, True, silent, example.STUDIED) == 0
         assert begun == asked
         begun.clear()
     first = json.loads((tmp_path / "faults.json").read_text())

@@ -13,9 +13,11 @@ from dataclasses import dataclass, field
 from validation.harness.compare import error_of, error_over_tolerance
 from validation.harness.schema import CaseRecord, Row
 from validation.harness.verdict import GATING, verdict_of
-from validation.studies.faults.fault_injection import Examined, Fault, TooSlowError
+from validation.studies.faults.fault_injection import Examined, TooSlowError
+from validation.studies.faults.fault_table import Fault
 
 LAST_DECADE = 16
+KEEN = 3  # cases that are asked about smaller sizes: those that saw the fault best
 MISSED = frozenset({"deviates", "changed"})  # verdicts by which a fault counts as caught
 
 
@@ -38,15 +40,15 @@ class Finding:
     ----------
     fault : Fault
     asked : list of str
-        Cases that were shown it at size 1.
+        Cases that were shown it.
     sights : list of Sight
-        At size 1.
+        At `size`.
     failed : dict of str to str
         Case to message: crashes, refusals, no number, not converged.
     apart : dict of str to str
         Case to message: cut off, rows that are there only with or only without the fault.
     calls : int
-        Of the wrong function.
+        Of the function with the fault.
     size : float
         At which `sights` are: 1, or less where the codes only refuse or crash at 1.
     smallest : float or None
@@ -76,9 +78,14 @@ class Finding:
         return self.caught or bool(self.failed)
 
     @property
+    def excesses(self) -> dict[str, float]:
+        """Cases that caught it and the largest error over what is allowed in each, the largest last."""
+        return {sight.case: sight.excess for sight in sorted(self.sights, key=lambda sight: sight.excess)}
+
+    @property
     def excess(self) -> float:
         """Largest error over what is allowed; nan if nothing saw it."""
-        return max((sight.excess for sight in self.sights), default=math.nan)
+        return max(self.excesses.values(), default=math.nan)
 
 
 @dataclass
@@ -91,12 +98,20 @@ class Search:
     seen: int = 0
     lost: int | None = None
 
+    @classmethod
+    def of(cls, finding: Finding) -> Search:
+        """The search that a fault which is seen begins with, predicted from its excess."""
+        keen = sorted(finding.excesses, key=lambda case: -finding.excesses[case])[:KEEN]
+        reach = math.log10(finding.excess) if 1 < finding.excess < math.inf else 0.0
+        seen = -round(math.log10(finding.size))
+        return cls(finding, keen, min(seen + int(reach), LAST_DECADE - 1), seen)
+
     def next_decade(self) -> int | None:
         """The exponent to try, None when the bracket is a decade wide.
 
         Examples
         --------
-        >>> search = Search(Finding(Fault("f", "w", "m:f", lambda f, s: f, "s")), [], predicted=5)
+        >>> search = Search(Finding(Fault("f", "w", "m", "a", "b", "c", "s")), [], predicted=5)
         >>> search.next_decade()
         6
         >>> search.lost = 6
@@ -115,13 +130,7 @@ class Search:
 
 
 def compared(control: Examined, answer: Examined) -> tuple[list[Sight], dict[str, str], dict[str, str]]:
-    """Rows whose verdict changed to a miss, what failed by name, and what says nothing, by case.
-
-    Parameters
-    ----------
-    control, answer : Examined
-        Without and with the fault.
-    """
+    """Rows whose verdict changed to a miss, what failed by name, and what says nothing, by case."""
     before = {record.id: record for record in control.records}
     sights: list[Sight] = []
     failed, apart = dict(answer.ended), dict[str, str]()
@@ -146,12 +155,7 @@ def compared(control: Examined, answer: Examined) -> tuple[list[Sight], dict[str
 
 
 def excess_of(row: Row) -> float:
-    """Error over what is allowed; of a band the distance from its middle over half its width.
-
-    Parameters
-    ----------
-    row : Row
-    """
+    """Error over what is allowed; of a band the distance from its middle over half its width."""
     if row.band is None:
         return error_over_tolerance(row)
     middle, half = (row.band.low + row.band.high) / 2, (row.band.high - row.band.low) / 2
@@ -159,12 +163,7 @@ def excess_of(row: Row) -> float:
 
 
 def bad(verdict: str) -> bool:
-    """Whether a verdict gates.
-
-    Parameters
-    ----------
-    verdict : str
-    """
+    """Whether a verdict gates."""
     return verdict in GATING
 
 

@@ -1,40 +1,34 @@
-"""Faults put into the running code: a function, method or property is replaced by a wrong one, and its calls counted.
+"""A fault put into a copy of the sources, and cases run there.
 
-Files are never edited.  A module that took the name by `from m import f` holds the function itself, so the
-replacement goes into every loaded module of the four packages, and into the tables of functions that they keep.
-What is imported later finds the wrong one in the module that defines it.  A fault leaves traces (tables computed
-once, objects made with it), so each is examined in a process of its own: `examine` runs there.  It does not judge:
-verdicts are given where no fault is (faults.py).  Limits: constants are not replaced, since nothing would show that
-they were used; a case that runs too long is cut off by a signal, on POSIX systems only.  What counts is the time of
-the processor, which does not depend on what else the machine does; a case that waits is cut off by the clock.
+The packages are copied, one file of the copy is changed, and the copy stands first on the path while the cases are
+imported and run: every module, table of functions and worker process has the fault, the sources are never touched.
+`examine` does not judge: verdicts are given where no fault is (faults.py).  Calls of the functions that faults change
+are counted; one that keeps what it computed (lru_cache) counts only what it computes.  Limits: a case that runs too
+long is cut off by a signal, on POSIX systems only.  What counts is the time of the processor, which does not depend
+on what else the machine does; a case that waits is cut off by the clock.
 """
 
 from __future__ import annotations
 
-import inspect
+import shutil
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import cached_property, wraps
+from dataclasses import dataclass, replace
 from importlib import import_module
+from importlib.util import cache_from_source
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import FrameType
 from typing import Any
 
-from validation.harness.case import Case
-from validation.harness.registry import registry
-from validation.harness.runner import failed_record, record_of
 from validation.harness.schema import CaseRecord
+from validation.studies.faults.fault_table import Fault, FaultError, Studied
 
 WAITS = 10.0  # times the limit: the time by the clock after which a case is cut off, too
-PACKAGES = ("bem", "fem_reference", "persson", "validation")
-Function = Callable[..., Any]
-
-
-class FaultError(ValueError):
-    """A fault that cannot be put into the code."""
 
 
 class TooSlowError(RuntimeError):
@@ -42,57 +36,20 @@ class TooSlowError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Fault:
-    """One wrong piece of code.
-
-    Parameters
-    ----------
-    id : str
-        Lower case words joined by hyphens.
-    what : str
-        What is wrong, in a few words.
-    target : str
-        "module:function", "module:Class.method" or "module:Class.property".
-    wrong : callable
-        From the right function and a size to the wrong function.
-    size : str
-        What size 1 means, for a fault that can be made smaller; empty when it is there or not.
-    """
-
-    id: str
-    what: str
-    target: str
-    wrong: Callable[[Function, float], Function]
-    size: str = ""
-
-
-@dataclass(frozen=True)
 class Task:
-    """A fault of a size and the cases that are to be run under it; no fault: all targets are counted.
+    """A fault of a size and ids of cases, with the seconds of the processor after which each is cut off.
 
-    Parameters
-    ----------
-    catalogue : str
-        Module whose `CATALOGUE` holds the fault.
-    fault : str or None
-        Its id; None for the control.
-    size : float
-    cases : tuple of (str, float)
-        Ids, and the seconds of the processor after which a case is cut off.
-    modules : tuple of str
-        Of the registry of cases; empty: all.
+    Without a fault, calls are counted for all faults: the control.
     """
 
-    catalogue: str
-    fault: str | None
+    fault: Fault | None
     size: float
     cases: tuple[tuple[str, float], ...]
-    modules: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Examined:
-    """What came out of the cases, without figures, and how often the targets were called in each (by target).
+    """What came out of the cases, without figures, and how often each called what the faults change (by fault).
 
     The seconds of the records are those of the processor.
     `ended` holds (case, message) where the process itself came to an end.
@@ -103,137 +60,83 @@ class Examined:
     ended: tuple[tuple[str, str], ...] = ()
 
 
-@dataclass
-class Counter:
-    """How often a target was called."""
+def examine(studied: Studied, folder: Path, task: Task) -> Examined:
+    """Run the cases of a task in a copy of the sources, made in a folder and removed again.
 
-    calls: int = 0
-
-
-def unchanged(original: Function, size: float) -> Function:
-    """The fault that is none.
-
-    Parameters
-    ----------
-    original : callable
-    size : float
-        Of no consequence.
+    In a process of its own: libraries may keep traces of a fault.  FaultError where the fault does not fit.
     """
-    return original
-
-
-def scaled(excess: float) -> Callable[[Function, float], Function]:
-    """A fault by which the result is wrong by a factor.
-
-    Parameters
-    ----------
-    excess : float
-        The factor is 1 + size times this.
-
-    Examples
-    --------
-    >>> scaled(1.0)(abs, 0.5)(-2.0)
-    3.0
-    """
-
-    def wrong(original: Function, size: float) -> Function:
-        return lambda *given, **named: original(*given, **named) * (1 + size * excess)
-
-    return wrong
-
-
-def inject(target: str, wrong: Callable[[Function, float], Function], size: float) -> Counter:
-    """Replace a target everywhere; the counter of its calls.
-
-    Parameters
-    ----------
-    target : str
-        As of `Fault`.
-    wrong : callable
-        From the right function and the size to the wrong function.
-    size : float
-        1: the fault itself.
-
-    Raises
-    ------
-    FaultError
-        No such target.
-    """
-    module_name, _, path = target.partition(":")
-    try:
-        owner: Any = import_module(module_name)
-        *parents, name = path.split(".")
-        for parent in parents:
-            owner = getattr(owner, parent)
-        original = inspect.getattr_static(owner, name)
-    except (ImportError, AttributeError) as error:
-        raise FaultError(f"{target}: {error}") from error
-    counter = Counter()
-
-    def replaced(function: Function) -> Function:
-        other = wrong(function, size)
-
-        @wraps(function)
-        def counted(*given: Any, **named: Any) -> Any:
-            counter.calls += 1
-            return other(*given, **named)
-
-        return counted
-
-    if isinstance(original, property):
-        if original.fget is None:
-            raise FaultError(f"{target}: a property that cannot be read")
-        setattr(owner, name, property(replaced(original.fget)))
-    elif isinstance(original, cached_property):
-        cached = cached_property(replaced(original.func))
-        cached.__set_name__(owner, name)
-        setattr(owner, name, cached)
-    elif isinstance(original, classmethod | staticmethod):
-        setattr(owner, name, type(original)(replaced(original.__func__)))
-    elif not callable(original):
-        raise FaultError(f"{target}: neither function, method nor property")
-    elif inspect.isclass(owner):
-        setattr(owner, name, replaced(original))
-    else:
-        _replace_everywhere(original, replaced(original), {*PACKAGES, module_name.split(".")[0]})
-    return counter
-
-
-def examine(task: Task) -> Examined:
-    """Run the cases of a task; in a process of its own.
-
-    Parameters
-    ----------
-    task : Task
-
-    Raises
-    ------
-    FaultError
-        A target that does not exist.
-    """
-    known = {case.id: case for case in (registry(task.modules) if task.modules else registry())}
-    faults: Iterable[Fault] = import_module(task.catalogue).CATALOGUE
-    if task.fault is None:
-        counters = {target: inject(target, unchanged, 0.0) for target in {fault.target for fault in faults}}
-    else:
-        chosen = next(fault for fault in faults if fault.id == task.fault)
-        counters = {chosen.target: inject(chosen.target, chosen.wrong, task.size)}
-    records, calls = [], {}
-    for name, limit in task.cases:
-        before = {target: counter.calls for target, counter in counters.items()}
-        records.append(_computed(known[name], limit))
-        calls[name] = {target: counter.calls - before[target] for target, counter in counters.items()}
+    places: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
+    with TemporaryDirectory(dir=folder) as name:
+        tree = Path(name)
+        shown = studied if task.fault is None else replace(studied, faults=(task.fault,))
+        for fault, (file, function) in shown.functions().items():
+            places[str(tree / file), function].append(fault)
+        for package in studied.packages:
+            shutil.copytree(studied.root / package, tree / package)
+        if task.fault is not None:
+            changed = tree / task.fault.file
+            changed.write_text(task.fault.changed(changed.read_text("utf-8"), task.size), "utf-8")
+            Path(cache_from_source(str(changed))).unlink(missing_ok=True)
+        records, calls = [], {}
+        with _imported_from(tree, studied.packages):
+            known = {case.id: case for case in import_module("validation.harness.registry").registry(studied.modules)}
+            for case, limit in task.cases:
+                with _counted(places) as counter:
+                    record = _computed(known[case], limit)
+                records.append(CaseRecord.model_validate(record.model_dump()))  # of our class, not of the copy's
+                calls[case] = dict(counter)
     return Examined(tuple(records), calls)
 
 
-def _computed(case: Case, limit: float) -> CaseRecord:
+@contextmanager
+def _imported_from(tree: Path, packages: tuple[str, ...]) -> Iterator[None]:
+    """In the block, the packages are imported from a copy; behind it, they are as before."""
+
+    def taken_out() -> dict[str, Any]:
+        return {name: sys.modules.pop(name) for name in list(sys.modules) if name.split(".")[0] in packages}
+
+    before = taken_out()
+    sys.path.insert(0, str(tree))
+    try:
+        for package in packages:
+            found = import_module(package).__file__
+            if found is None or not Path(found).is_relative_to(tree):
+                raise FaultError(f"{package} is imported from {found}, not from the copy {tree}")
+        yield
+    finally:
+        sys.path.remove(str(tree))
+        taken_out()
+        sys.modules.update(before)
+
+
+@contextmanager
+def _counted(places: Mapping[tuple[str, str], list[str]]) -> Iterator[Counter[str]]:
+    """In the block, calls of the functions at these places (file, qualified name) are counted, by the names given."""
+    counter: Counter[str] = Counter()
+
+    def count(frame: FrameType, event: str, argument: Any) -> None:
+        code = frame.f_code
+        for name in places.get((code.co_filename, code.co_qualname), ()):
+            counter[name] += 1
+
+    before = sys.gettrace()
+    sys.settrace(count)
+    try:
+        yield counter
+    finally:
+        sys.settrace(before)
+
+
+def _computed(case: Any, limit: float) -> Any:
+    """Record of a case of the copy, made by the copy."""
+    runner = import_module("validation.harness.runner")
     begun = time.process_time()
     try:
         with _cut_off(limit):
             outcome = case.compute()
-        record = record_of(case, outcome, time.process_time() - begun)
+        record = runner.record_of(case, outcome, time.process_time() - begun)
     except (Exception, SystemExit) as error:
-        record = failed_record(case, f"{type(error).__name__}: {error}", time.process_time() - begun)
+        record = runner.failed_record(case, f"{type(error).__name__}: {error}", time.process_time() - begun)
     return record.model_copy(update={"figures": [], "drawn": [], "tables": [], "scene": ""})
 
 
@@ -261,15 +164,3 @@ def _cut_off(limit: float) -> Iterator[None]:
         for (number, timer, _), handler in zip(timers, before, strict=True):
             signal.setitimer(timer, 0)
             signal.signal(number, handler)
-
-
-def _replace_everywhere(original: Function, other: Function, packages: set[str]) -> None:
-    for name, module in list(sys.modules.items()):
-        if name.split(".")[0] not in packages:
-            continue
-        space = vars(module)
-        for key, value in list(space.items()):
-            if value is original:
-                space[key] = other
-            elif isinstance(value, dict) and key != "__builtins__":
-                value.update({entry: other for entry, held in value.items() if held is original})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import asdict
 from typing import Any
 
 from validation.harness.verdict import case_verdicts
@@ -10,59 +11,39 @@ from validation.report.fault_matrix import Line
 from validation.studies.faults.fault_findings import Finding
 from validation.studies.faults.fault_injection import Examined
 
-SCHEMA = "linecontact-faults/1"
+SCHEMA = "linecontact-faults/2"
 
 
 def lines_of(findings: Iterable[Finding]) -> list[Line]:
     """The findings as lines of the figure of faults against cases."""
     return [
-        Line(
-            name=finding.fault.id,
-            excesses={
-                case: max(sight.excess for sight in finding.sights if sight.case == case)
-                for case in {sight.case for sight in finding.sights}
-            },
-            apart={*finding.failed, *finding.apart},
-            asked=finding.asked,
-        )
+        Line(finding.fault.id, finding.excesses, {*finding.failed, *finding.apart}, finding.asked)
         for finding in findings
     ]
 
 
 def failures_of(findings: Iterable[Finding]) -> list[str]:
-    """What the study asks for and did not get, one line each.
-
-    Parameters
-    ----------
-    findings : iterable of Finding
-    """
+    """What the study asks for and did not get, one line each."""
     lines = []
     for finding in findings:
-        name = finding.fault.id
-        if not finding.calls and not finding.noticed and not finding.apart:
-            lines.append(f"{name}: no case calls {finding.fault.target}")
-        elif not finding.noticed:
-            lines.append(f"{name}: nothing catches it; asked: {', '.join(finding.asked)}")
+        others = {*finding.failed, *finding.excesses}
+        if finding.fault.case not in others:
+            told = f"noticed by {', '.join(sorted(others))}" if others else "nothing notices it"
+            lines.append(f"{finding.fault.id}: {finding.fault.case}, which must notice it, does not; {told}")
     return lines
 
 
 def table_of(findings: Iterable[Finding]) -> str:
-    """The table on stdout.
-
-    Parameters
-    ----------
-    findings : iterable of Finding
-    """
+    """The table on stdout."""
     lines = [f"{'fault':34} {'caught by':>9} {'error/allowed':>13} {'smallest':>9} {'keenest case'}"]
     for finding in findings:
-        cases = {sight.case for sight in finding.sights}
         best = max(finding.sights, key=lambda sight: sight.excess, default=None)
         unseen = f"by name: {', '.join(sorted(finding.failed))}" if finding.failed else "NOTHING"
         keenest = unseen if best is None else f"{best.case}: {best.quantity}"
         smallest = "-" if finding.smallest is None else f"{finding.smallest:.0e}"
         apart = f"  [apart: {', '.join(sorted(finding.apart))}]" if finding.apart else ""
         lines.append(
-            f"{finding.fault.id:34} {len(cases):>3} of {len(finding.asked):<2} {finding.excess:>13.3g} "
+            f"{finding.fault.id:34} {len(finding.excesses):>3} of {len(finding.asked):<2} {finding.excess:>13.3g} "
             f"{smallest:>9} {keenest}{apart}"
         )
     return "\n".join(lines)
@@ -71,19 +52,7 @@ def table_of(findings: Iterable[Finding]) -> str:
 def content_of(
     facts: dict[str, Any], control: Examined, findings: Iterable[Finding], planned: int, failures: list[str]
 ) -> dict[str, Any]:
-    """Contents of faults.json.
-
-    Parameters
-    ----------
-    facts : dict
-        Provenance.
-    control : Examined
-    findings : iterable of Finding
-    planned : int
-        Faults that were to be examined.
-    failures : list of str
-        What was not met.
-    """
+    """Contents of faults.json: provenance, control, findings, faults that were to be examined, what was not met."""
     return {
         "schema": SCHEMA,
         "provenance": facts,
@@ -94,26 +63,14 @@ def content_of(
             for record in control.records
         ],
         "faults": [
-            {
-                "id": finding.fault.id,
-                "what": finding.fault.what,
-                "target": finding.fault.target,
-                "size": finding.fault.size,
+            asdict(finding.fault)
+            | {
                 "caught": finding.caught,
                 "noticed": finding.noticed,
                 "calls": finding.calls,
                 "size_shown": finding.size,
                 "asked": finding.asked,
-                "caught_by": [
-                    {
-                        "case": sight.case,
-                        "quantity": sight.quantity,
-                        "verdict": sight.verdict,
-                        "error": sight.error,
-                        "error_over_allowed": sight.excess,
-                    }
-                    for sight in sorted(finding.sights, key=lambda sight: -sight.excess)
-                ],
+                "caught_by": [asdict(sight) for sight in sorted(finding.sights, key=lambda sight: -sight.excess)],
                 "crashes_and_refusals": finding.failed,
                 "apart": finding.apart,
                 "smallest_size_caught": finding.smallest,

@@ -1,27 +1,28 @@
-"""Would the suite notice?  Every fault of a catalogue is put into the running code, and the cases say what they see.
+"""Would the suite notice?  Every fault of the tables is put into a copy of the sources, and cases say what they see.
 
-A control run without faults must be green: a catalogue on a red base proves nothing.  It also counts which cases call
-which target; a fault is then shown to every case that calls it and is not too long.  A fault is caught by a row
-whose verdict turns from passing to `deviates` or `changed`: a number moved out of what is allowed.  Crashes, refusals
-and values that are no numbers make the run fail as well, by name: such a fault is noticed.  Cases cut off are listed
-apart and do not count.  Verdicts are given here, where no fault is: a judge that is itself the fault would acquit
-itself, so the case of the harness brings known rows before it and counts its errors; in everyday use the baseline of
-that case pins the count.
+A control run without faults must be green: faults on a red base prove nothing.  It also counts which cases call the
+function that a fault changes; a fault is then shown to the case that must notice it, and to the others that call it
+as long as these are short.  A fault is caught by a row whose verdict turns from passing to `deviates` or `changed`: a
+number moved out of what is allowed.  Crashes, refusals and values that are no numbers make the run fail as well, by
+name: such a fault is noticed.  Cases cut off are listed apart and do not count.  Verdicts are given here, where no
+fault is: a judge that is itself the fault would acquit itself, so the case of the harness brings known rows before it
+and counts its errors; in everyday use the baseline of that case pins the count.
 
 By how much: error over what is allowed, of a band the distance from its middle over half its width.  A fault with a
 size is made smaller in decades until no case sees it, starting where the measured excess predicts, with the cases
-that saw it best.  A patch that was never called, a red control or a fault that nothing catches fails the study.
-Finished answers are kept (answers.py): an interrupted study goes on.
+that saw it best.  A red control, or a fault that its case does not notice, fails the study; a fault that does not fit
+the sources is refused before anything runs.  Finished answers are kept (answers.py): an interrupted study goes on.
 """
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
-from importlib import import_module
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from validation.harness import baseline
 from validation.harness.execution import Ended, run_each_alone
@@ -31,56 +32,87 @@ from validation.harness.runner import Note
 from validation.harness.verdict import case_verdicts
 from validation.report.fault_matrix import write_matrix
 from validation.studies.answers import Answers, answers_in
-from validation.studies.faults.fault_findings import LAST_DECADE, Finding, Search, bad, compared
-from validation.studies.faults.fault_injection import Examined, Fault, FaultError, Task, examine
+from validation.studies.faults.fault_findings import Finding, Search, bad, compared
+from validation.studies.faults.fault_injection import Examined, Task, examine
 from validation.studies.faults.fault_report import content_of, failures_of, lines_of, table_of
+from validation.studies.faults.fault_table import Fault, FaultError, Studied, faults_in
 from validation.studies.store import write_json
 
 FILE, FIGURE = "faults.json", "faults.svg"
-CATALOGUE = "validation.studies.faults.fault_catalogue"
-QUICK_SECONDS, FULL_SECONDS = 1.0, 30.0  # longest case that takes part
-SHOWN_SECONDS = 20.0  # of cases shown a fault, shortest first; the others only if these do not see it
+QUICK_SECONDS, FULL_SECONDS = 1.0, 30.0  # longest case that takes part, unless it must notice a fault
+SHOWN_SECONDS = 20.0  # of cases shown a fault besides the one that must notice it, shortest first
 PATIENCE = (5.0, 3.0)  # a case is cut off after so many times its seconds of the processor, and so many more
-RETRIED = (1e-1, 1e-2, 1e-3)  # sizes at which a fault is shown again that at size 1 is only refused
-KEEN = 3  # cases that are asked about smaller sizes: those that saw the fault best
+SIZES = (1.0, 1e-1, 1e-2, 1e-3)  # at which a fault is shown, one after another, as long as it is only refused
 
 
-def run(
-    folder: Path,
-    quick: bool,
-    report: Callable[[Note], None],
-    catalogue: str = CATALOGUE,
-    modules: tuple[str, ...] = (),
-) -> int:
+@dataclass(frozen=True)
+class Runs:
+    """How tasks are run: on these sources, with the answers of an earlier run, by so many processes at a time."""
+
+    studied: Studied
+    kept: Answers
+    jobs: int = 1
+
+    def answers(self, tasks: Sequence[Task]) -> list[Examined]:
+        """Answers in the order of the tasks; where a fault ended the process itself, what was asked is listed as ended.
+
+        Those of an earlier run are taken; that a process ended is no answer to keep.  The control must not end its own.
+        """
+        known = {place: self.kept.kept(Examined, _name(task), task) for place, task in enumerate(tasks)}
+        found = {place: answer for place, answer in known.items() if answer is not None}
+        missing = [task for place, task in enumerate(tasks) if place not in found]
+        with TemporaryDirectory() as copies:
+            function = partial(examine, self.studied, Path(copies).resolve())
+            with closing(run_each_alone(function, missing, self.jobs)) as events:
+                for event in events:
+                    if not isinstance(event, Ended):
+                        continue
+                    place = next(at for at, task in enumerate(tasks) if task is event.item)
+                    answer = event.answer
+                    if isinstance(answer, FaultError) or (isinstance(answer, Exception) and event.item.fault is None):
+                        raise answer
+                    if isinstance(answer, Exception):
+                        answer = Examined((), {}, tuple((name, str(answer)) for name, _ in event.item.cases))
+                    else:
+                        self.kept.keep(Examined, answer, _name(event.item), event.item)
+                    found[place] = answer
+                    self.kept.report(Note(f"[{len(found)}/{len(tasks)}] {_name(event.item)}"))
+        return [found[place] for place in range(len(tasks))]
+
+
+def run(folder: Path, quick: bool, report: Callable[[Note], None], studied: Studied | None = None) -> int:
     """Run the study, print its table, write faults.json and faults.svg; 1 when anything it asks for is not met.
 
     Parameters
     ----------
     folder : Path
     quick : bool
-        The faults named in QUICK of the catalogue only, with cases below a second and without smaller sizes.
+        The faults that are `quick` only, with cases below a second and without smaller sizes.
     report : callable
         Gets a `Note` for every step.
-    catalogue : str
-        Module with `CATALOGUE` and `QUICK`.
-    modules : tuple of str
-        Of the registry of cases; empty: all.
+    studied : Studied, optional
+        Default: the tables of this folder.
+
+    Raises
+    ------
+    FaultError
+        A fault does not fit the sources, or names a case that is not there.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    source = import_module(catalogue)
-    faults = [fault for fault in source.CATALOGUE if not quick or fault.id in source.QUICK]
+    studied = studied or Studied(faults_in())
+    studied.functions()
+    faults = [fault for fault in studied.faults if fault.quick or not quick]
     facts = provenance()
-    jobs = os.cpu_count() or 1
-    answers = answers_in(folder, report)
-    control = control_run(catalogue, quick, jobs, answers, modules)
+    runs = Runs(studied, answers_in(folder, report), os.cpu_count() or 1)
+    control = control_run(runs, faults, quick)
     red = [f"{record.id}: {verdict}" for record in control.records for verdict in case_verdicts(record) if bad(verdict)]
-    findings = [] if red else examine_faults(faults, catalogue, control, jobs, answers, modules)
+    findings = [] if red else examine_faults(runs, faults, control)
     failures = [f"control run is not green: {line}" for line in red] + failures_of(findings)
     write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
     if findings:
         write_matrix(folder / FIGURE, [record.id for record in control.records], lines_of(findings))
     if not quick:
-        shrink(findings, catalogue, control, jobs, answers, modules)
+        shrink(runs, findings, control)
         write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
     print(table_of(findings))
     for line in failures:
@@ -92,118 +124,65 @@ def run(
     return 1 if failures or len(findings) != len(faults) else 0
 
 
-def control_run(catalogue: str, quick: bool, jobs: int, kept: Answers, modules: tuple[str, ...] = ()) -> Examined:
-    """The cases without a fault, and how often each calls each target.
+def control_run(runs: Runs, faults: Iterable[Fault], quick: bool) -> Examined:
+    """The cases without a fault, and how often each calls what the faults change.
 
     Cases of the quick level that took at most `QUICK_SECONDS` or `FULL_SECONDS` when their baseline was made; one
-    without a baseline takes part.
-
-    Parameters
-    ----------
-    catalogue : str
-        Module of the faults.
-    quick : bool
-        Cases below `QUICK_SECONDS` only.
-    jobs : int
-        Processes at a time.
-    kept : Answers
-        Of an earlier run; new ones are added.
-    modules : tuple of str
-        Of the registry of cases; empty: all.
+    without a baseline takes part, and so does one that must notice a fault: FaultError where it is not there.
     """
-    cases = [case for case in (registry(modules) if modules else registry()) if case.level == "quick"]
-    known = baseline.expected_seconds([case.id for case in cases], baseline.FOLDER)
+    names = [case.id for case in registry(runs.studied.modules) if case.level == "quick"]
+    asked = {fault.case: fault for fault in faults}
+    if missing := asked.keys() - set(names):
+        raise FaultError(f"{asked[missing.pop()].id}: its case is none of {', '.join(names)}")
+    known = baseline.expected_seconds(names, baseline.FOLDER)
     limit = QUICK_SECONDS if quick else FULL_SECONDS
-    chosen = [case.id for case in cases if known.get(case.id, 0.0) <= limit]
-    tasks = [Task(catalogue, None, 0.0, ((name, 10 * FULL_SECONDS),), modules) for name in chosen]
+    chosen = [name for name in names if known.get(name, 0.0) <= limit or name in asked]
+    tasks = [Task(None, 0.0, ((name, 10 * FULL_SECONDS),)) for name in chosen]
     if quick:  # short ones: one process for all
-        tasks = [Task(catalogue, None, 0.0, tuple((name, 10 * FULL_SECONDS) for name in chosen), modules)]
-    answers = answers_of(tasks, jobs, kept)
+        tasks = [Task(None, 0.0, tuple((name, 10 * FULL_SECONDS) for name in chosen))]
+    answers = runs.answers(tasks)
     records = {record.id: record for answer in answers for record in answer.records}
     calls = {name: counted for answer in answers for name, counted in answer.calls.items()}
     return Examined(tuple(records[name] for name in chosen), calls)
 
 
-def examine_faults(
-    faults: Sequence[Fault],
-    catalogue: str,
-    control: Examined,
-    jobs: int,
-    kept: Answers,
-    modules: tuple[str, ...] = (),
-) -> list[Finding]:
-    """What the cases that call a fault see of it at size 1: the short ones first, then the others if need be.
+def examine_faults(runs: Runs, faults: Sequence[Fault], control: Examined) -> list[Finding]:
+    """What the cases see of the faults: the one that must notice it, and short ones that call what it changes.
 
-    A fault with a size that is only refused, or only crashes, is shown once more at the smaller `RETRIED` sizes.
-
-    Parameters
-    ----------
-    faults : sequence of Fault
-    catalogue, jobs, kept, modules
-        As of `control_run`.
-    control : Examined
-        Of the control run.
+    A fault with a size that is only refused, or only crashes, is shown once more at the smaller `SIZES`.
     """
     findings = [Finding(fault) for fault in faults]
     seconds = {record.id: record.seconds for record in control.records}
-    callers = {
-        fault.id: sorted(
-            (name for name, calls in control.calls.items() if calls.get(fault.target)), key=lambda name: seconds[name]
-        )
-        for fault in faults
-    }
-    for first, size in ((True, 1.0), (False, 1.0), *((True, smaller) for smaller in RETRIED)):
-        asked: list[tuple[Finding, list[str]]] = []
-        for finding in findings:
-            named = callers[finding.fault.id]
-            short = [name for place, name in enumerate(named) if _total(seconds, named[: place + 1])]
-            chosen = short if first else [name for name in named if name not in short]
-            if chosen and not finding.caught and (size == 1 or (finding.fault.size and finding.failed | finding.apart)):
-                asked.append((finding, chosen))
-        tasks = [_task(catalogue, finding.fault, size, chosen, seconds, modules) for finding, chosen in asked]
-        for (finding, chosen), answer in zip(asked, answers_of(tasks, jobs, kept), strict=True):
-            finding.asked += [name for name in chosen if name not in finding.asked]
+    for finding in findings:
+        called = [name for name, calls in control.calls.items() if calls.get(finding.fault.id)]
+        finding.asked = [finding.fault.case]
+        left = SHOWN_SECONDS
+        for name in sorted(set(called) - {finding.fault.case}, key=lambda name: seconds[name]):
+            left -= seconds[name]
+            if left >= 0:
+                finding.asked.append(name)
+    for size in SIZES:
+        shown = [
+            finding
+            for finding in findings
+            if size == 1 or (finding.fault.size and not finding.caught and finding.failed | finding.apart)
+        ]
+        answers = runs.answers([_task(finding.fault, size, finding.asked, seconds) for finding in shown])
+        for finding, answer in zip(shown, answers, strict=True):
             finding.calls += sum(sum(calls.values()) for calls in answer.calls.values())
-            sights, failed, apart = compared(control, answer)
-            finding.sights += sights
-            finding.failed = failed | finding.failed
-            finding.apart = apart | finding.apart
+            finding.sights, failed, apart = compared(control, answer)
+            finding.failed, finding.apart = failed | finding.failed, apart | finding.apart
             finding.size = size
     return findings
 
 
-def shrink(
-    findings: Iterable[Finding],
-    catalogue: str,
-    control: Examined,
-    jobs: int,
-    kept: Answers,
-    modules: tuple[str, ...] = (),
-) -> None:
-    """Find the smallest decade of every fault with a size that its keenest cases still see.
-
-    Parameters
-    ----------
-    findings : iterable of Finding
-        Their `smallest` and `unseen` are set.
-    catalogue, control, jobs, kept, modules
-        As of `examine_faults`.
-    """
+def shrink(runs: Runs, findings: Iterable[Finding], control: Examined) -> None:
+    """Find the smallest decade of every fault with a size that its keenest cases still see."""
     seconds = {record.id: record.seconds for record in control.records}
-    searches = []
-    for finding in findings:
-        if finding.caught and finding.fault.size:
-            best = sorted(finding.sights, key=lambda sight: -sight.excess)
-            keen = list(dict.fromkeys(sight.case for sight in best))[:KEEN]
-            reach = math.log10(finding.excess) if 1 < finding.excess < math.inf else 0.0
-            seen = -round(math.log10(finding.size))
-            searches.append(Search(finding, keen, min(seen + int(reach), LAST_DECADE - 1), seen))
+    searches = [Search.of(finding) for finding in findings if finding.caught and finding.fault.size]
     while open_ones := [(search, decade) for search in searches if (decade := search.next_decade()) is not None]:
-        tasks = [
-            _task(catalogue, search.finding.fault, 10.0**-decade, search.cases, seconds, modules)
-            for search, decade in open_ones
-        ]
-        for (search, decade), answer in zip(open_ones, answers_of(tasks, jobs, kept), strict=True):
+        tasks = [_task(search.finding.fault, 10.0**-decade, search.cases, seconds) for search, decade in open_ones]
+        for (search, decade), answer in zip(open_ones, runs.answers(tasks), strict=True):
             if compared(control, answer)[0]:
                 search.seen = decade
             else:
@@ -213,59 +192,13 @@ def shrink(
         search.finding.unseen = None if search.lost is None else 10.0**-search.lost
 
 
-def answers_of(tasks: Sequence[Task], jobs: int, kept: Answers) -> list[Examined]:
-    """Answers in the order of the tasks; where a fault ended the process itself, what was asked is listed as ended.
-
-    Those of an earlier run are taken; that a process ended is no answer to keep.
-
-    Parameters
-    ----------
-    tasks : sequence of Task
-    jobs : int
-        Processes at a time.
-    kept : Answers
-        Of an earlier run; new ones are added.
-
-    Raises
-    ------
-    FaultError
-        A fault whose target does not exist.
-    WorkerDiedError
-        The control run ended its process.
-    """
-    known = {place: kept.kept(Examined, _name(task), task) for place, task in enumerate(tasks)}
-    found = {place: answer for place, answer in known.items() if answer is not None}
-    missing = [task for place, task in enumerate(tasks) if place not in found]
-    with closing(run_each_alone(examine, missing, jobs)) as events:
-        for event in events:
-            if isinstance(event, Ended):
-                place = next(at for at, task in enumerate(tasks) if task is event.item)
-                answer = event.answer
-                if isinstance(answer, FaultError) or (isinstance(answer, Exception) and event.item.fault is None):
-                    raise answer
-                if isinstance(answer, Exception):
-                    answer = Examined((), {}, tuple((name, str(answer)) for name, _ in event.item.cases))
-                else:
-                    kept.keep(Examined, answer, _name(event.item), event.item)
-                found[place] = answer
-                kept.report(Note(f"[{len(found)}/{len(tasks)}] {_name(event.item)}"))
-    return [found[place] for place in range(len(tasks))]
-
-
 def _name(task: Task) -> str:
     """Of a task, for people."""
     if task.fault is None:
         return f"control: {', '.join(case for case, _ in task.cases)}"
-    return f"{task.fault} at size {task.size:g}"
+    return f"{task.fault.id} at size {task.size:g}"
 
 
-def _task(
-    catalogue: str, fault: Fault, size: float, cases: Iterable[str], seconds: dict[str, float], modules: tuple[str, ...]
-) -> Task:
+def _task(fault: Fault, size: float, cases: Iterable[str], seconds: dict[str, float]) -> Task:
     times, more = PATIENCE
-    return Task(catalogue, fault.id, size, tuple((name, times * seconds[name] + more) for name in cases), modules)
-
-
-def _total(seconds: dict[str, float], names: Sequence[str]) -> bool:
-    """Whether these cases together are short, or there is only one."""
-    return len(names) == 1 or sum(seconds[name] for name in names) <= SHOWN_SECONDS
+    return Task(fault, size, tuple((name, times * seconds[name] + more) for name in cases))
