@@ -21,7 +21,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bem.adhesive.equilibrium import System
-from bem.continuation.opening import FINEST_GAP, Flaw, opening_load, with_gap
+from bem.continuation.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
 from bem.continuation.path_point import Equilibrium, Point, WithEdges
 from bem.elastic.collocation import evaluate
 from bem.geometry.patches import Patches
@@ -100,12 +100,16 @@ def _in_last_gap(path: Branches, point: WithEdges, load: float) -> Equilibrium |
     widest = float(patches.gap_after[0])
     center = float(patches.right[0]) + widest / 2
 
+    def gap(width: float) -> Flaw:
+        return flaw_of(system, path.complete, width, tolerance) or Flaw(center, width)
+
     def miss(width: float) -> float:
-        return opening_load(system, path.complete, Flaw(center, width), tolerance) - load
+        return opening_load(system, path.complete, gap(width), tolerance) - load
 
     if patches.count > 1 or widest <= FINEST_GAP or miss(FINEST_GAP) * miss(widest) > 0:
         return None
-    crack = with_gap(center, float(brentq(miss, FINEST_GAP, widest, rtol=COARSE_LOAD_ACCURACY)))
+    flaw = gap(float(brentq(miss, FINEST_GAP, widest, rtol=COARSE_LOAD_ACCURACY)))
+    crack = with_gap(flaw.center, flaw.width)
     highest = system.elastic.profile.max_height
     depth = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load).penetration
     found = path.corrected(crack, depth, depth)

@@ -161,3 +161,18 @@ def test_pressures_before_the_first_target_are_met_from_first_touch():
     assert [state.mean_pressure for state in met[:3]] == pytest.approx(wanted, rel=1e-6)
     for state, other in zip(met, held, strict=False):
         assert abs(state.contact_fraction - other.contact_fraction) <= 1e-9
+
+
+@pytest.mark.parametrize("pressure", [2e4, 5e4])
+def test_a_load_within_the_last_gap_is_met(pressure):
+    """Complete contact opens under a tension without bound, and the first increment passes many loads."""
+    loading = {"control": "separation", "initial": "complete_contact", "at_mean_pressures": [pressure]}
+    results = [
+        solve(
+            rough_scene([40e-6], 5, 1, 0.05, loading=loading | {"targets": [40e-6]}, accuracy={"max_increment": size})
+        )
+        for size in (0.05, 0.002)
+    ]
+    met = [next(s for s in r.targets if s.mean_pressure == pytest.approx(pressure, rel=1e-9)) for r in results]
+    assert met[0].contact_fraction == pytest.approx(met[1].contact_fraction, abs=1e-9)
+    assert met[0].contact_fraction > 0.9
