@@ -32,6 +32,7 @@ from bem.loading.increments import Accuracy, Increments
 SECANT_STEPS = 30
 NEWTON_STEPS = 6
 LOAD_ACCURACY = 1e-11
+STIFF = 100.0  # times the accuracy: what one digit of the control changes in the load of a narrow gap
 COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
 REFINEMENTS, REFINEMENT = 3, 16  # finer paths where Newton does not reach the load, and how much finer each is
 REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # of evaluations in finer increments
@@ -224,14 +225,19 @@ def _newton(
 
     Points are as accurate as between targets: a finer root next to one of them may lie beyond it.
     """
+    nearest = None
     for _ in range(NEWTON_STEPS):
         found = path.refined_at(point, value) if ends[0] <= value <= ends[1] else None
         if found is None:
             return None
-        if abs(found.state.load - load) <= accuracy * max(abs(load), 1e-3):
+        point, ahead = found, _ahead(path, found, load)
+        miss = abs(found.state.load - load) / max(abs(load), 1e-3)
+        if miss <= accuracy:
             return found
-        point, value = found, _ahead(path, found, load)
-    return None
+        if miss <= STIFF * accuracy and abs(ahead - value) <= 4 * np.spacing(abs(value)):
+            nearest = found  # in narrow gaps the control may have no number between
+        value = ahead
+    return nearest
 
 
 def _ahead(path: Branches, point: WithEdges, load: float) -> float:

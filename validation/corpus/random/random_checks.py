@@ -158,15 +158,17 @@ def targets(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
         if state.status not in FINAL_STATUSES:
             break
         value = units.controlled(scene, state)
+        digit = 8 * EPS * units.highest * abs(state.contact_stiffness or 0.0)  # what one digit of the control changes
         goal = goals[met] if met < len(goals) else math.nan
         if abs(value - goal) <= TARGET * unit + 8 * EPS * abs(goal):
             met += 1
             if loading.control == "separation" and goal == 0 and state.status != "complete_contact":
                 told = f"{state.status}, contact fraction {state.contact_fraction:.9g}"
                 yield Finding("targets", f"separation 0 is complete contact, not {told}")
-        elif any(abs(state.mean_pressure - p) <= TARGET * max(units.pressure, abs(p)) for p in asked):
+        elif any(abs(state.mean_pressure - p) <= TARGET * max(units.pressure, abs(p)) + digit for p in asked):
             if result.status == "converged" and state.mean_pressure == result.states[-1].mean_pressure and stop:
-                goals = goals[:met] if abs(state.mean_pressure - stop) <= TARGET * max(units.pressure, stop) else goals
+                close = TARGET * max(units.pressure, stop) + digit
+                goals = goals[:met] if abs(state.mean_pressure - stop) <= close else goals
         else:
             yield Finding("targets", f"{loading.control} {value:.17g} where {goal:.17g} is the target")
             return
