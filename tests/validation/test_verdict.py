@@ -2,13 +2,14 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from validation.cases.suite import harness
-from validation.harness.compare import error_of
+from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance, fitted_order, pairwise_orders
 from validation.harness.schema import Band, CaseRecord, Reference, Report, Row, Tolerance
 from validation.harness.verdict import VERDICTS, case_verdicts, counts, fails, verdict_of
 
@@ -52,11 +53,23 @@ def test_known_rows_of_the_harness_are_judged_right():
 
 
 @pytest.mark.parametrize(
+    ("computed", "verdict"),
+    [(1.0, "agrees"), (1.0999, "agrees"), (0.9001, "agrees"), (1.1001, "deviates"), (0.8999, "deviates")],
+)
+def test_tolerance_bounds_both_sides(computed, verdict):
+    assert verdict_of(row(computed=[computed])) == verdict
+
+
+@pytest.mark.parametrize(
     ("ratio", "verdict"),
     [(1.5, "expected deviation"), (3.0, "expected deviation"), (1.49, "changed"), (3.01, "changed"), (-2.0, "changed")],
 )
 def test_band_holds_on_either_side(ratio, verdict):
     assert verdict_of(banded(ratio)) == verdict
+
+
+def test_agreeing_too_well_is_a_change():
+    assert verdict_of(banded(1.0)) == "changed"
 
 
 @pytest.mark.parametrize("where", [0, 1, 2])
@@ -88,6 +101,14 @@ def test_zero_reference_of_a_ratio_is_an_error():
 def test_error_is_the_largest_distance_over_the_scale(values, scale):
     expected = [0.0] * len(values)
     assert error_of(row(expected=expected, computed=values, scale=scale)) == max(map(abs, values)) / scale
+
+
+def test_agreement_is_never_claimed_finer_than_the_uncertainties():
+    reference = Reference(kind="FEM", source="finite elements", uncertainty=3.0)
+    compared = row(reference=reference, uncertainty=1.0, computed=[5.0], expected=[1.0], scale=10.0)
+    assert combined_tolerance(compared) == 2 * (3.0 + 1.0) / 10.0
+    assert error_over_tolerance(compared) == pytest.approx(0.5)
+    assert verdict_of(compared) == "agrees"
 
 
 @pytest.mark.parametrize("status", ["not run", "not converged", "error"])
@@ -169,6 +190,14 @@ def test_gating_verdicts_fail_the_report(cases, failed):
 @pytest.mark.parametrize("planned", [1, 3])
 def test_planned_and_reported_cases_must_agree(planned):
     assert fails(report(case(row()), case(row(), id="d"), planned=planned))
+
+
+@given(st.floats(0.5, 8.0), st.floats(1e-6, 1e3))
+def test_orders_of_a_power_law(order, constant):
+    size = np.array([0.5, 0.25, 0.1, 0.05])
+    error = constant * size**order
+    assert fitted_order(size, error) == pytest.approx(order, rel=1e-10)  # measured 2e-14
+    assert pairwise_orders(size, error) == pytest.approx([order] * 3, rel=1e-10)
 
 
 def test_verdict_survives_the_file():
