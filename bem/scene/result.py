@@ -53,6 +53,14 @@ class Effect:
 
 
 @dataclass(frozen=True)
+class Caution:
+    """What is out of the ordinary in a scene: the key or group concerned, and the probable cause."""
+
+    about: str
+    message: str
+
+
+@dataclass(frozen=True)
 class ErrorEstimate:
     """Estimated absolute error of every number a state reports, in the unit of that number; None: not estimated."""
 
@@ -197,6 +205,11 @@ class Result:
         Contents of fields.npz.
     failure : str, optional
         Why the status is `unreachable` or `not_converged`.
+    groups : dict of floats
+        The dimensionless groups that decide, and the scales they are made with (plausibility.py).
+    warnings : tuple of Caution
+    profile_preparation : tuple of dict
+        What was done to the samples of a scan, step by step (scan_preparation.py).
     """
 
     scene: dict[str, Any]
@@ -207,6 +220,9 @@ class Result:
     status: str
     fields: dict[str, NDArray[Any]] = field(default_factory=dict)
     failure: str | None = None
+    groups: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[Caution, ...] = ()
+    profile_preparation: tuple[dict[str, Any], ...] = ()
 
     @property
     def targets(self) -> tuple[State, ...]:
@@ -261,6 +277,9 @@ def write_result(result: Result, folder: Path) -> None:
             "schema": SCHEMA,
             "scene": result.scene,
             "effects": [asdict(effect) for effect in result.effects],
+            "warnings": [asdict(caution) for caution in result.warnings],
+            "groups": result.groups,
+            "profile_preparation": result.profile_preparation,
             "provenance": result.provenance | {"fields_sha256": hashlib.sha256(arrays).hexdigest() if arrays else None},
             "states": [asdict(state) for state in result.states],
             "events": [asdict(event) for event in result.events],
@@ -308,6 +327,9 @@ def read_result(folder: Path) -> Result:
             status=content["status"],
             fields=_read_fields(folder / FIELDS_FILE, fields_sha256),
             failure=content.get("failure"),
+            groups=content.get("groups", {}),
+            warnings=tuple(Caution(**caution) for caution in content.get("warnings", ())),
+            profile_preparation=tuple(content.get("profile_preparation", ())),
         )
     except (KeyError, TypeError, AttributeError, NotFiniteError) as error:
         raise CorruptResultError(f"{path}: incomplete ({error!r})") from error

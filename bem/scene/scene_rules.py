@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.profile import Profile
-from bem.scene.scan_file import Scan
+from bem.scene.scan_file import SCAN_KEYS
+from bem.scene.scan_preparation import DEFAULTS, Scan
 
 SAMPLED_HARMONICS = 1000  # default cut of a scan
 REQUIRED = {
@@ -23,7 +24,11 @@ REQUIRED = {
     "harmonics": ("period", "orders", "amplitudes", "phases"),
     "samples": ("file",),
 }
-OPTIONAL = {"self_affine": ("seed",), "harmonics": (), "samples": ("period", "harmonics", "detrend")}
+OPTIONAL = {
+    "self_affine": ("seed",),
+    "harmonics": (),
+    "samples": ("period", "harmonics", *SCAN_KEYS, *DEFAULTS),
+}
 FLAWS = (1e-12, 0.95)  # loading.flaw over the period: what is left in contact beside a wider one is no flaw
 THICKNESSES = (1e-5, 1e12)  # layer.thickness over the period: 280,000 terms of the kernel; half-space to any accuracy
 LARGEST_RATIO = 1e50  # of lengths, pressures and energies to the scales of the profile, and its inverse the least
@@ -89,6 +94,8 @@ def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Itera
     for key in given:
         if key in values and key not in used:
             yield Mistake(f"profile.{key}", f"= {shown(values[key])}", f'kind = "{kind}" uses {", ".join(used)} only')
+    if kind == "self_affine" and values.get("harmonics") == "all":
+        yield Mistake("profile.harmonics", '= "all"', "an integer >= 1: only samples have a last one")
     if kind != "harmonics":
         return
     lengths = {key: len(values[key]) for key in ("orders", "amplitudes", "phases") if key in values}
@@ -109,7 +116,7 @@ def scan_mistakes(values: Mapping[str, Any], scan: Scan) -> Iterator[Mistake]:
             f"= {period:g} does not fit {scan.x.size} samples at distance {scan.spacing:g}",
             f"{scan.period:g} m within half a sample distance (the end point of the period is excluded)",
         )
-    if harmonics is not None and harmonics > scan.max_harmonics:
+    if isinstance(harmonics, int) and harmonics > scan.max_harmonics:
         yield Mistake(
             "profile.harmonics",
             f"= {harmonics}",
@@ -248,4 +255,4 @@ def surface_of(values: Mapping[str, Any], scan: Scan | None) -> Profile:
         return Profile.from_harmonics(values["period"], values["orders"], values["amplitudes"], values["phases"])
     if scan is None:
         raise ValueError("profile.file: its samples have not been read")
-    return Profile.from_samples(scan.x, np.asarray(scan.h), values["harmonics"], values["detrend"], values["period"])
+    return Profile.from_samples(scan.x, scan.h, values["harmonics"], period=values["period"])
