@@ -8,10 +8,10 @@ does.  The formats: https://contactengineering.github.io/SurfaceTopography/.
 from __future__ import annotations
 
 import codecs
+import io
 import warnings
 from dataclasses import dataclass
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,12 +59,13 @@ def is_instrument_file(content: bytes) -> bool:
     return b"\x00" in content and not content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
 
 
-def read_instrument(path: Path, channel: int | None) -> InstrumentScan:
+def read_instrument(content: bytes, channel: int | None) -> InstrumentScan:
     """Read a channel of heights.
 
     Parameters
     ----------
-    path : Path
+    content : bytes
+        Of the file.
     channel : int, optional
         From 0, among the channels of heights; needed where there is more than one.
 
@@ -81,7 +82,7 @@ def read_instrument(path: Path, channel: int | None) -> InstrumentScan:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            reader = library.open_topography(str(path))
+            reader = library.open_topography(io.BytesIO(content))
             channels = [each for each in reader.channels if each.is_height_channel is not False]
             chosen = _chosen(channels, channel)
             surface = chosen.topography()

@@ -80,7 +80,7 @@ def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
         reason = f"cannot be read: {error.strerror or error}"
         raise ScanFileError([Refusal("file", reason, "a text file, or one of an instrument")]) from error
     if is_instrument_file(content):
-        raw = _from_instrument(read_instrument(path, values.get("channel")), values)
+        raw = _from_instrument(read_instrument(content, values.get("channel")), values)
     else:
         raw = _from_text(read_table(content, values.get("decimal")), values)
     return replace(raw, sha256=hashlib.sha256(content).hexdigest())

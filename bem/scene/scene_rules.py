@@ -31,6 +31,7 @@ OPTIONAL = {
 }
 FLAWS = (1e-12, 0.95)  # loading.flaw over the period: what is left in contact beside a wider one is no flaw
 THICKNESSES = (1e-5, 1e12)  # layer.thickness over the period: 280,000 terms of the kernel; half-space to any accuracy
+MOST_TARGET_HARMONICS = 1e9  # targets times harmonics: weeks on one core
 LARGEST_RATIO = 1e50  # of lengths, pressures and energies to the scales of the profile, and its inverse the least
 RANGE = ("start", "stop", "count")
 QUESTIONS = ("title", "loading", "accuracy", "output")  # of a scene; all other tables say what is in contact
@@ -184,6 +185,11 @@ def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[
         allowed = f"a number from {lowest:g} to {highest:g} (m), {THICKNESSES[0]:g} to {THICKNESSES[1]:g} periods"
         yield Mistake("layer.thickness", f"= {layer['thickness']:g}", f"{allowed}: memory grows as its inverse")
     if largest == 0:
+        return
+    count, order = len(loading["targets"]), profile.max_order
+    if count * order > MOST_TARGET_HARMONICS:
+        allowed = f"{MOST_TARGET_HARMONICS / order:.0f} with {order} harmonics: more take weeks"
+        yield Mistake("loading.targets", f"are {count}", allowed)
         return
     if not LARGEST_RATIO**-1 <= largest / period <= LARGEST_RATIO:
         name = "rms_height" if "rms_height" in tables["profile"] else "amplitudes"

@@ -11,8 +11,6 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import Any
 
-import numpy as np
-
 from bem.scene.scene import Scene, parse_scene
 from persson import DiscreteSpectrum
 
@@ -65,5 +63,4 @@ def persson_spectrum(posed: Scene) -> DiscreteSpectrum:
         The scene has a layer, or anything else that Persson's theory of the half-space does not know.
     """
     taken(posed, "Persson's theory", "solid", "profile", "adhesion")
-    surface = posed.surface()
-    return DiscreteSpectrum(2 * np.pi / surface.period * surface.orders, surface.amplitudes)
+    return DiscreteSpectrum.of_profile(posed.surface())
