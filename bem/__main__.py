@@ -119,6 +119,9 @@ def _run(options: argparse.Namespace) -> int:
 
 def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     """Solve a scene into a folder that is ours alone; `new` tells whether it was made for this."""
+    if not options.quiet:
+        for caution in cautions_of(scene, groups_of(scene)):
+            print(f"warning: {caution.about}: {caution.message}", file=sys.stderr)
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
     if stored is not None and stored.status in FINAL_STATUSES:
         result = stored

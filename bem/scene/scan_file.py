@@ -117,6 +117,9 @@ def _line(table: TextTable, values: Mapping[str, Any]) -> _Columns:
         if "spacing" not in values:
             allowed = "the distance of two samples in unit_x: the file has heights alone"
             raise ScanFileError([Refusal("spacing", "is missing", allowed)])
+        if heights[0] == heights.size - 1:
+            found = f"line {table.lines[0]} holds {heights[0]:g}, the number of heights that follow"
+            raise ScanFileError([Refusal("file", found, "heights alone: remove the line, or mark it by #")])
         return _Columns(None, heights, table.lines, (None, used[0] - 1))
     if "spacing" in values:
         allowed = "no spacing where the file has positions; columns = [k] where column k holds the heights"

@@ -216,7 +216,15 @@ def _increasing(raw: RawScan) -> None:
     if backward.size:
         k = int(backward[0]) + 1
         found = f"is not increasing in x: {raw.place(k)} at {raw.x[k]:g} m follows {raw.x[k - 1]:g} m"
-        raise ScanFileError([Refusal("file", found, "positions that increase from sample to sample")])
+        raise ScanFileError(
+            [
+                Refusal(
+                    "file",
+                    found,
+                    "positions that increase from line to line; columns = [2, 1] where heights come first",
+                )
+            ]
+        )
 
 
 def _outliers(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:

@@ -163,7 +163,7 @@ def _first_unit(text: str) -> str | None:
 def _of_columns(line: str, reading: Reading, width: int) -> list[str | None]:
     """The unit of each column that a heading names."""
     cells = reading.cells(line)
-    if ALONE.search(line) or any(re.fullmatch(r"[-+.,\d]+", cell) for cell in cells):
+    if ALONE.search(line) or "=" in line or ":" in line or any(re.fullmatch(r"[-+.,\d]+", cell) for cell in cells):
         return [None] * width
     if len(cells) == width:
         return [_of_cell(cell) for cell in cells]
@@ -176,6 +176,6 @@ def _of_cell(cell: str) -> str | None:
     words = [next(filter(None, match.groups())) for match in MARKED.finditer(cell)]
     last = LAST.search(cell)
     unit = next((unit for word in reversed(words) if (unit := unit_of(word))), None)
-    if unit is None and last is not None and (found := unit_of(last[1])) in METRES:
-        return found
+    if unit is None and last is not None and (found := unit_of(last[1])) in METRES and (found != "m" or cell == "m"):
+        return found  # "x m" and "h_m" may be names
     return unit

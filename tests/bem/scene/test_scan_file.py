@@ -146,6 +146,11 @@ def test_no_pair_of_marks_is_misread(delimiter, decimal, digits, tmp_path):
         pytest.param(table(",", heading="x [um],h [um]"), UNITS, "unit_x", 'says "um" in line 1', id="contradiction"),
         pytest.param(table(",", heading="x [px],h [um]"), UNITS, "unit_x", "'px' in line 1", id="pixels"),
         pytest.param(table(";", heading="X unit: nm\nx [mm];h [um]"), {}, "unit_x", "more than one", id="two units"),
+        pytest.param(table(";", heading="x_m;h_m"), {}, "unit_x", "is missing", id="names that end like units"),
+        pytest.param(
+            table(";", heading="Length [mm] = 5;Filter [um] = 8"), {}, "unit_x", "is missing", id="settings with units"
+        ),
+        pytest.param(f"{COUNT}\n" + alone(), {"spacing": 0.25, **UNITS}, "file", "line 1 holds 40", id="their number"),
         pytest.param(alone(), UNITS, "spacing", "is missing", id="heights without spacing"),
         pytest.param(table(), {"spacing": 0.25, **UNITS}, "spacing", "= 0.25", id="spacing beside positions"),
         pytest.param("1 2 3\n4 5 6\n7 8 9\n", UNITS, "columns", "3 columns", id="which columns"),
