@@ -148,7 +148,7 @@ def _decoded(content: bytes) -> tuple[str, str]:
 def _without_comment(line: str) -> str:
     """A line up to its comment."""
     found = COMMENT.search(line) if "#" in line else None
-    return (line if found is None else line[: found.start()]).strip(" \r\n\ufeff")
+    return (line if found is None else line[: found.start()]).strip(" \r\n")
 
 
 def _reading_of(lines: Sequence[tuple[int, str]], decimal: str | None) -> tuple[Reading, int]:
@@ -190,7 +190,7 @@ def _texts(text: str, lines: Sequence[tuple[int, str]], reading: Reading, width:
     """The header: all lines before the first row, comments without their sign."""
     first = next(n for n, line in lines if _is_row(reading.row(line), width))
     for number, line in enumerate(text.splitlines()[: first - 1], 1):
-        bare = line.strip().lstrip("#%!;/\ufeff").strip()
+        bare = line.strip().lstrip("#%!;/").strip()
         if bare:
             yield number, bare
 
@@ -204,8 +204,9 @@ def _rows(lines: Sequence[tuple[int, str]], reading: Reading, width: int) -> tup
     start = next(k for k, (_, line) in enumerate(lines) if _is_row(reading.row(line), width))
     ragged: list[str] = []
     invalid: list[str] = []
-    if start and _half_a_row(lines[start - 1][1], reading, width):
-        invalid.append(f"line {lines[start - 1][0]} ({lines[start - 1][1][:40]!r}) holds more than numbers")
+    number, line = lines[start - 1]
+    if start and number == lines[start][0] - 1 and _half_a_row(line, reading, width):
+        invalid.append(f"line {number} ({line[:40]!r}) holds more than numbers")
     body = lines[start:]
     quick = None if invalid else _quick(body, reading)
     if quick is not None and quick.shape == (len(body), width):
@@ -223,8 +224,8 @@ def _rows(lines: Sequence[tuple[int, str]], reading: Reading, width: int) -> tup
             numbers.append(number)
     mistakes = [
         *(Refusal("file", text, "the same number of columns in every line") for text in _shortened(ragged)),
-        *(Refusal("file", text, f"numbers, or a word for a missing one such as NaN, {_marks(reading)}: correct or "
-                  "remove the line") for text in _shortened(invalid)),
+        *(Refusal("file", text, f"numbers, or a word for a missing one such as NaN, {_marks(reading)}: correct the "
+                  "line, remove it or begin it with #") for text in _shortened(invalid)),
     ]  # fmt: skip
     if mistakes:
         raise ScanFileError(mistakes)
@@ -247,9 +248,9 @@ def _quick(lines: Sequence[tuple[int, str]], reading: Reading) -> FloatArray | N
 
 
 def _half_a_row(line: str, reading: Reading, width: int) -> bool:
-    """Whether the last line of the header looks like a damaged row: as many cells, the first of them a number."""
+    """Whether the line before the first row looks like a damaged one: as many cells, a number among them."""
     cells = reading.cells(line)
-    return len(cells) == width > 1 and _is_row(reading.row(cells[0]), 1)
+    return len(cells) == width > 1 and any(_is_row(reading.row(cell), 1) for cell in cells)
 
 
 def _marks(reading: Reading) -> str:

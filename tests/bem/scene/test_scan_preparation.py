@@ -118,6 +118,7 @@ def test_window_goes_to_zero_at_the_ends_and_leaves_the_middle():
     scan = prepare(raw(), {"periodic": "window"})
     np.testing.assert_array_equal(scan.h[20:180], (H - H.mean())[20:180])
     assert abs(scan.h[0]) + abs(scan.h[-1]) == 0.0
+    assert scan.h[10] / (H[10] - H.mean()) == pytest.approx(0.5, abs=0.01)  # a cosine: half way at half of the taper
     assert step_of(scan, "periodic")["taper"] == 0.1
 
 
@@ -148,7 +149,8 @@ def test_positions_that_do_not_increase_are_refused(step):
 
 @pytest.mark.parametrize("harmonics", [1, 20, 60, 99])
 def test_share_of_the_slope_is_that_of_the_profile(harmonics):
-    scan = prepare(raw(), {})
+    noise = np.random.default_rng(4).normal(0.0, 1e-7, COUNT)
+    scan = prepare(raw(h=H + noise), {})
     slopes = [Profile.from_samples(scan.x, scan.h, cut).rms_slope for cut in (harmonics, scan.max_harmonics)]
     cut = scan.preparation(harmonics)[-1]
     assert scan.slope_share(harmonics) == pytest.approx(slopes[0] / slopes[1], rel=1e-9)
