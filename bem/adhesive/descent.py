@@ -148,6 +148,7 @@ class _Step:
 
     @property
     def size(self) -> float:
+        """Its length, of which the trust radius is a bound."""
         return float(np.linalg.norm(self.parts))
 
 
