@@ -40,8 +40,8 @@ from bem.loading.path_events import Exact
 FloatArray = NDArray[np.float64]
 
 STEPS = 8  # of Newton; it takes two to four, more where a fold is about to vanish (a cusp)
-LONGEST_STEP = 0.2  # of the room of an edge
-NEAR = 1e-3  # of the room: the rest of a step is left to finer evaluations
+LONGEST_STEP = 0.2  # of the edge scale
+NEAR = 1e-3  # of the edge scale: the rest of a step is left to finer evaluations
 CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
 CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
@@ -162,7 +162,7 @@ class _Newton:
 
     @property
     def size(self) -> float:
-        """Of the step, in parts of the room of an edge."""
+        """Of the step, in parts of the edge scale."""
         return self.soft.size(self.step)
 
 
@@ -272,7 +272,7 @@ def at_rest(
         resolution = finer(wanted) if tolerance == tolerances[1] else wanted
         here = balance(system, patches, here.state.penetration, value, tolerance, resolution)
         outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
-        size = float(np.max(np.abs(outward) / here.state.patches.edge_room))
+        size = float(np.max(np.abs(outward) / here.state.patches.edge_scale))
         if size > LONGEST_STEP:
             return None
         found.append(after_step(system, here, value, outward, 0.0))
@@ -288,7 +288,7 @@ def _beside(
     """
     state, value = broken.balance.state, broken.exact.value
     way = -broken.modes @ (broken.modes.T @ broken.balance.gradient)
-    way /= float(np.max(np.abs(way) / state.patches.edge_room))
+    way /= float(np.max(np.abs(way) / state.patches.edge_scale))
     middle = float(np.cbrt(_push(broken.balance, broken.modes)))
     for side in SIDES:
         here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, tolerances[0])
@@ -331,7 +331,7 @@ def _along(soft: Soft) -> FloatArray:
 
 
 def _tangent(soft: Soft, along: FloatArray) -> tuple[FloatArray, float]:
-    """Motion of edges and control along a branch, on the side of a given motion, as long as the room of an edge."""
+    """Motion of edges and control along a branch, on the side of a given motion, as long as the edge scale."""
     step = np.linalg.solve(_bordered(soft, along), np.append(np.zeros(along.size), 1.0))
     size = soft.size(step[:-1]) * float(np.sign(along @ step[:-1]))
     return np.asarray(step[:-1] / size), float(step[-1]) / size
