@@ -206,7 +206,7 @@ def _rows(lines: Sequence[tuple[int, str]], reading: Reading, width: int) -> tup
     invalid: list[str] = []
     number, line = lines[start - 1]
     if start and number == lines[start][0] - 1 and _half_a_row(line, reading, width):
-        invalid.append(f"line {number} ({line[:40]!r}) holds more than numbers")
+        invalid.append(f"line {number} ({line[:40]!r}) is no row of {width}")
     body = lines[start:]
     quick = None if invalid else _quick(body, reading)
     if quick is not None and quick.shape == (len(body), width):
@@ -248,9 +248,11 @@ def _quick(lines: Sequence[tuple[int, str]], reading: Reading) -> FloatArray | N
 
 
 def _half_a_row(line: str, reading: Reading, width: int) -> bool:
-    """Whether the line before the first row looks like a damaged one: as many cells, a number among them."""
+    """Whether the line before the first row may be a damaged one: a number among as many cells, or numbers alone."""
     cells = reading.cells(line)
-    return len(cells) == width > 1 and any(_is_row(reading.row(cell), 1) for cell in cells)
+    if len(cells) == width > 1 and any(_is_row(reading.row(cell), 1) for cell in cells):
+        return True
+    return any(each.row(line) is not None for each in READINGS)
 
 
 def _marks(reading: Reading) -> str:

@@ -1,7 +1,7 @@
 """Units of a scan: those that its file states, those that the scene gives, and that they agree.
 
 A file states units in the heading of its columns (`x [mm]`, `h (µm)`, `x / mm`, `h in nm`, `x_mm`, or a line of units
-alone), which is one of the last two lines before the numbers, or in lines such as `X unit: mm`, `Height unit = um`.
+alone), which is the last line before the numbers, or in lines such as `X unit: mm`, `Height unit = um`.
 They are taken where the heading names one for every column used.  `Unit: um` without an axis, and a heading that names
 some only, are not enough, but must not contradict the scene.  Nothing is inferred from the size of the numbers.
 """
@@ -16,7 +16,6 @@ from bem.scene.scan_text import Reading, Refusal, TextTable
 
 METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 ALLOWED = ", ".join(f'"{unit}"' for unit in METRES)
-HEADINGS = 2  # lines before the numbers that may name columns and units
 SPELT = {"µm": "um", "μm": "um", "micron": "um", "microns": "um", "mum": "um"}
 SPELT |= {
     f"{prefix}{stem}{end}": f"{sign}m"
@@ -71,7 +70,7 @@ def statements(table: TextTable, columns: tuple[int | None, int] | None) -> tupl
     found = [item for number, line in table.header for item in _said(number, line)]
     if columns is None:
         return tuple(found)
-    for number, line in table.header[-HEADINGS:]:
+    for number, line in table.header[-1:]:
         units = _of_columns(line, table.reading, table.values.shape[1])
         named = {
             axis: unit
@@ -175,7 +174,10 @@ def _of_cell(cell: str) -> str | None:
     """The unit in the heading of one column: marked by brackets or a stroke, or its last word."""
     words = [next(filter(None, match.groups())) for match in MARKED.finditer(cell)]
     last = LAST.search(cell)
-    unit = next((unit for word in reversed(words) if (unit := unit_of(word))), None)
-    if unit is None and last is not None and (found := unit_of(last[1])) in METRES and (found != "m" or cell == "m"):
-        return found  # "x m" and "h_m" may be names
+    found = [unit for word in words if (unit := unit_of(word))]
+    if len(found) > 1:
+        return None
+    unit = found[0] if found else None
+    if unit is None and last is not None and (word := unit_of(last[1])) in METRES and (word != "m" or cell == "m"):
+        return word  # "x m" and "h_m" may be names
     return unit

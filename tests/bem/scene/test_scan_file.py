@@ -136,6 +136,7 @@ def test_no_pair_of_marks_is_misread(delimiter, decimal, digits, tmp_path):
         pytest.param(table() + "11 high\n", UNITS, "file", "line 41 ('11 high')", id="text"),
         pytest.param("-1 high\n" + table(), UNITS, "file", "line 1 ('-1 high')", id="text at the beginning"),
         pytest.param("O.25 1.5\n" + table(), UNITS, "file", "line 1 ('O.25 1.5')", id="a letter O at the beginning"),
+        pytest.param("1.5\n" + table(), UNITS, "file", "line 1 ('1.5') is no row of 2", id="one number before"),
         pytest.param(table(heading="x h") + "end of data\n", UNITS, "file", "line 42", id="footer"),
         pytest.param(table(";", ",") + "10,0;1.234,5\n", UNITS, "file", "line 41", id="thousands"),
         pytest.param(table(";", ",") + "10,0;1.5\n", UNITS, "file", "line 41", id="another decimal mark"),
@@ -153,6 +154,13 @@ def test_no_pair_of_marks_is_misread(delimiter, decimal, digits, tmp_path):
         pytest.param(
             table(";", heading="Length [mm] = 5;Filter [um] = 8"), {}, "unit_x", "is missing", id="settings with units"
         ),
+        pytest.param(
+            table(heading="Lc [mm] Ls [um]\nx h"), {}, "unit_x", "is missing", id="units above another heading"
+        ),
+        pytest.param(
+            "Lc [mm];Ls [um]\n" + alone(), {"spacing": 0.25, "unit_x": "mm"}, "unit_h", "is missing", id="units of two"
+        ),
+        pytest.param("bad\n" + table(), UNITS, "file", "line 1 ('bad') is no row of 2", id="missing at the beginning"),
         pytest.param(f"{COUNT}\n" + alone(), {"spacing": 0.25, **UNITS}, "file", "line 1 holds 40", id="their number"),
         pytest.param(alone(), UNITS, "spacing", "is missing", id="heights without spacing"),
         pytest.param(table(), {"spacing": 0.25, **UNITS}, "spacing", "= 0.25", id="spacing beside positions"),
