@@ -8,8 +8,9 @@ limit point (touch_points.py, limit_points.py), from which the contact jumps (ju
 state of a branch and the first one behind the jump.  That neither depends on the increments is a property that tests
 show; where no end is located, increments shrink until the jump begins from the last good edges.
 
-A point carries all that the path needs to go on from it, the next increment among it: a path holds no state of its
-own besides counts of its work.  Dimensionless.
+A point carries what the path needs to go on from it, the next increment among it; a path holds no state of its own
+besides counts of its work.  What `advance` knows besides, a value of the control that Newton did not reach, it forgets
+at its goal.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -109,7 +110,7 @@ class Path:
         return replace(self, increments=increments)
 
     def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
-        """Sign of the motion of the control from a point to a goal, which `separation` only repeats."""
+        """Sign of the motion of the control from a point to a goal; `separation` is the goal again, not needed here."""
         return float(np.sign(goal - point.value))
 
     def advance(self, point: Point, goal: float, separation: float | None = None) -> Iterator[Point]:

@@ -38,7 +38,7 @@ FIRST_TOUCH = Exact(0.0, 0.0, 0.0, 0.0)  # where any control starts to feel the 
 class PathEvent:
     """A discontinuity of the path, in the state from which it jumps, with the errors of its numbers.
 
-    The energy of an avalanche is booked on its first event.
+    Kinds: bem/README.md, section 5.  The energy of an avalanche is booked on its first event.
     """
 
     kind: str
