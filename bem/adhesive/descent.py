@@ -20,7 +20,7 @@ from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.trust_region import trust_region_step
 from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
 
@@ -123,18 +123,17 @@ def descend(
     steps : Steps
     """
     walk = _Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2)
-    try:
-        while walk.evaluations < DESCENT_STEPS and walk.radius >= SMALLEST_RADIUS:
-            here = walk.evaluated()
-            verdict = walk.reshaped(here)
-            if verdict is None:
-                step = walk.step(here)
-                inside = here.closed(accuracy.residual) and step.size < 0.9 * walk.radius
-                verdict = "converged" if inside else walk.tried(here, step)
-            if verdict != "again":
-                return walk.ended(verdict)
-    except IllConditionedSystemError:
-        return walk.ended("ill_conditioned")
+    while walk.evaluations < DESCENT_STEPS and walk.radius >= SMALLEST_RADIUS:
+        here = walk.evaluated()
+        if here is None:
+            return walk.ended("ill_conditioned")
+        verdict = walk.reshaped(here)
+        if verdict is None:
+            step = walk.step(here)
+            inside = here.closed(accuracy.residual) and step.size < 0.9 * walk.radius
+            verdict = "converged" if inside else walk.tried(here, step)
+        if verdict != "again":
+            return walk.ended(verdict)
     return walk.ended("not_converged")
 
 
@@ -148,6 +147,7 @@ class _Step:
 
     @property
     def size(self) -> float:
+        """Its length, of which the trust radius is a bound."""
         return float(np.linalg.norm(self.parts))
 
 
@@ -173,7 +173,7 @@ class _Walk:
         """The outcome."""
         return Descent(status, self.patches, self.here, self.changes, self.evaluations, self.touching)
 
-    def evaluated(self) -> Balance:
+    def evaluated(self) -> Balance | None:
         """Forces on the edges where they are; with the resolution that they ask for, where they come from elsewhere."""
         if self.here is None:
             self.resolution = resolve(self.system.elastic, self.patches, self.accuracy.tolerance)
@@ -219,9 +219,12 @@ class _Walk:
         wanted = _at_least(resolve(self.system.elastic, trial, self.accuracy.tolerance), self.resolution)
         if self.resolution is None or not _equal(wanted, self.resolution):
             self.resolution = wanted
-            self.here = self._balance(self.patches, self.penetration, wanted)
-            return "again"
+            again = self._balance(self.patches, self.penetration, wanted)
+            self.here = again or here
+            return "ill_conditioned" if again is None else "again"
         ahead = self._balance(trial, here.state.penetration, wanted)
+        if ahead is None:
+            return "ill_conditioned"
         ratio = self._ratio(here, ahead, step)
         closing = ahead.state.stress_intensity <= 0
         if not (ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1] and np.all(step.parts[closing] > 0)):
@@ -245,10 +248,11 @@ class _Walk:
             actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.room))
         return actual / step.predicted if step.predicted > 0 else -1.0
 
-    def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance:
-        """Forces on some edges, counted."""
-        found = balance(self.system, patches, penetration, self.target, self.accuracy.tolerance, resolution)
-        self.evaluations += 1
+    def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance | None:
+        """Forces on some edges, counted; None where their system is ill-conditioned."""
+        tolerance = self.accuracy.tolerance
+        found = if_solvable(balance, self.system, patches, penetration, self.target, tolerance, resolution)
+        self.evaluations += found is not None
         return found
 
     def _is_free(self, patches: Patches) -> bool:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, eigh
 
 from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import Patches
 from bem.loading.control import Control
@@ -216,9 +216,8 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
     last, kept = np.inf, None
     start = patches
     for count in range(1, NEWTON_STEPS + 1):
-        try:
-            here = balance(system, patches, penetration, target, accuracy.tolerance, kept)
-        except IllConditionedSystemError:
+        here = if_solvable(balance, system, patches, penetration, target, accuracy.tolerance, kept)
+        if here is None:
             return Corrected("ill_conditioned", None, count)
         room = patches.edge_room
         if here.opening:

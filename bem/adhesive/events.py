@@ -227,7 +227,7 @@ def _settled_locally(
 def _frozen_field(
     system: System, patches: Patches, members: IntArray, state: Evaluation, penetration: float
 ) -> Callable[[FloatArray], FloatArray]:
-    """What the patches of a state that are none of some members do to these, at a penetration."""
+    """The displacement (as a function of x) by the patches of a state apart from some members, at a penetration."""
     apart = np.subtract.outer(state.patches.center, patches.center[members])
     frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
     keep = np.repeat(frozen, state.resolution.modes)

@@ -193,7 +193,7 @@ class Jumps:
         here, after, uncertain = (settled.balance, self._exact(settled.balance, value, value), np.inf)
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
-        released = at.potential - self._led_back(here, after, at.value)
+        released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
         works = system.control.penetration_weight > 0  # the load does work, or the penetration
         eased = abs(at.load - after.load) if works else abs(at.penetration - after.penetration)
         doubt = error.potential + uncertain + error.value * eased  # of a jump elsewhere
@@ -255,13 +255,13 @@ class Jumps:
         control, change = self.system.control, value - start
         state = here.state
         deeper = change * control.rate(state)
-        potential = here.potential + change * (control.force(state) + change / 2 * control.force_rate(state))
+        potential = self._led_to(state, here.potential, change)
         return Exact(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
 
-    def _led_back(self, here: Balance, exact: Exact, value: float) -> float:
-        """The potential that a state next to the value of a limit point has at that value."""
-        control, change = self.system.control, value - exact.value
-        return exact.potential + change * (control.force(here.state) + change / 2 * control.force_rate(here.state))
+    def _led_to(self, state: Evaluation, potential: float, change: float) -> float:
+        """The potential of a state after a change of the control at fixed edges."""
+        control = self.system.control
+        return potential + change * (control.force(state) + change / 2 * control.force_rate(state))
 
     def _finer(self, here: Balance, value: float) -> Balance:
         """The forces on the same edges at the accuracy of a target."""

@@ -33,7 +33,7 @@ from bem.continuation.softness import (
     to_rest,
 )
 from bem.elastic.collocation import finer, resolve
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
 from bem.geometry.patches import Patches
 from bem.loading.path_events import Exact
 
@@ -100,25 +100,32 @@ def locate_limit_point(
         Whether the branch is followed around its fold where Newton fails: almost symmetric profiles turn sharply.
     """
     try:
-        soft, broken = softness(system, start, value, start.scale), None
-        if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
-            soft = softness(system, start, value, start.scale, every=True)
-            for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
-                here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
-                soft = softness(system, here, value, start.scale, every=True)
-            broken = _neutral(system, soft, reach, tolerances, breaking=True)
-            if broken is not None and not is_pushed(broken):
-                return broken
-            tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
-            found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
-            if found is not None:
-                return found
-        found = _neutral(system, soft, reach, tolerances, breaking=False)
-        if found is None and (thorough or broken is not None):
-            found = _around(system, soft, reach, tolerances)
-        return found or (broken if thorough else None)
-    except (LostError, IllConditionedSystemError, np.linalg.LinAlgError):
+        return if_solvable(_located, system, start, value, reach, tolerances, thorough)
+    except (LostError, np.linalg.LinAlgError):
         return None
+
+
+def _located(
+    system: System, start: Balance, value: float, reach: float, tolerances: tuple[float, float, float], thorough: bool
+) -> LimitPoint | None:
+    """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
+    soft, broken = softness(system, start, value, start.scale), None
+    if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
+        soft = softness(system, start, value, start.scale, every=True)
+        for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
+            here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
+            soft = softness(system, here, value, start.scale, every=True)
+        broken = _neutral(system, soft, reach, tolerances, breaking=True)
+        if broken is not None and not is_pushed(broken):
+            return broken
+        tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
+        found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
+        if found is not None:
+            return found
+    found = _neutral(system, soft, reach, tolerances, breaking=False)
+    if found is None and (thorough or broken is not None):
+        found = _around(system, soft, reach, tolerances)
+    return found or (broken if thorough else None)
 
 
 def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, float]:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
 from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.control import Control
@@ -131,10 +131,10 @@ def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps, deficit: f
             gaps, deficit = lone_cracks(body, condition)
         if gaps.count == 0:
             return LastGaps("closed", None, count)
-        try:
-            state = condition.reach(evaluate_gaps(body, gaps, deficit))
-        except IllConditionedSystemError:
+        evaluated = if_solvable(evaluate_gaps, body, gaps, deficit)
+        if evaluated is None:
             return LastGaps("ill_conditioned", None, count)
+        state = condition.reach(evaluated)
         deficit = state.deficit
         changed = _without_overlap(state)
         if changed is None:

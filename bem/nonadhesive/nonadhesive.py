@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
@@ -133,9 +133,8 @@ def solve_contact(
     for count in range(1, ITERATIONS + 1):
         if _modes_beside_gaps(search.patches, search.tolerance) > MOST_MODES:
             return Contact("narrow_gaps", None, search.measure, count - 1, search.patches)
-        try:
-            state = search.evaluated()
-        except IllConditionedSystemError:
+        state = if_solvable(search.evaluated)
+        if state is None:
             return Contact("ill_conditioned", None, search.measure, count)
         pressure = state.pressure()
         tensile = under_tension(pressure, rounded)

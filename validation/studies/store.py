@@ -46,7 +46,7 @@ def text_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
 
 
 def peak_megabytes() -> float:
-    """Largest resident memory of this process so far; nan where the system does not tell (Windows)."""
+    """Largest resident memory of this process so far; nan where the system does not report it (Windows)."""
     if sys.platform == "win32":
         return math.nan
     import resource  # absent on Windows
