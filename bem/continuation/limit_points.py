@@ -43,6 +43,7 @@ STEPS = 8  # of Newton; it takes two to four, more where a fold is about to vani
 LONGEST_STEP = 0.2  # of the room of an edge
 NEAR = 1e-3  # of the room: the rest of a step is left to finer evaluations
 CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
+NEUTRAL = 1e-4  # eigenvalue, of order 1: the same where edges hardly move on the way to the end of their branch
 CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
@@ -165,6 +166,11 @@ class _Newton:
         """Of the step, in parts of the room of an edge."""
         return self.soft.size(self.step)
 
+    @property
+    def close(self) -> bool:
+        """Whether one more step reaches the limit point."""
+        return self.size <= CLOSE and abs(float(self.soft.eigenvalues[0])) <= NEUTRAL
+
 
 def _neutral(
     system: System, soft: Soft, reach: float, tolerances: tuple[float, float, float], breaking: bool
@@ -222,20 +228,18 @@ def _improved(
     fine, finest = tolerances
     found: list[Exact] = []
     for last, tolerance in (*(((False, fine),) * STEPS), (True, finest)):
-        if found and not last and at.size <= CLOSE:
+        if found and not last and at.close:
             continue
         value, gradient, evaluations = at.soft.value + at.change, at.gradient, at.evaluations + 1
         here = refined(system, at.soft, at.step, value, tolerance, last)
         soft = softness(system, here, value, at.soft.scale, at.soft.mode, breaking)
-        step, change = _step(soft, gradient, breaking)
-        if not last and soft.size(step) > CLOSE:
+        at = _Newton(soft, gradient, *_step(soft, gradient, breaking), evaluations)
+        if not last and not at.close:
             gradient = eigenvalue_gradient(system, soft, tolerance)
-            evaluations += 1
-            step, change = _step(soft, gradient, breaking)
-        at = _Newton(soft, gradient, step, change, evaluations)
+            at = _Newton(soft, gradient, *_step(soft, gradient, breaking), evaluations + 1)
         if at.size > 10 * NEAR:
             return None
-        found.append(after_step(system, here, value, step * soft.scale, change))
+        found.append(after_step(system, here, value, at.step * soft.scale, at.change))
     return at, found
 
 
