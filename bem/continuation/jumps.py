@@ -19,16 +19,17 @@ from bem.adhesive.branch import misses_energy, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.adhesive.events import Cause, Settled, interpenetration, settle
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import LimitPoint, at_rest, locate_limit_point
+from bem.continuation.limit_points import LimitPoint, locate_limit_point
 from bem.continuation.opening import complete_potential
 from bem.continuation.path_point import BranchEnd, Equilibrium, Point
+from bem.continuation.rest import at_rest
 from bem.continuation.touch_points import Bracket, locate_touch
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import Exact, PathEvent, path_events
+from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
 FloatArray = NDArray[np.float64]
@@ -148,7 +149,7 @@ class Jumps:
                 return self._resting(settled)
         width, control, stiffness = abs(value - start.value), self.system.control, here.stiffness
         deeper = abs(width / (control.penetration_weight + control.load_weight * stiffness))
-        error = Exact(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
+        error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = settled.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
         return self.behind(pushed, error, settled, changes, bool(settled.changes)) or self._resting(settled)
 
@@ -166,8 +167,8 @@ class Jumps:
 
     def behind(
         self,
-        at: Exact,
-        error: Exact,
+        at: EventNumbers,
+        error: EventNumbers,
         settled: Settled,
         changes: tuple[tuple[str, float], ...],
         moved: bool = True,
@@ -176,7 +177,7 @@ class Jumps:
 
         Parameters
         ----------
-        at, error : Exact
+        at, error : EventNumbers
             The state from which the contact jumps, and its errors.
         settled : Settled
             Where the jump ended.
@@ -203,7 +204,7 @@ class Jumps:
         return self._equilibrium(value, here, events) if settled.status == "converged" else _failed(settled, events)
 
     def _without_edges(
-        self, at: Exact, error: Exact, settled: Settled, changes: tuple[tuple[str, float], ...]
+        self, at: EventNumbers, error: EventNumbers, settled: Settled, changes: tuple[tuple[str, float], ...]
     ) -> Separated | Complete | Failed:
         """The point behind a jump that leaves no edges, or did not end."""
         released = np.nan
@@ -250,13 +251,13 @@ class Jumps:
         """A point with its tangent."""
         return Equilibrium(value, here, tangent(self.system.control, here), events=events, last=last)
 
-    def _exact(self, here: Balance, start: float, value: float) -> Exact:
+    def _exact(self, here: Balance, start: float, value: float) -> EventNumbers:
         """Numbers of a state after a change of the control at fixed edges."""
         control, change = self.system.control, value - start
         state = here.state
         deeper = change * control.rate(state)
         potential = self._led_to(state, here.potential, change)
-        return Exact(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
+        return EventNumbers(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
 
     def _led_to(self, state: Evaluation, potential: float, change: float) -> float:
         """The potential of a state after a change of the control at fixed edges."""

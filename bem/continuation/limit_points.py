@@ -32,10 +32,10 @@ from bem.continuation.softness import (
     softness,
     to_rest,
 )
-from bem.elastic.collocation import finer, resolve
+from bem.elastic.collocation import resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.patches import Patches
-from bem.loading.path_events import Exact
+from bem.loading.path_events import EventNumbers
 
 FloatArray = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ class LimitPoint:
     kind : {"fold", "bifurcation"}
     balance : Balance
         Forces next to it.
-    exact, error : Exact
+    exact, error : EventNumbers
         Its numbers, and what the last refinement changed.
     modes : (2 L, n) array
         Outward motions of the edges without resistance; one at a fold, to the side on which the potential falls.
@@ -71,8 +71,8 @@ class LimitPoint:
 
     kind: Literal["fold", "bifurcation"]
     balance: Balance
-    exact: Exact
-    error: Exact
+    exact: EventNumbers
+    error: EventNumbers
     modes: FloatArray
     bend: float
     evaluations: int
@@ -223,10 +223,10 @@ def _approached(system: System, soft: Soft, reach: float, tolerance: float, brea
 
 def _improved(
     system: System, at: _Newton, tolerances: tuple[float, ...], breaking: bool
-) -> tuple[_Newton, list[Exact]] | None:
+) -> tuple[_Newton, list[EventNumbers]] | None:
     """Finer steps until they are close, and a last one with another resolution; the numbers after each."""
     fine, finest = tolerances
-    found: list[Exact] = []
+    found: list[EventNumbers] = []
     for last, tolerance in (*(((False, fine),) * STEPS), (True, finest)):
         if found and not last and at.close:
             continue
@@ -247,40 +247,6 @@ def before_fold(limit: LimitPoint, value: float) -> Patches:
     """Edges on the branch that a fold ends, at a value of the control close before it."""
     back = np.sqrt(max((limit.exact.value - value) / limit.bend, 0.0))
     return limit.balance.state.patches.moved(-back * limit.modes[:, 0])
-
-
-def at_rest(
-    system: System, here: Balance, value: float, tolerances: tuple[float, float]
-) -> tuple[Balance, Exact, Exact] | None:
-    """A coarse equilibrium improved: forces, numbers, and what the last refinement changed; None where it moves far.
-
-    Parameters
-    ----------
-    system : System
-    here : Balance
-        At `value` of the control.
-    value : float
-    tolerances : (float, float)
-        Of the two evaluations.
-    """
-    outward: FloatArray = np.zeros(here.work.size)
-    size = np.inf
-    found: list[Exact] = []
-    for tolerance in (tolerances[0], *tolerances):
-        if len(found) == 1 and tolerance == tolerances[0] and size <= CLOSE:
-            continue
-        patches = here.state.patches.moved(outward)
-        if not patches.is_ordered:
-            return None
-        wanted = resolve(system.elastic, patches, tolerance)
-        resolution = finer(wanted) if tolerance == tolerances[1] else wanted
-        here = balance(system, patches, here.state.penetration, value, tolerance, resolution)
-        outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
-        size = float(np.max(np.abs(outward) / here.state.patches.edge_room))
-        if size > LONGEST_STEP:
-            return None
-        found.append(after_step(system, here, value, outward, 0.0))
-    return here, found[-1], found[-1].apart(found[-2], 0.0)
 
 
 def _beside(

@@ -7,7 +7,8 @@ from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, correct
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import at_rest, before_fold, locate_limit_point
+from bem.continuation.limit_points import before_fold, locate_limit_point
+from bem.continuation.rest import at_rest
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -146,3 +147,11 @@ def test_a_coarse_equilibrium_is_improved_with_its_error():
     assert better.closure <= 1e-7
     assert abs(exact.potential - finest.potential) <= 3 * error.potential + 1e-13
     assert abs(exact.load - finest.load) <= 3 * error.load + 1e-12
+
+
+def test_an_equilibrium_that_needs_no_steps_has_an_error_from_another_resolution():
+    system = wave(DisplacementControl())
+    found = correct(system, resting(system, [0.0], 0.6, 0.5).state.patches, 0.5, 0.5, Accuracy(1e-8, 1e-9))
+    better, _, error = at_rest(system, found.balance, 0.5, (1e-8, 1e-8))
+    assert np.any(better.state.resolution.nodes != found.balance.state.resolution.nodes)
+    assert 0 < error.load <= 4e-12  # measured 1.2e-12
