@@ -36,6 +36,7 @@ IntArray = NDArray[np.int64]
 
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
 OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
+DEEPER = 1e-8  # rms heights, by which a gap beside the one that touches is closed before
 DOUBT = 3.0  # times its error: less energy is not released
 TIED = 1e-6  # relative difference of patches that move alike
 MOVING = 0.3  # of the largest motion in units of room: patches that move with a mode
@@ -73,11 +74,12 @@ class Jumps:
         if not np.all(inside):
             return []
         gaps = gap_field(self.system.elastic, before)(found.position, found.gap), found.depth
+        width = abs(ahead.value - point.value)
         touch = locate_touch(
             self.system,
             lambda value: _interpolated(point, ahead, value),
             before.penetration,
-            Bracket((point.value, ahead.value), gaps, found),
+            Bracket((point.value, ahead.value), gaps, found, self.increments.smallest),
             self._fine,
         )
         if touch is None:
@@ -85,6 +87,9 @@ class Jumps:
         self.effort.evaluations += touch.evaluations
         end = self._equilibrium(touch.exact.value, touch.balance, last=True)
         state = touch.balance.state
+        deeper = interpenetration(self.system, state, DEEPER)
+        if deeper.position.size:  # another minimum of the gap closed before, which at `ahead` there was none of
+            return self.from_touch(point, end, deeper) if abs(end.value - point.value) < width else []
         settled = self._settled(state, state.patches, touch.exact.value, found=touch.touching)
         after = self.behind(touch.exact, touch.error, settled, settled.changes)
         return [] if after is None else [end, after]
