@@ -36,6 +36,8 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
+OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
+DEEPER = 1e-8  # rms heights, by which a gap beside the one that touches is closed before
 DOUBT = 3.0  # times its error: less energy is not released
 TIED = 1e-6  # relative difference of patches that move alike
 MOVING = 0.3  # of the largest motion in units of room: patches that move with a mode
@@ -73,11 +75,12 @@ class Jumps:
         if not np.all(inside):
             return []
         gaps = gap_field(self.system.elastic, before)(found.position, found.gap), found.depth
+        width = abs(ahead.value - point.value)
         touch = locate_touch(
             self.system,
             lambda value: _interpolated(point, ahead, value),
             before.penetration,
-            Bracket((point.value, ahead.value), gaps, found),
+            Bracket((point.value, ahead.value), gaps, found, self.increments.smallest),
             self._fine,
         )
         if touch is None:
@@ -85,14 +88,20 @@ class Jumps:
         self.effort.evaluations += touch.evaluations
         end = self._equilibrium(touch.exact.value, touch.balance, last=True)
         state = touch.balance.state
+        deeper = interpenetration(self.system, state, DEEPER)
+        if deeper.position.size:  # another minimum of the gap closed before, which at `ahead` there was none of
+            return self.from_touch(point, end, deeper) if abs(end.value - point.value) < width else []
         settled = self._settled(state, state.patches, touch.exact.value, found=touch.touching)
         after = self.behind(touch.exact, touch.error, settled, settled.changes)
         return [] if after is None else [end, after]
 
     def limit_point(self, point: Equilibrium, reach: float, thorough: bool) -> LimitPoint | None:
         """The limit point that ends the branch of a point within about `reach` of the control, if there is one."""
-        coarse = self.increments.coarse.tolerance
-        limit = locate_limit_point(self.system, point.balance, point.value, reach, (coarse, *self._fine), thorough)
+        coarse, (fine, finest) = self.increments.coarse.tolerance, self._fine
+        limit = locate_limit_point(self.system, point.balance, point.value, reach, (coarse, fine, finest), thorough)
+        if limit is None and thorough:  # coarse states may end farther from it than `reach`
+            near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(point.value)), reach))
+            limit = locate_limit_point(self.system, point.balance, point.value, near, (fine, fine, finest), thorough)
         if limit is None:
             return None
         self.effort.evaluations += limit.evaluations
@@ -133,9 +142,13 @@ class Jumps:
             return []
         return [self._equilibrium(value, settled.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
 
-    def unlocated(self, start: Equilibrium, value: float, found: GapMinima | None, fine: bool = False) -> Point:
+    def unlocated(
+        self, start: Equilibrium, value: float, found: GapMinima | None, width: float, fine: bool = False
+    ) -> Point:
         """The state at `value` behind an end of the branch that was not located, from the last good edges.
 
+        The end lies within `width`, over which the numbers of a branch change by up to twice what its tangent says:
+        before a fold as the root of the distance.
         What the accuracy between targets leaves undecided (a shallow minimum, or none) that of targets decides.
         A jump of the edges that releases no energy is none: Newton only did not reach that far.
         """
@@ -147,8 +160,8 @@ class Jumps:
             ahead = self._equilibrium(value, settled.balance)
             if not self.misses_energy(start, ahead):
                 return self._resting(settled)
-        width, control, stiffness = abs(value - start.value), self.system.control, here.stiffness
-        deeper = abs(width / (control.penetration_weight + control.load_weight * stiffness))
+        control, stiffness = self.system.control, here.stiffness
+        deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
         error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = settled.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
         return self.behind(pushed, error, settled, changes, bool(settled.changes)) or self._resting(settled)
@@ -195,9 +208,7 @@ class Jumps:
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
         released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
-        works = system.control.penetration_weight > 0  # the load does work, or the penetration
-        eased = abs(at.load - after.load) if works else abs(at.penetration - after.penetration)
-        doubt = error.potential + uncertain + error.value * eased  # of a jump elsewhere
+        doubt = error.potential + uncertain + self._elsewhere(at, error, after.penetration, after.load)
         if not moved and released <= DOUBT * doubt:
             return None
         events = path_events(changes, at, error, released, doubt)
@@ -207,19 +218,27 @@ class Jumps:
         self, at: EventNumbers, error: EventNumbers, settled: Settled, changes: tuple[tuple[str, float], ...]
     ) -> Separated | Complete | Failed:
         """The point behind a jump that leaves no edges, or did not end."""
-        released = np.nan
+        released, doubt = np.nan, error.potential
         if settled.status == "separated":
             changes = (*changes[:-1], ("pull_off", changes[-1][1]))
             if self.system.control.penetration_weight:  # a dead tension falls for ever
                 released = at.potential
+                doubt += self._elsewhere(at, error, at.penetration, 0.0)
         elif settled.status == "complete_contact":
             released = at.potential - complete_potential(self.system, self.complete, settled.target)
-        events = path_events(changes, at, error, released, error.potential)
+            highest = self.system.elastic.profile.max_height
+            doubt += self._elsewhere(at, error, highest, self.system.control.load(highest, settled.target))
+        events = path_events(changes, at, error, released, doubt)
         if settled.status == "separated":
             return Separated(settled.target, events=events)
         if settled.status == "complete_contact":
             return Complete(settled.target, events=events)
         return _failed(settled, events)
+
+    def _elsewhere(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
+        """Change of the energy released where the jump to this penetration and load lies elsewhere within its error."""
+        works = self.system.control.penetration_weight > 0  # the load does work, or the penetration
+        return error.value * (abs(at.load - load) if works else abs(at.penetration - penetration))
 
     def _settled(
         self,

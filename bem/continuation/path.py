@@ -178,7 +178,8 @@ class Path:
         else:
             points = self._past_event(point, Attempt(), (value + direction * inc.smallest / 8, value), True)
         if not points:
-            return _with_increment(self.jumps.unlocated(point, value, found, fine=True), point.increment)
+            behind = self.jumps.unlocated(point, value, found, inc.smallest / 8, fine=True)
+            return _with_increment(behind, point.increment)
         points = [*points[:-1], _with_increment(points[-1], point.increment)]
         if points[-1].value != value and points[-1].state is not None:
             points += self.advance(points[-1], value)
@@ -282,7 +283,7 @@ class Path:
         if points or not thorough:
             return points, shorter
         start = point if attempt.ahead is None else attempt.ahead
-        return [self.jumps.unlocated(start, trial.value, attempt.found)], shorter
+        return [self.jumps.unlocated(start, trial.value, attempt.found, trial.step)], shorter
 
     def _past_event(
         self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool

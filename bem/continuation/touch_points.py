@@ -64,20 +64,18 @@ class Bracket:
         The gaps in question there; some of the first may, all of the second must be negative.
     found : GapMinima
         Where these gaps are.
+    beside : float
+        How far from the ends the touch may be: they are states of less accuracy, beside a fold of much less.
     """
 
     ends: tuple[float, float]
     gaps: tuple[FloatArray, FloatArray]
     found: GapMinima
-
-    @property
-    def width(self) -> float:
-        """Distance of the ends."""
-        return abs(self.ends[1] - self.ends[0])
+    beside: float
 
     def reaches(self, value: float) -> bool:
-        """Whether a value of the control lies between the ends, or hardly beside them."""
-        return min(self.ends) - self.width / 10 <= value <= max(self.ends) + self.width / 10
+        """Whether a value of the control lies between the ends, or not far from them."""
+        return min(self.ends) - self.beside <= value <= max(self.ends) + self.beside
 
 
 def locate_touch(
@@ -113,8 +111,10 @@ def locate_touch(
             return None
         corrected = correct(system, patches, penetration, value, Accuracy(tolerance, CLOSURE * tolerance))
         evaluations += corrected.evaluations
-        if corrected.balance is None:
-            return None
+        if corrected.balance is None:  # beyond a fold: halfway back to the branch
+            value = (value + (known[-1][0] if known else first)) / 2
+            patches = branch(value)
+            continue
         here, at = corrected.balance, value
         rate = tangent(system.control, here)
         near = minima_near(gap_field(system.elastic, here.state), near.position, bracket.found.gap)

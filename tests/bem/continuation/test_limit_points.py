@@ -4,16 +4,20 @@ import numpy as np
 import pytest
 
 from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.branch import tangent
 from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, correct
 from bem.continuation.departure import departure
+from bem.continuation.jumps import Jumps
 from bem.continuation.limit_points import before_fold, locate_limit_point
+from bem.continuation.path_point import Equilibrium
 from bem.continuation.rest import at_rest
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
+from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl, LoadControl
-from bem.loading.increments import Accuracy
+from bem.loading.increments import Accuracy, Effort, Increments
 
 TOLERANCES = (1e-3, 1e-5, 1e-8)
 AMPLITUDE = np.sqrt(2.0)  # of a wave of unit rms height
@@ -137,6 +141,28 @@ def test_the_way_from_a_fold_leads_down():
     outward, leads_on, _ = departure(system, fold, Accuracy(1e-3, 1e-4))
     assert leads_on
     assert np.all(outward < 0)  # it pulls off
+
+
+@pytest.mark.parametrize("part", [1e-2, 1e-3])
+@pytest.mark.parametrize(
+    ("control", "quantity", "other"),
+    [(DisplacementControl(), "penetration", "load"), (LoadControl(), "load", "penetration")],
+    ids=["Delta", "load"],
+)
+def test_an_end_that_is_not_located_knows_its_errors(control, quantity, other, part):
+    """Numbers of a branch change as the root of the distance to its fold; measured 0.56 to 0.85 of the estimates."""
+    system, exact = wave(control), lowest(quantity)
+    psi = np.linspace(0.01, 0.8, 200_001)
+    psi = psi[np.argmin(johnson(quantity, psi))]
+    start, end = exact * (1 - part), exact * (1 + part / 2)
+    here = resting(system, [2 * np.pi], 2.04 * psi, start)
+    complete = complete_contact(system.elastic.profile, system.law)
+    jumps = Jumps(system, Increments(0.1, 1e-3), complete, Effort())
+    behind = jumps.unlocated(Equilibrium(start, here, tangent(control, here)), end, None, abs(end - start))
+    assert [event.kind for event in behind.events] == ["pull_off"]
+    at, error = behind.events[0].at, behind.events[0].error
+    assert abs(at.value - exact) <= error.value
+    assert 0.3 <= abs(getattr(at, other) - johnson(other, psi)) / getattr(error, other) <= 1
 
 
 def test_a_coarse_equilibrium_is_improved_with_its_error():
