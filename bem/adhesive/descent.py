@@ -1,6 +1,6 @@
 """Descent to the minimum of the potential that an overdamped motion of the edges reaches, where a branch has ended.
 
-Small trust-region steps, measured in units of the room of each edge, minimise the potential at a fixed target; on the
+Small trust-region steps, measured in units of the edge scale, minimise the potential at a fixed target; on the
 way patches may vanish, gaps close and crests touch.  Large steps would end in another basin: barriers between basins
 are as narrow as the shortest wavelength, and no edge moves by more than a fifth of it at once.  Dimensionless.
 Source: Barquins, J. Adhesion 26 (1988) 1, for the width at which a lone contact pulls off.
@@ -28,8 +28,8 @@ FloatArray = NDArray[np.float64]
 
 DESCENT_STEPS = 10_000  # evaluations; jumps of three realisations of the paper's profile took up to 47
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
-SMALLEST_RADIUS = 1e-12  # of a step, below which there is none
-LARGEST_ROOM = 0.5  # of the shortest wavelength, in which the steps of an edge are measured
+SMALLEST_RADIUS = 1e-12  # of a step, below which the descent ends
+LARGEST_EDGE_SCALE = 0.5  # of the shortest wavelength, in which the steps of an edge are measured
 LARGEST_EXPANSION = 0.2  # of the shortest wavelength, by which an edge with K < 0 moves at once
 DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
 NARROW_GAP, CLOSING_STEP = 0.25, 0.4  # of the shortest wavelength; part of its width by which its edges move at once
@@ -87,11 +87,11 @@ class Steps:
     Attributes
     ----------
     largest : float
-        Trust radius in units of the room of the edges; small values follow the descent path closely.
+        Trust radius in units of the edge scale; small values follow the descent path closely.
     least_resolution : callable or None
         Least resolution of given patches, where others than these are near.
     ahead : CrestsAhead or None
-        Finds the crests that touch after a step; the descent ends there, or before edges reach patches that it knows.
+        Finds the crests that touch after a step; the descent ends there, or before edges reach the patches beside them.
         Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
     """
 
@@ -139,9 +139,9 @@ def descend(
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """A trust-region step: the room of each edge, the parts of it moved, and the fall that the model predicts."""
+    """A trust-region step: the edge scale, the parts of it moved, and the fall that the model predicts."""
 
-    room: FloatArray
+    edge_scale: FloatArray
     parts: FloatArray
     predicted: float
 
@@ -205,15 +205,15 @@ class _Walk:
 
     def step(self, here: Balance) -> _Step:
         """The step that minimises the quadratic model within the trust radius."""
-        room = _room(self.system, here, self.steps.largest)
-        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
-        gradient = here.gradient * room
+        scale = _edge_scale(self.system, here, self.steps.largest)
+        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(scale, scale)
+        gradient = here.gradient * scale
         parts = trust_region_step(gradient, hessian, self.radius)
-        return _Step(room, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
+        return _Step(scale, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
 
     def tried(self, here: Balance, step: _Step) -> DescentStatus | Literal["again"]:
         """Try a step: take it where the potential falls about as far as predicted, else shrink the radius."""
-        trial = self.patches.moved(step.parts * step.room)
+        trial = self.patches.moved(step.parts * step.edge_scale)
         if not self._is_free(trial):
             return "not_converged"
         wanted = _at_least(resolve(self.system.elastic, trial, self.accuracy.tolerance), self.resolution)
@@ -245,7 +245,7 @@ class _Walk:
         noise += energy_noise(self.system, here, ahead, self.accuracy.tolerance)
         actual = here.potential - ahead.potential
         if step.predicted < 100 * noise:
-            actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.room))
+            actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.edge_scale))
         return actual / step.predicted if step.predicted > 0 else -1.0
 
     def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance | None:
@@ -261,7 +261,7 @@ class _Walk:
         return others is None or patches.joined(others) is not None
 
     def _stand_at(self, patches: Patches, before: Balance) -> None:
-        """Go on from other edges, on which the forces are not known."""
+        """Continue from other edges, on which the forces are not known."""
         self.patches, self.penetration, self.here = patches, before.state.penetration, None
 
 
@@ -275,15 +275,15 @@ def _equal(first: Resolution, second: Resolution) -> bool:
     return bool(np.all(first.nodes == second.nodes) and np.all(first.modes == second.modes))
 
 
-def _room(system: System, here: Balance, largest_step: float) -> FloatArray:
+def _edge_scale(system: System, here: Balance, largest_step: float) -> FloatArray:
     """Length in which each edge may move, (2 L,); more of it is used where a narrow gap closes, whatever happens."""
     patches, wavelength = here.state.patches, 2 * np.pi / system.elastic.profile.max_order
-    room = np.minimum(patches.edge_room, LARGEST_ROOM * wavelength)
+    scale = np.minimum(patches.edge_scale, LARGEST_EDGE_SCALE * wavelength)
     narrow = (patches.gap_after < NARROW_GAP * wavelength) & _pulled_shut(here)
     if narrow.any():
         share = np.where(narrow, max(CLOSING_STEP / largest_step, 1.0), 1.0)
-        room = room * np.concatenate([np.roll(share, 1), share])
-    return room
+        scale = scale * np.concatenate([np.roll(share, 1), share])
+    return scale
 
 
 def _pulled_shut(here: Balance) -> NDArray[np.bool_]:
@@ -294,13 +294,13 @@ def _pulled_shut(here: Balance) -> NDArray[np.bool_]:
 
 
 def _expanded(system: System, here: Balance) -> Patches | None:
-    """Edges with K < 0 moved outward by Newton towards 0.3 of the critical K; None when no room is left."""
+    """Edges with K < 0 moved outward by Newton towards 0.3 of the critical K; None when there is no space left."""
     state = here.state
-    room = np.minimum(state.patches.edge_room, LARGEST_EXPANSION / 0.3 * 2 * np.pi / system.elastic.profile.max_order)
+    scale = np.minimum(state.patches.edge_scale, LARGEST_EXPANSION / 0.3 * 2 * np.pi / system.elastic.profile.max_order)
     short = state.stress_intensity < 0.3 * 2 * np.sqrt(here.work)
     slope = np.diagonal(here.jacobian)
     wanted = (0.6 * np.sqrt(here.work) - state.stress_intensity) / np.where(slope > 0, slope, np.inf)
-    step = np.where(short, np.clip(wanted, 0.02 * room, 0.3 * room), 0.0)
+    step = np.where(short, np.clip(wanted, 0.02 * scale, 0.3 * scale), 0.0)
     moved = state.patches.moved(step)
     return moved if moved.is_ordered else None
 

@@ -40,8 +40,8 @@ from bem.loading.path_events import EventNumbers
 FloatArray = NDArray[np.float64]
 
 STEPS = 8  # of Newton; it takes two to four, more where a fold is about to vanish (a cusp)
-LONGEST_STEP = 0.2  # of the room of an edge
-NEAR = 1e-3  # of the room: the rest of a step is left to finer evaluations
+LONGEST_STEP = 0.2  # of the edge scale
+NEAR = 1e-3  # of the edge scale: the rest of a step is left to finer evaluations
 CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
 NEUTRAL = 1e-4  # eigenvalue, of order 1: the same where edges hardly move on the way to the end of their branch
 CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
@@ -163,7 +163,7 @@ class _Newton:
 
     @property
     def size(self) -> float:
-        """Of the step, in parts of the room of an edge."""
+        """Of the step, in parts of the edge scale."""
         return self.soft.size(self.step)
 
     @property
@@ -258,7 +258,7 @@ def _beside(
     """
     state, value = broken.balance.state, broken.exact.value
     way = -broken.modes @ (broken.modes.T @ broken.balance.gradient)
-    way /= float(np.max(np.abs(way) / state.patches.edge_room))
+    way /= float(np.max(np.abs(way) / state.patches.edge_scale))
     middle = float(np.cbrt(_push(broken.balance, broken.modes)))
     for side in SIDES:
         here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, tolerances[0])
@@ -301,7 +301,7 @@ def _along(soft: Soft) -> FloatArray:
 
 
 def _tangent(soft: Soft, along: FloatArray) -> tuple[FloatArray, float]:
-    """Motion of edges and control along a branch, on the side of a given motion, as long as the room of an edge."""
+    """Motion of edges and control along a branch, on the side of a given motion, as long as the edge scale."""
     step = np.linalg.solve(_bordered(soft, along), np.append(np.zeros(along.size), 1.0))
     size = soft.size(step[:-1]) * float(np.sign(along @ step[:-1]))
     return np.asarray(step[:-1] / size), float(step[-1]) / size

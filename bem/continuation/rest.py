@@ -45,7 +45,7 @@ def at_rest(
         wanted = resolve(system.elastic, patches, tolerance)
         here = balance(system, patches, here.state.penetration, value, tolerance, finer(wanted) if last else wanted)
         outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
-        size = float(np.max(np.abs(outward) / here.state.patches.edge_room))
+        size = float(np.max(np.abs(outward) / here.state.patches.edge_scale))
         if size > LONGEST_STEP:
             return None
         found.append(after_step(system, here, value, outward, 0.0))

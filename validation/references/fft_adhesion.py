@@ -94,8 +94,8 @@ def solve_fft(posed: Posed, points: int, spacings: int) -> Found:
         "gap": float(np.interp(posed.trough, x, gap, period=posed.period)),
     }
     post = time.perf_counter() - solved
-    told = {"cohesive range / m": rho}
-    return Found(answer, points, {"iterations": iterations}, ready - begun, solved - ready, post, told)
+    extra = {"cohesive range / m": rho}
+    return Found(answer, points, {"iterations": iterations}, ready - begun, solved - ready, post, extra)
 
 
 def _profile(posed: Posed, x: NDArray[Any]) -> tuple[FloatArray, FloatArray]:

@@ -15,13 +15,13 @@ from validation.harness.runner import write_atomically
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Write JSON; nan and infinity, which it does not know, become null."""
+    """Write JSON; nan and infinity, which do not exist there, become null."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_atomically(path, json.dumps(plain(dict(content)), indent=1, allow_nan=False) + "\n")
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON knows it."""
+    """A value as JSON holds it."""
     if isinstance(value, Mapping):
         return {name: plain(content) for name, content in value.items()}
     if isinstance(value, list | tuple):
