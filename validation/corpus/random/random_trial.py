@@ -26,8 +26,8 @@ from bem.scene.result import Result, State
 from bem.scene.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.hard.hard_case_run import Outcome
-from validation.corpus.random.random_checks import EPS, Finding, Units, energy_balance, findings_of
-from validation.corpus.random.random_copies import COPIES, ROUNDINGS, STATE, compared, smaller_increment
+from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Units, energy_balance, findings_of
+from validation.corpus.random.random_copies import COPIES, STATE, compared, smaller_increment
 from validation.corpus.random.random_scenes import Drawn, draw
 from validation.references.dense_equilibrium import NoReferenceError, reference
 
