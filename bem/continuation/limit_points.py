@@ -2,13 +2,15 @@
 
 At a limit point the equilibrium is neutral: with the gradient g of the potential, its Hessian H and the control tau
 
-    g(x, tau) = 0,   mu(x, tau) = 0,   mu the smallest eigenvalue of H, v its mode.
+    g(x, tau) = 0,   mu(x, tau) = 0,   mu the smallest eigenvalue of H, v its mode,
+
+motions of the edges being in units of the root of edge scale over work of adhesion (softness.py).
 
 At a fold the load works on the mode (v . dg/dtau != 0): Newton on both equations at once, the last row of which is
 d mu = D_v H v . dx + v . dH/dtau v dtau (Seydel, Practical Bifurcation and Stability Analysis, 2010, section 5.4).
 D_v H is a difference of exact Hessians, dH/dtau is exact: K is linear in tau at fixed edges.  Where the mode breaks a
-symmetry that loading keeps, the load does no work on it, and the branch continues unstable: mu changes sign along it
-(a bifurcation), which the secant finds, with the modes that break the symmetry at rest.  Coarse evaluations lead to
+symmetry that loading keeps, the load does no work on it, and the branch continues unstable: mu changes sign along it.
+Newton on the same equations finds that, with the modes that break the symmetry at rest.  Coarse evaluations lead to
 the point, finer ones improve it, and what the last of these changes, with another resolution, is its error.
 Dimensionless.  Limits: at a fold one mode alone is neutral.
 """

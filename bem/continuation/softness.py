@@ -95,7 +95,7 @@ def forces_at(
     if not patches.is_ordered:
         raise LostError
     here = balance(system, patches, state.penetration, value, tolerance, like)
-    if not here.opening:
+    if not here.all_tensile:
         raise LostError
     return here
 
