@@ -20,9 +20,10 @@ from pydantic import ValidationError
 from bem.command_line.folder_lock import FolderInUseError, locked
 from validation.harness import baseline
 from validation.harness.executors import ExecutorError, opener_of
+from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance
 from validation.harness.registry import CaseError, registry, select
-from validation.harness.runner import Note, run_cases, write_atomically
+from validation.harness.runner import Note, run_cases
 from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
 from validation.harness.verdict import counts, fails
 from validation.report.render import PAGE, ReportError, failures, write_html
