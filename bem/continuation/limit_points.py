@@ -59,7 +59,7 @@ class LimitPoint:
 
     Attributes
     ----------
-    kind : {"fold", "bifurcation"}
+    kind : {"fold", "broken_symmetry"}
     balance : Balance
         Forces next to it.
     exact, error : EventNumbers
@@ -71,7 +71,7 @@ class LimitPoint:
     evaluations : int
     """
 
-    kind: Literal["fold", "bifurcation"]
+    kind: Literal["fold", "broken_symmetry"]
     balance: Balance
     exact: EventNumbers
     error: EventNumbers
@@ -192,7 +192,7 @@ def _neutral(
         pushed = _push(soft.here, modes) ** (2 / 3)
         shift = pushed / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
         error = replace(error, value=error.value + shift)
-        return LimitPoint("bifurcation", soft.here, found[-1], error, modes, 0.0, at.evaluations)
+        return LimitPoint("broken_symmetry", soft.here, found[-1], error, modes, 0.0, at.evaluations)
     cubic, work = float(at.gradient @ soft.mode), float(soft.pull @ soft.mode)
     if soft.eigenvalues[1:2].min(initial=1.0) <= 0 or cubic * work * reach <= 0:
         return None  # another limit point lies before this one, or this one begins a branch

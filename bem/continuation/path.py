@@ -308,7 +308,7 @@ class Path:
             return []
         if direction * (limit.exact.value - ends[1]) <= 0:
             return self.jumps.from_limit(limit, reach)
-        if limit.kind == "bifurcation":
+        if limit.kind == "broken_symmetry":
             return []
         near = self.corrected(before_fold(limit, ends[1]), limit.balance.state.penetration, ends[1])
         return [] if near is None or self.interpenetrates(near) else [near]

@@ -106,7 +106,7 @@ def test_equal_crests_lose_their_symmetry_before_they_pull_off(count):
     start = -0.05
     here = symmetric_state(system, count, start)
     found = locate_limit_point(system, here, start, -0.05, TOLERANCES, thorough=True)
-    assert found.kind == "bifurcation"
+    assert found.kind == "broken_symmetry"
     assert found.modes.shape[1] == (1 if count == 2 else 2)
     pull = found.balance.load_gradient
     for mode in found.modes.T:
@@ -128,7 +128,7 @@ def test_a_fold_of_almost_equal_crests_lies_before_the_symmetric_one():
         here = symmetric_state(system, 2, -0.05)
         found = locate_limit_point(system, here, -0.05, -0.05, TOLERANCES, thorough=True)
         values.append(found.exact.value)
-        assert found.kind == ("fold" if delta else "bifurcation")
+        assert found.kind == ("fold" if delta else "broken_symmetry")
     apart = np.array(values[1:]) - values[0]
     assert np.all(apart > 0)
     assert apart[1] / apart[0] == pytest.approx(10 ** (2 / 3), rel=0.2)  # measured 0.09
