@@ -111,7 +111,7 @@ def descend(
         Of the evaluation, and of the equilibrium.
     steps : Steps
     """
-    walk = _Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2)
+    walk = _Walk(system, target, accuracy, steps, patches, penetration, seen=patches, radius=steps.largest / 2)
     while walk.evaluations < DESCENT_STEPS and walk.radius >= SMALLEST_RADIUS:
         here = walk.evaluated()
         if here is None:
@@ -142,7 +142,25 @@ class _Step:
 
 @dataclass(eq=False)
 class _Walk:
-    """Where one descent stands: edges, forces on them (None: to be evaluated), trust radius, what has happened."""
+    """Where one descent stands.
+
+    Attributes
+    ----------
+    system, target, accuracy, steps
+        What `descend` was asked.
+    patches, penetration
+        The edges now, and where load control starts from.
+    seen : Patches
+        Where each edge was when crests ahead of it were last looked at.
+    radius : float
+        Of the trust region.
+    here : Balance or None
+        Forces on the edges; None where they are to be evaluated.
+    resolution : Resolution or None
+        Of the last evaluation: both sides of a step have the same.
+    changes, evaluations, touching
+        What has happened, as in `Descent`.
+    """
 
     system: System
     target: float

@@ -243,7 +243,11 @@ class Path:
         return Pace(known or self.increments.largest / 4)
 
     def _trial(self, point: Equilibrium, goal: float, direction: float, pace: Pace) -> Trial | None:
-        """The increment to try: within reach of Newton, halfway to what it did not reach; None where the gaps close."""
+        """The increment to try; None where the gaps close.
+
+        As long as the pace allows and Newton reaches, but not shorter than `BRACKET` times the shortest; before a value
+        that Newton did not reach, halfway to it, down to the shortest.  The last one ends at the goal.
+        """
         closing = self.bare.closing_value
         last = self._last_increment(point, closing)
         if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
@@ -296,7 +300,8 @@ class Path:
         attempt : Attempt
             To follow the branch.
         ends : (float, float)
-            Where it was to lead, and how far the path goes.
+            Where the attempt was to lead, and how far the path goes: a fold beyond that does not end this path, and
+            the point at its end, just before the fold, is found from there.
         thorough : bool
             Whether shorter increments are no alternative.
         """
@@ -304,9 +309,9 @@ class Path:
             return self.jumps.from_touch(point, attempt.ahead, attempt.found)
         reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
         limit = self.jumps.limit_point(point, reach, thorough)
-        if limit is None:  # it may lie behind the point: coarse evaluations lead a little farther than the branch
+        if limit is None:
             return []
-        if direction * (limit.exact.value - ends[1]) <= 0:
+        if direction * (limit.exact.value - ends[1]) <= 0:  # also behind the point: coarse states go a little too far
             return self.jumps.from_limit(limit, reach)
         if limit.kind == "broken_symmetry":
             return []
