@@ -23,6 +23,7 @@ from bem.continuation.opening import (
     lowest_pressure,
     opened_gap,
     opening_load,
+    opening_rounding,
 )
 from bem.continuation.path_point import BranchEnd, Equilibrium, Point
 from bem.geometry.patches import Patches
@@ -117,7 +118,9 @@ class BareStates:
         joined = self._fully_joined(value)
         relaxed = self._relaxed(opened_gap(system, complete, flaw, joined.load), highest, value)
         joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, fine.tolerance))
-        behind = self.jumps.behind(joined, NO_ERROR, relaxed, (("opening", flaw.center), *relaxed.changes))
+        rounding = opening_rounding(system, flaw, fine.tolerance)
+        error = replace(NO_ERROR, value=system.control.load_weight * rounding, load=rounding)
+        behind = self.jumps.behind(joined, error, relaxed, (("opening", flaw.center), *relaxed.changes))
         return behind or Failed(value, "not_converged")
 
     def _fully_joined(self, value: float) -> EventNumbers:

@@ -187,10 +187,15 @@ def _missed(units: Units, state: State, known: dict[str, float]) -> Iterator[str
 
 
 def _refused(drawn: Drawn, error: SceneError, seconds: float) -> Outcome:
-    """A scene refused before it ran: right where it was expected and the mistake names the key."""
-    key = drawn.special.split(" ")[0]
-    named = any(key in mistake.path for mistake in error.mistakes) if key else False
-    right = named and drawn.expected != "an answer"
+    """A scene refused before it ran: right where it was expected and the mistake names the key.
+
+    That the pressure shuts a flaw which is wider than half the shortest wave is known only when it is evaluated.
+    """
+    key, profile, flaw = drawn.special.split(" ")[0], drawn.tables["profile"], drawn.tables["loading"].get("flaw", 0.0)
+    shortest = profile.get("period", 0.0) / max(profile.get("orders", [profile.get("harmonics", 1)]))
+    if drawn.expected == "an answer" and flaw > shortest / 2:
+        key = "loading.flaw"
+    right = bool(key) and any(key in mistake.path for mistake in error.mistakes)
     findings = () if right else (Finding("refusal", f"of {drawn.expected}"),)
     return Outcome(
         id=drawn.id,
