@@ -296,7 +296,7 @@ class Path:
         ends : (float, float)
             Where it was to lead, and how far the path goes.
         thorough : bool
-            Whether shorter increments are no alternative.
+            Whether shorter increments would not help.
         """
         if attempt.ahead is not None and attempt.found is not None:
             return self.jumps.from_touch(point, attempt.ahead, attempt.found)
