@@ -303,7 +303,7 @@ class Path:
             Where the attempt was to lead, and how far the path goes: a fold beyond that does not end this path, and
             the point at its end, just before the fold, is found from there.
         thorough : bool
-            Whether shorter increments are no alternative.
+            Whether shorter increments would not help.
         """
         if attempt.ahead is not None and attempt.found is not None:
             return self.jumps.from_touch(point, attempt.ahead, attempt.found)

@@ -214,7 +214,7 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
     Raises
     ------
     BaselineError
-        No reason, a case that failed, a value that is no number, sources that are not those of a commit.
+        No reason, a case that failed, a value that is not a number, sources that are not those of a commit.
     """
     tree = working_tree()
     if tree is None or tree[1]:

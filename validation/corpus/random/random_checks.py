@@ -217,7 +217,7 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
     for name, array in result.fields.items():
         outside = name.startswith("pressure_")
         if np.any(np.isinf(array)) or (not outside and np.any(np.isnan(array))):
-            yield Finding("fields", f"{name} holds what is no number")
+            yield Finding("fields", f"{name} holds values that are not numbers")
 
 
 def identities(result: Result, units: Units) -> Iterator[Finding]:
