@@ -154,7 +154,10 @@ class Path:
                 return
 
     def refine(self, point: Point, direction: float) -> Point:
-        """The point at the accuracy of a target; a branch that ends within the coarse accuracy is left here.
+        """The point at the accuracy of a target.
+
+        Where the fine state interpenetrates, or there is none, the branch ended within the coarse accuracy: at a touch,
+        or at a limit point.  The path then jumps from there, returns to the value, and refines what it finds.
 
         Parameters
         ----------
@@ -178,12 +181,12 @@ class Path:
         else:
             points = self._past_event(point, Attempt(), (value + direction * inc.smallest / 8, value), True)
         if not points:
-            behind = self.jumps.unlocated(point, value, found, inc.smallest / 8, fine=True)
-            return _with_increment(behind, point.increment)
+            unlocated = self.jumps.unlocated(point, value, found, inc.smallest / 8, fine=True)
+            return _with_increment(unlocated, point.increment)
         points = [*points[:-1], _with_increment(points[-1], point.increment)]
         if points[-1].value != value and points[-1].state is not None:
             points += self.advance(points[-1], value)
-        events = [event for behind in points for event in behind.events]
+        events = [event for passed in points for event in passed.events]
         final = self.refine(points[-1], direction)
         return replace(final, events=(*events, *final.events))
 
