@@ -45,7 +45,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         Those of the process by default.
     """
-    options = _parser().parse_args(arguments)
+    parser = argparse.ArgumentParser(prog="python -m bem", description="Adhesive line contact of a rough profile.")
+    add_commands(parser.add_subparsers(required=True, metavar="check|run"))
+    return perform(parser.parse_args(arguments))
+
+
+def perform(options: argparse.Namespace) -> int:
+    """Run the command that was parsed; its exit code."""
     command: Callable[[argparse.Namespace], int] = options.command
     try:
         with interruptible():
@@ -61,14 +67,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m bem", description="Adhesive line contact of a rough profile.")
-    commands = parser.add_subparsers(required=True, metavar="check|run")
-
+def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add `check` and `run` to the commands of a program, which hands what it parsed to `options.perform`."""
     check = commands.add_parser("check", help="print the resolved scene, its effects and the predicted cost")
     check.add_argument("scene", type=Path, help="scene file (TOML)")
     check.add_argument("--json", action="store_true", help="print as JSON")
-    check.set_defaults(command=_check)
+    check.set_defaults(command=_check, perform=perform)
 
     run = commands.add_parser("run", help="solve a scene; writes result.json and fields.npz")
     run.add_argument("scene", type=Path, help="scene file (TOML)")
@@ -79,8 +83,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--plot", action="store_true", help="also draw curves and stored shapes as PNG")
     run.add_argument("--quiet", action="store_true", help="no progress")
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
-    run.set_defaults(command=_run)
-    return parser
+    run.set_defaults(command=_run, perform=perform)
 
 
 def _check(options: argparse.Namespace) -> int:

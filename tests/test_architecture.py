@@ -60,6 +60,7 @@ ORDER = (
     "validation/studies/theory_correction",
     "validation/replicate",
     "validation",
+    "validation/command_line",
 )
 APART = {  # besides the order: folders that these do not import from either
     "bem/observables": ("bem/adhesive", "bem/continuation", "bem/nonadhesive", "bem/elastic"),

@@ -47,7 +47,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 done, 1 something failed, 2 bad input, 130 interrupted.
     """
-    options = _parser().parse_args(arguments)
+    parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
+    add_commands(parser.add_subparsers(required=True, metavar="COMMAND"))
+    return perform(parser.parse_args(arguments))
+
+
+def perform(options: argparse.Namespace) -> int:
+    """Run the command that was parsed; its exit code."""
     try:
         return int(options.command(options))
     except (CaseError, ExecutorError, ReportError, FolderInUseError, baseline.BaselineError) as error:
@@ -233,24 +239,31 @@ def _command(options: argparse.Namespace) -> str:
     return f"python -m validation run --level {options.level}{only} --out {options.out.name}"
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], run_name: str = "run") -> None:
+    """Add ours to the commands of a program, which hands what it parsed to `options.perform`.
+
+    Parameters
+    ----------
+    commands
+        As `add_subparsers` returns it.
+    run_name : str
+        What running the cases is called there.
+    """
     cores = os.cpu_count() or 1
 
-    run = commands.add_parser("run", help="run the cases of a level and write the report")
+    run = commands.add_parser(run_name, help="run the cases of a level and write the report")
     run.add_argument("--level", default="quick", help="quick, standard or full (default: quick)")
     run.add_argument("--only", metavar="PATTERN", help="cases whose name or group matches, of any level")
     run.add_argument("--jobs", type=_positive, default=cores, help=f"worker processes (default: {cores})")
     run.add_argument("--executor", default="local", help="local (default) or dask://host:port")
     run.add_argument("--out", type=Path, required=True, help="folder of the report; what is there already is kept")
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
-    run.set_defaults(command=_alone(_run))
+    run.set_defaults(command=_alone(_run), perform=perform)
 
     report = commands.add_parser("report", help="render report.json of a folder again")
     report.add_argument("folder", type=Path)
     report.add_argument("--json", action="store_true", help="print the summary as JSON")
-    report.set_defaults(command=_report)
+    report.set_defaults(command=_report, perform=perform)
 
     paper = commands.add_parser("replicate", help="the paper's results from 11 realisations of ours, as a report")
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there are kept")
@@ -258,22 +271,24 @@ def _parser() -> argparse.ArgumentParser:
     paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
     paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: replicates nothing")
     paper.add_argument("--json", action="store_true", help="print the summary as JSON")
-    paper.set_defaults(command=_alone(_replicate))
+    paper.set_defaults(command=_alone(_replicate), perform=perform)
 
     base = commands.add_parser("baseline", help="compare a report with the baselines, or update one").add_subparsers(
         required=True, metavar="ACTION"
     )
     check = base.add_parser("check")
     check.add_argument("--out", type=Path, required=True, help="folder of a report")
-    check.set_defaults(command=_baseline_check)
+    check.set_defaults(command=_baseline_check, perform=perform)
     change = base.add_parser("update")
     change.add_argument("case")
     change.add_argument("--reason", required=True)
     change.add_argument("--out", type=Path, required=True, help="folder of a report")
-    change.set_defaults(command=_baseline_update)
+    change.set_defaults(command=_baseline_update, perform=perform)
 
     study = commands.add_parser("study", help="run a study")
-    study.add_argument("name", choices=STUDIES, help="; ".join(f"{name}: {what}" for name, what in STUDIES.items()))
+    study.add_argument(
+        "name", choices=tuple(STUDIES), help="; ".join(f"{name}: {what}" for name, what in STUDIES.items())
+    )
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
     many, one = ", ".join(ON_EXECUTORS), ", ".join(IN_PROCESSES)
@@ -282,8 +297,7 @@ def _parser() -> argparse.ArgumentParser:
     study.add_argument("--peers", action="store_true", help=f"{WITH_PEERS} beside FFT solvers only (extra `peers`)")
     study.add_argument("--random", type=_positive, metavar="N", help=f"{WITH_RANDOM}: N random scenes instead")
     study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
-    study.set_defaults(command=_alone(_study))
-    return parser
+    study.set_defaults(command=_alone(_study), perform=perform)
 
 
 def _positive(text: str) -> int:

@@ -225,14 +225,18 @@ def digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
+def installed_version() -> str:
+    """Version of the installed package, `bem.__version__`."""
+    try:
+        return metadata.version("linecontact")
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
 def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
     """Versions, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
-    try:
-        version = metadata.version("linecontact")
-    except metadata.PackageNotFoundError:
-        version = "not installed"
     return {
-        "linecontact": version,
+        "linecontact": installed_version(),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
         "numpy": np.__version__,
