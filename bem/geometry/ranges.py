@@ -32,17 +32,17 @@ class Range:
     whole: bool = False
 
     @property
-    def limits(self) -> dict[str, float]:
+    def limits(self) -> dict[str, Any]:
         """The finite limits by their names."""
         named = {"ge": self.ge, "gt": self.gt, "le": self.le, "lt": self.lt}
         return {name: limit for name, limit in named.items() if math.isfinite(limit)}
 
     def holds(self, value: Any) -> bool:
         """Whether a value is a number (no truth value, no text) in the range."""
-        kind = numbers.Integral if self.whole else numbers.Real
-        if isinstance(value, bool) or not isinstance(value, kind):
+        if isinstance(value, bool) or not isinstance(value, numbers.Integral if self.whole else numbers.Real):
             return False
-        return bool(math.isfinite(value) and self.ge <= value <= self.le and self.gt < value < self.lt)  # type: ignore[arg-type]
+        number = float(value)
+        return math.isfinite(number) and self.ge <= number <= self.le and self.gt < number < self.lt
 
 
 RANGES = {

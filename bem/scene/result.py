@@ -28,6 +28,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.scene.result_views import Views
+
 SCHEMA = "linecontact-result/1"
 RESULT_FILE, FIELDS_FILE = "result.json", "fields.npz"
 FINAL_STATUSES = ("converged", "separated", "complete_contact")
@@ -177,8 +179,8 @@ class Progress:
     n_targets: int
 
 
-@dataclass(frozen=True, eq=False)
-class Result:
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Views):
     """All states and events of a path.
 
     Parameters
@@ -280,7 +282,7 @@ def write_result(result: Result, folder: Path) -> None:
         (folder / FIELDS_FILE).unlink(missing_ok=True)
 
 
-def read_result(folder: Path) -> Result:
+def read_result(folder: Path | str) -> Result:
     """Read what `write_result` wrote, and verify it.
 
     Raises
@@ -290,6 +292,7 @@ def read_result(folder: Path) -> Result:
     CorruptResultError
         Not JSON, another schema, wrong checksum, fields.npz missing or not the one written with it.
     """
+    folder = Path(folder)
     path = folder / RESULT_FILE
     try:
         content = json.loads(path.read_bytes())

@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import Mistake, harmonic_mistakes, shown
+from bem.geometry.ranges import Mistake as Mistake
+from bem.geometry.ranges import harmonic_mistakes
+from bem.geometry.ranges import shown as shown
 from bem.scene.scan_file import Scan
 
 SAMPLED_HARMONICS = 1000  # default cut of a scan
