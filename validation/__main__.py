@@ -18,6 +18,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from bem.command_line.folder_lock import FolderInUseError, locked
+from bem.scene.result import RESULT_FILE, CorruptResultError
 from validation.harness import baseline
 from validation.harness.executors import ExecutorError, opener_of
 from validation.harness.provenance import provenance
@@ -26,6 +27,8 @@ from validation.harness.runner import Note, run_cases, write_atomically
 from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
 from validation.harness.verdict import counts, fails
 from validation.report.render import PAGE, ReportError, failures, write_html
+from validation.report.run_page import write_run_page
+from validation.report.run_words import outcome, succeeded
 from validation.studies import IN_PROCESSES, ON_EXECUTORS, STUDIES, module_of
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -56,7 +59,14 @@ def perform(options: argparse.Namespace) -> int:
     """Run the command that was parsed; its exit code."""
     try:
         return int(options.command(options))
-    except (CaseError, ExecutorError, ReportError, FolderInUseError, baseline.BaselineError) as error:
+    except (
+        CaseError,
+        ExecutorError,
+        ReportError,
+        CorruptResultError,
+        FolderInUseError,
+        baseline.BaselineError,
+    ) as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except (FileExistsError, IsADirectoryError, NotADirectoryError) as error:
@@ -86,7 +96,7 @@ def read_report(folder: Path) -> Report:
     try:
         content = json.loads(path.read_text("utf-8"))
     except FileNotFoundError as error:
-        raise ReportError(f"{path}: no report there") from error
+        raise ReportError(f"{path}: no report there, and no result of a run") from error
     except ValueError as error:
         raise ReportError(f"{path}: not JSON ({error})") from error
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
@@ -156,8 +166,23 @@ def _stored(made: Report, folder: Path, as_json: bool) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    """Render a stored report again."""
+    """Render a stored report again, or the page of a run."""
+    if not (options.folder / REPORT_FILE).exists() and (options.folder / RESULT_FILE).exists():
+        return _run_page(options.folder, options.json)
     return _render(read_report(options.folder), options.folder, options.json)
+
+
+def _run_page(folder: Path, as_json: bool) -> int:
+    """Render the page of a run."""
+    result = write_run_page(folder)
+    page, said = str(folder / PAGE), outcome(result)
+    print(
+        json.dumps({"status": result.status, "outcome": said, "report": page}) if as_json else f"{said} report: {page}"
+    )
+    if succeeded(result):
+        return DONE
+    print(f"FAILED: {said}", file=sys.stderr)
+    return FAILED
 
 
 def _render(report: Report, folder: Path, as_json: bool) -> int:
@@ -260,7 +285,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
     run.set_defaults(command=_alone(_run), perform=perform)
 
-    report = commands.add_parser("report", help="render report.json of a folder again")
+    report = commands.add_parser("report", help="render the page of a run, or report.json of a folder again")
     report.add_argument("folder", type=Path)
     report.add_argument("--json", action="store_true", help="print the summary as JSON")
     report.set_defaults(command=_report, perform=perform)
