@@ -7,6 +7,7 @@ The commands of `python -m bem` and `python -m validation` are the same here, by
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
@@ -16,7 +17,7 @@ from typing import Any
 import bem
 import bem.__main__ as scenes
 import validation.__main__ as harness
-from validation.command_line import examples
+from validation.command_line import comparison, examples
 
 SHELLS = ("bash", "zsh", "tcsh")
 
@@ -46,6 +47,12 @@ def _parser() -> argparse.ArgumentParser:
 
     scenes.add_commands(commands)
     harness.add_commands(commands, run_name="verify")
+
+    two = commands.add_parser("compare", help="two results, or two verification reports, by their uncertainties")
+    two.add_argument("a", type=Path, metavar="A", help="folder of a run or of a report")
+    two.add_argument("b", type=Path, metavar="B", help="the other one")
+    two.add_argument("--json", action="store_true", help="print as JSON")
+    two.set_defaults(command=_compare, perform=harness.perform)
     return parser
 
 
@@ -57,6 +64,23 @@ def _example(options: argparse.Namespace) -> int:
     for path in examples.write_example(options.name, Path()):
         print(path)
     return harness.DONE
+
+
+def _compare(options: argparse.Namespace) -> int:
+    """Print what differs, the largest difference of each quantity, and how many numbers were compared."""
+    found = comparison.compare(options.a, options.b)
+    differing, apart = found.differing, sum(number.differs for number in found.numbers)
+    most = max(found.numbers, key=lambda number: number.ratio / number.limit)
+    if options.json:
+        facts = {"compared": len(found.numbers), "apart": apart, "differing": differing, "notes": found.notes}
+        print(json.dumps(facts | {"largest": str(most)}))
+    else:
+        ending = f"they agree; at most, {most}"
+        if differing:
+            ending = f"{apart} differ, and {len(found.others)} other differences"
+        said = [*found.notes, *(f"DIFFERS {line}" for line in differing)]
+        print(*said, f"{len(found.numbers)} numbers compared: {ending}", sep="\n")
+    return harness.FAILED if differing else harness.DONE
 
 
 class _PrintCompletion(argparse.Action):
