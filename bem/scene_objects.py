@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from bem.elastic.layer import Layer
 
 Table = Mapping[str, Any]
+Described = Scene | Path | str | Table | None
 
 
 class Tables(TypedDict, total=False):
@@ -33,7 +34,7 @@ class Tables(TypedDict, total=False):
     output: Table
 
 
-def scene_of(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]) -> Scene:
+def scene_of(scene: Described, tables: Mapping[str, Any]) -> Scene:
     """The scene that is described.
 
     Parameters
