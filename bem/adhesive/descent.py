@@ -21,10 +21,9 @@ from bem.adhesive.trust_region import trust_region_step
 from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
-
-FloatArray = NDArray[np.float64]
 
 DESCENT_STEPS = 10_000  # evaluations; jumps of three realisations of the paper's profile took up to 47
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
