@@ -19,6 +19,7 @@ from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
+from bem.geometry.ranges import check
 from bem.geometry.scaling import Scales
 
 PANELS_PER_WAVELENGTH, NODES = 4, 16  # of panels on which sqrt(1 + h'^2) is a Chebyshev series
@@ -42,8 +43,7 @@ class Adhesion:
     slope_term: bool = False
 
     def __post_init__(self) -> None:
-        if not (self.work_of_adhesion > 0 and np.isfinite(self.work_of_adhesion)):
-            raise ValueError(f"work_of_adhesion: {self.work_of_adhesion} must be finite and > 0 (J/m^2)")
+        check(adhesion__work_of_adhesion=self.work_of_adhesion)
 
 
 @dataclass(frozen=True, eq=False)

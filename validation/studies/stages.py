@@ -41,7 +41,7 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.adhesive.events", "relax", "events, rest"),
     ("bem.continuation.limit_points", "locate_limit_point", "events, rest"),
     ("bem.continuation.departure", "departure", "events, rest"),
-    ("bem.continuation.limit_points", "at_rest", "events, rest"),
+    ("bem.continuation.rest", "at_rest", "events, rest"),
     ("bem.continuation.touch_points", "locate_touch", "events, rest"),
     ("bem.states", "equilibrium_state", "states kept, rest"),
     ("bem.audit.certificate", "certify", "certificate"),
