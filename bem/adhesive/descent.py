@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
 from bem.adhesive.touching import CrestsAhead

@@ -25,7 +25,7 @@ from bem.continuation.rest import at_rest
 from bem.continuation.touch_points import Bracket, locate_touch
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field
-from bem.geometry.arrays import IntArray
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
