@@ -12,6 +12,7 @@ import pytest
 
 from validation import __main__ as command_line
 from validation.__main__ import main
+from validation.command_line import front_door
 from validation.harness import baseline
 from validation.studies import cost
 
@@ -67,6 +68,14 @@ def test_run_writes_report_and_page(cases, tmp_path):
     assert (tmp_path / "report.html").exists()
     written = report_of(tmp_path)
     assert (written["planned"], [case["id"] for case in written["cases"]]) == (1, ["fine"])
+
+
+def test_verify_of_the_front_door_is_run(cases, tmp_path, capsys):
+    cases(fine="deviate")
+    assert front_door.main(["verify", "--jobs", "1", "--out", str(tmp_path)]) == 1
+    assert "FAILED fine" in capsys.readouterr().err
+    assert report_of(tmp_path)["command"].startswith("python -m validation run --level quick")
+    assert front_door.main(["report", str(tmp_path)]) == 1
 
 
 @pytest.mark.parametrize("fact", ["commit", "blas", "date", "seconds", "sources_sha256", "jobs"])

@@ -60,9 +60,11 @@ def kept(path: Path, form: type[Answer], key: str) -> Answer | None:
     """
     try:
         content = json.loads(path.read_text("utf-8"))
+        if content["key"] != key:
+            return None
         if content["sha256"] != _digest(content["answer"]):
             raise DamagedError(f"{path.name} is damaged")
-        return TypeAdapter(form).validate_python(content["answer"]) if content["key"] == key else None
+        return TypeAdapter(form).validate_python(content["answer"])
     except FileNotFoundError:
         return None
     except (ValueError, KeyError, TypeError, ValidationError) as error:
