@@ -19,16 +19,17 @@ from bem.adhesive.branch import misses_energy, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.adhesive.events import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import LimitPoint, at_rest, locate_limit_point
+from bem.continuation.limit_points import LimitPoint, locate_limit_point
 from bem.continuation.opening import complete_potential
 from bem.continuation.path_point import BranchEnd, Equilibrium, Point
+from bem.continuation.rest import at_rest
 from bem.continuation.touch_points import Bracket, locate_touch
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import Exact, PathEvent, path_events
+from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
 FloatArray = NDArray[np.float64]
@@ -110,36 +111,43 @@ class Jumps:
     def from_limit(self, limit: LimitPoint, reach: float) -> list[Point]:
         """A limit point and the state behind its jump; nothing where the forces lead to no other state.
 
-        Where the branch turns unstable and others leave it continuously, one of these continues a smallest increment
-        behind, in the direction of `reach`.
+        ===============  ======================================  ===================================================
+        limit point      edges pushed along its mode             what follows
+        ===============  ======================================  ===================================================
+        fold             feel no force that leads on             nothing: the branch does not end there
+        fold             feel one                                a jump at the same value of the control
+        broken symmetry  feel one, or do not fall back           the event that the symmetry breaks, and such a jump
+        broken symmetry  fall back: another branch begins here   that event, and the other branch, taken up a smallest
+                                                                 increment behind in the direction of `reach`; from
+                                                                 there forces may still lead to a jump
+        ===============  ======================================  ===================================================
         """
-        inc, value, patches = self.increments, limit.exact.value, limit.balance.state.patches
-        outward, leads_on, evaluations = departure(self.system, limit, inc.coarse)
+        outward, leads_on, evaluations = departure(self.system, limit, self.increments.coarse)
         self.effort.evaluations += evaluations
-        size = np.abs(outward) / patches.edge_scale
-        moving = np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)
-        growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
-        leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))  # of two alike, what shrinks
-        place = ("bifurcation", float(patches.center[leading]))
-        broken = limit.kind == "bifurcation"
-        if not leads_on and not broken:
+        if limit.kind == "fold" and not leads_on:
             return []
-        state, away = limit.balance.state, patches.moved(outward)
-        relaxed = self._relaxed(state, away, value, moving, fine=not leads_on)
-        if not leads_on:
-            leads_on = bool(relaxed.changes) or _departed(patches, relaxed, float(size.max()))
-        if not leads_on:
-            value += float(np.copysign(inc.smallest, reach))
-            relaxed = self._relaxed(state, away, value, moving)
-        changes = (place, *relaxed.changes) if broken or not relaxed.changes else relaxed.changes
+        state, value = limit.balance.state, limit.exact.value
+        pushed, moving = state.patches.moved(outward), _moving(state.patches, outward)
+        place = ("bifurcation", _leading(state.patches, outward))
+        relaxed = self._relaxed(state, pushed, value, moving, fine=not leads_on)
+        if leads_on or relaxed.changes or _departed(state.patches, relaxed, outward):
+            named = limit.kind == "broken_symmetry" or not relaxed.changes
+            return self._jumped(limit, relaxed, (place, *relaxed.changes) if named else relaxed.changes)
+        value += float(np.copysign(self.increments.smallest, reach))
+        relaxed = self._relaxed(state, pushed, value, moving)
+        points = self._jumped(limit, relaxed, (place, *relaxed.changes), bool(relaxed.changes))
+        if points or relaxed.balance is None:
+            return points
+        return [self._equilibrium(value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
+
+    def _jumped(
+        self, limit: LimitPoint, relaxed: Relaxed, changes: tuple[tuple[str, float], ...], moved: bool = True
+    ) -> list[Point]:
+        """A limit point and the point behind the jump from it; nothing where none was found, or nothing happened."""
         if relaxed.balance is None and not relaxed.changes:
             return []
-        behind = self.behind(limit.exact, limit.error, relaxed, changes, leads_on or bool(relaxed.changes))
-        if behind is not None:
-            return [BranchEnd(limit.exact.value, limit), behind]
-        if not broken or relaxed.balance is None:
-            return []
-        return [self._equilibrium(value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
+        behind = self.behind(limit.exact, limit.error, relaxed, changes, moved)
+        return [] if behind is None else [BranchEnd(limit.exact.value, limit), behind]
 
     def unlocated(
         self, start: Equilibrium, value: float, found: GapMinima | None, width: float, fine: bool = False
@@ -161,7 +169,7 @@ class Jumps:
                 return self._resting(relaxed)
         control, stiffness = self.system.control, here.stiffness
         deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
-        error = Exact(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
+        error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
         return self.behind(pushed, error, relaxed, changes, bool(relaxed.changes)) or self._resting(relaxed)
 
@@ -179,8 +187,8 @@ class Jumps:
 
     def behind(
         self,
-        at: Exact,
-        error: Exact,
+        at: EventNumbers,
+        error: EventNumbers,
         relaxed: Relaxed,
         changes: tuple[tuple[str, float], ...],
         moved: bool = True,
@@ -189,7 +197,7 @@ class Jumps:
 
         Parameters
         ----------
-        at, error : Exact
+        at, error : EventNumbers
             The state from which the contact jumps, and its errors.
         relaxed : Relaxed
             Where the jump ended.
@@ -214,7 +222,7 @@ class Jumps:
         return self._equilibrium(value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
 
     def _without_edges(
-        self, at: Exact, error: Exact, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
+        self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
     ) -> Separated | Complete | Failed:
         """The point behind a jump that leaves no edges, or did not end."""
         released, doubt = np.nan, error.potential
@@ -234,7 +242,7 @@ class Jumps:
             return Complete(relaxed.target, events=events)
         return _failed(relaxed, events)
 
-    def _elsewhere(self, at: Exact, error: Exact, penetration: float, load: float) -> float:
+    def _elsewhere(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
         """Change of the energy released where the jump to this penetration and load lies elsewhere within its error."""
         works = self.system.control.penetration_weight > 0  # the load does work, or the penetration
         return error.value * (abs(at.load - load) if works else abs(at.penetration - penetration))
@@ -269,13 +277,13 @@ class Jumps:
         """A point with its tangent."""
         return Equilibrium(value, here, tangent(self.system.control, here), events=events, last=last)
 
-    def _exact(self, here: Balance, start: float, value: float) -> Exact:
+    def _exact(self, here: Balance, start: float, value: float) -> EventNumbers:
         """Numbers of a state after a change of the control at fixed edges."""
         control, change = self.system.control, value - start
         state = here.state
         deeper = change * control.rate(state)
         potential = self._led_to(state, here.potential, change)
-        return Exact(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
+        return EventNumbers(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
 
     def _led_to(self, state: Evaluation, potential: float, change: float) -> float:
         """The potential of a state after a change of the control at fixed edges."""
@@ -297,12 +305,25 @@ def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
     return Failed(relaxed.target, status, events=events)
 
 
-def _departed(start: Patches, relaxed: Relaxed, pushed: float) -> bool:
-    """Whether edges that were pushed from an equilibrium, in units of their edge scale, did not fall back to it."""
+def _moving(patches: Patches, outward: FloatArray) -> IntArray:
+    """Patches that move with a motion of the edges."""
+    size = np.abs(outward) / patches.edge_scale
+    return np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)
+
+
+def _leading(patches: Patches, outward: FloatArray) -> float:
+    """Centre of the patch that grows or shrinks most in a motion of the edges; of two alike, that which shrinks."""
+    growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
+    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))
+    return float(patches.center[leading])
+
+
+def _departed(start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
+    """Whether edges that were pushed outward from an equilibrium did not fall back to it."""
     if relaxed.balance is None:
         return False
     moved = np.abs(edge_positions(relaxed.balance.state.patches) - edge_positions(start)) / start.edge_scale
-    return float(moved.max()) > 2 * pushed
+    return float(moved.max()) > 2 * float(np.max(np.abs(outward) / start.edge_scale))
 
 
 def _interpolated(first: Equilibrium, last: Equilibrium, value: float) -> Patches:

@@ -19,7 +19,7 @@ from bem.adhesive.equilibrium import Balance, System, correct
 from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
-from bem.loading.path_events import Exact
+from bem.loading.path_events import EventNumbers
 
 FloatArray = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class TouchPoint:
     Attributes
     ----------
     balance : Balance
-    exact, error : Exact
+    exact, error : EventNumbers
         Its numbers, and what the last refinement changed.
     touching : GapMinima
         The crests in contact.
@@ -46,8 +46,8 @@ class TouchPoint:
     """
 
     balance: Balance
-    exact: Exact
-    error: Exact
+    exact: EventNumbers
+    error: EventNumbers
     touching: GapMinima
     evaluations: int
 
@@ -101,7 +101,7 @@ def locate_touch(
     first, last = bracket.ends
     crossing = bracket.gaps[0] / (bracket.gaps[0] - bracket.gaps[1])
     value = first + (last - first) * float(np.clip(crossing.min(), 0.0, 1.0))
-    before: Exact | None = None
+    before: EventNumbers | None = None
     slope = float(bracket.gaps[1].min() - bracket.gaps[0].min()) / (last - first)
     near, patches, evaluations = bracket.found, branch(value), 0
     known: list[tuple[float, float]] = []  # of one accuracy: gaps at the ends may be off by what they are apart
@@ -140,11 +140,11 @@ def locate_touch(
     return None
 
 
-def _at_touch(system: System, here: Balance, value: float, change: float) -> Exact:
+def _at_touch(system: System, here: Balance, value: float, change: float) -> EventNumbers:
     """Numbers of the state on the branch a small change of the control away."""
     control = system.control
     deeper = change / (control.penetration_weight + control.load_weight * here.stiffness)
-    return Exact(
+    return EventNumbers(
         value + change,
         here.state.penetration + deeper,
         here.state.load + deeper * here.stiffness,

@@ -40,7 +40,7 @@ QUADRATURE = np.polynomial.legendre.leggauss(40)
 
 
 class NoReferenceError(RuntimeError):
-    """Newton did not converge: the state is no equilibrium, or not near one."""
+    """Newton did not converge: the state is not an equilibrium, or not near one."""
 
 
 @dataclass(frozen=True)

@@ -112,15 +112,13 @@ class Units:
         return height
 
 
-def findings_of(scene: Scene, result: Result, balance: float = BALANCE) -> list[Finding]:
+def findings_of(scene: Scene, result: Result) -> list[Finding]:
     """All that a result itself says against it.
 
     Parameters
     ----------
     scene : Scene
     result : Result
-    balance : float
-        Admitted error of the energy balance, over the energies of an interval, besides its quadrature.
     """
     units = Units.of(scene)
     return [
@@ -129,7 +127,7 @@ def findings_of(scene: Scene, result: Result, balance: float = BALANCE) -> list[
         *numbers(scene, result, units),
         *identities(result, units),
         *released(result, units),
-        *energy_balance(scene, result, units, balance),
+        *energy_balance(scene, result, units),
     ]
 
 
@@ -219,7 +217,7 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
     for name, array in result.fields.items():
         outside = name.startswith("pressure_")
         if np.any(np.isinf(array)) or (not outside and np.any(np.isnan(array))):
-            yield Finding("fields", f"{name} holds what is no number")
+            yield Finding("fields", f"{name} holds values that are not numbers")
 
 
 def identities(result: Result, units: Units) -> Iterator[Finding]:

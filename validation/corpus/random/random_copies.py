@@ -33,8 +33,6 @@ FINER = 3.0
 
 SYMMETRIC = 1e-12  # of a wave, about the point where it is taken for even
 STATE = 2.5e-11  # of the unit of each quantity, besides the errors estimated
-LENGTHS = ("target", "start", "stop", "then_back_to")
-PRESSURES = ("stop_at_mean_pressure", "at_mean_pressures")
 
 
 @dataclass(frozen=True)
