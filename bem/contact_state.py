@@ -108,7 +108,7 @@ class ContactState:
 
     @property
     def stress_intensity(self) -> FloatArray:
-        """K at the edges, > 0 where the edge opens, (L, 2), Pa m^1/2."""
+        """K at the edges, > 0 in tension, (L, 2), Pa m^1/2; an edge opens where K > sqrt(2 E* w)."""
         return self._by_edge(self.evaluation.stress_intensity) * self.scales.stress_intensity
 
     @property

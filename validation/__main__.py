@@ -21,9 +21,10 @@ from bem.command_line.folder_lock import FolderInUseError, locked
 from bem.scene.result import RESULT_FILE, CorruptResultError
 from validation.harness import baseline
 from validation.harness.executors import ExecutorError, opener_of
+from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance
 from validation.harness.registry import CaseError, registry, select
-from validation.harness.runner import Note, run_cases, write_atomically
+from validation.harness.runner import Note, run_cases
 from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
 from validation.harness.verdict import counts, fails
 from validation.report.render import PAGE, ReportError, failures, write_html
@@ -246,9 +247,9 @@ def _study(options: argparse.Namespace) -> int:
         jobs = options.jobs or os.cpu_count() or 1
         return int(study.run(options.out, options.quick, _say, jobs, opener_of(options.executor)))
     if options.executor != "local":
-        raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs here alone")
+        raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs on this machine only")
     if options.jobs is not None and options.name not in IN_PROCESSES:
-        raise ExecutorError(f"--jobs {options.jobs}: study {options.name} does not take it")
+        raise ExecutorError(f"--jobs {options.jobs}: study {options.name} runs in one process")
     if options.random is not None:
         tasks = study.random_tasks(options.random, options.seed)
         return int(study.run(options.out, options.quick, _say, tasks, jobs=options.jobs or 1, file=study.RANDOM_FILE))

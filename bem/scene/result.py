@@ -150,7 +150,7 @@ class EventError:
 
 @dataclass(frozen=True)
 class Event:
-    """A change of topology or stability; `position` in m, `energy_released` in J/m^2.
+    """A change of topology or stability; `position` in m, `energy_released` in J/m^2; kinds: bem/README.md, section 5.
 
     Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is NaN (null
     in the file) where the last gap closes, or the first opens, under a given separation: the tension there has no

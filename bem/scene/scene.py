@@ -398,7 +398,7 @@ def _profile(values: Mapping[str, Any], scan: Scan | None) -> ProfileTable:
 
 
 def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[float, ...]) -> Iterator[Mistake]:
-    """Shapes the path never meets, spectra and distributions at what is no target."""
+    """Shapes the path never meets, spectra and distributions at other values than targets."""
     for k, shape in enumerate(shapes):
         if shape in missed:
             value = scene.output.shapes[k]
@@ -407,4 +407,4 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):
             if found(value, scene.loading.targets) is None:
-                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is no target", "true, false or a list of targets")
+                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is not a target", "true, false or a list of targets")

@@ -136,7 +136,7 @@ def test_same_command_does_not_compute_again(examples, monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--only", "other"], "matches none of: fine, bad"),
+        (["--only", "other"], "matches no case of: fine, bad"),
         (["--level", "now"], "quick, standard, full"),
         (["--executor", "cluster"], "neither 'local' nor 'dask://host:port'"),
         (["--jobs", "0"], "an integer >= 1"),
@@ -163,8 +163,8 @@ def exit_code(words):
     [
         (["cost", "--peers"], "study cost has no peers"),
         (["work-precision", "--peers"], "not installed: pip install"),
-        (["work-precision", "--executor", "dask://host:1"], "runs here alone"),
-        (["cost", "--jobs", "2"], "study cost does not take it"),
+        (["work-precision", "--executor", "dask://host:1"], "runs on this machine only"),
+        (["cost", "--jobs", "2"], "study cost runs in one process"),
         (["other"], "invalid choice"),
     ],
 )
