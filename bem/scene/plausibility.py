@@ -25,8 +25,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from bem.scans.scan_units import METRES
 from bem.scene.result import Caution, State
-from bem.scene.scan_units import METRES
 from bem.scene.scene import Scene
 
 LARGEST_SLOPE = 1.0  # small strains

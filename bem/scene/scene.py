@@ -22,26 +22,24 @@ from typing import Any
 from pydantic import ValidationError
 
 from bem.geometry.profile import Profile
+from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown
+from bem.scans.scan_file import SCAN_KEYS, read_scan
+from bem.scans.scan_preparation import DEFAULTS, Scan, Step, prepare
+from bem.scans.scan_text import ScanFileError
 from bem.scene.result import State
-from bem.scene.scan_file import SCAN_KEYS, read_scan
-from bem.scene.scan_preparation import DEFAULTS, Scan, Step, prepare
-from bem.scene.scan_text import ScanFileError
 from bem.scene.scene_rules import (
     QUESTIONS,
     RANGE,
     SAMPLED_HARMONICS,
-    Mistake,
     SceneError,
     loading_mistakes,
     magnitude_mistakes,
     profile_mistakes,
     scan_mistakes,
-    shown,
     surface_of,
     unknown_key,
 )
 from bem.scene.scene_tables import (
-    MOST_HARMONICS,
     REQUIRED_TABLES,
     TABLES,
     AccuracyTable,
@@ -315,7 +313,7 @@ def _profile(values: Mapping[str, Any], scan: Scan | None) -> ProfileTable:
 
 
 def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[float, ...]) -> Iterator[Mistake]:
-    """Shapes the path never meets, spectra and distributions at what is no target."""
+    """Shapes the path never meets, spectra and distributions at other values than targets."""
     for k, shape in enumerate(shapes):
         if shape in missed:
             value = scene.output.shapes[k]
@@ -324,4 +322,4 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):
             if found(value, scene.loading.targets) is None:
-                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is no target", "true, false or a list of targets")
+                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is not a target", "true, false or a list of targets")

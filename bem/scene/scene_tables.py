@@ -5,12 +5,11 @@ Types are strict.  What depends on more than one key is in scene_rules.py; what 
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-MOST_HARMONICS = 1_000_000  # 4 GB of tables
-LEAST, MOST = 1e-60, 1e60  # of magnitudes in SI units: no product of them leaves double precision
+from bem.geometry.ranges import LEAST, MOST, MOST_HARMONICS, POSITIVE, RANGES
 
 Number = Annotated[float, Field(ge=-MOST, le=MOST)]
 Numbers = Annotated[tuple[Number, ...], Field(strict=False)]
@@ -19,7 +18,16 @@ Length = Annotated[float, Field(ge=LEAST, le=MOST)]
 Unit = Literal["m", "mm", "um", "nm"]
 Columns = Annotated[tuple[Annotated[int, Field(ge=1)], ...], Field(strict=False, min_length=1, max_length=2)]
 UNITS = '"m", "mm", "um" or "nm"'
-POSITIVE = f"a finite number > 0, from {LEAST:g} to {MOST:g}"
+
+
+def _range(path: str) -> Any:
+    """The field of a number, of the range and in the words of `RANGES`."""
+    return Field(**RANGES[path].limits, description=RANGES[path].words)
+
+
+def _words(path: str) -> str:
+    """What is said of a list; its items have ranges of their own."""
+    return RANGES[path].words
 
 
 class Table(BaseModel):
@@ -31,26 +39,26 @@ class Table(BaseModel):
 class SolidTable(Table):
     """[solid]."""
 
-    youngs_modulus: float = Field(ge=LEAST, le=MOST, description=f"{POSITIVE} (Pa)")
-    poisson_ratio: float = Field(gt=-1, le=0.5, description="a number > -1 and <= 0.5")
+    youngs_modulus: Annotated[float, _range("solid.youngs_modulus")]
+    poisson_ratio: Annotated[float, _range("solid.poisson_ratio")]
 
 
 class ProfileTable(Table):
     """[profile]; keys the kind does not use are None."""
 
     kind: Literal["self_affine", "harmonics", "samples"] = Field(description='"self_affine", "harmonics" or "samples"')
-    period: Length | None = Field(None, description=f"{POSITIVE} (m)")
-    hurst: float | None = Field(None, gt=0, lt=1, description="a number > 0 and < 1")
-    rms_height: Length | None = Field(None, description=f"{POSITIVE} (m)")
+    period: Annotated[float | None, _range("profile.period")] = None
+    hurst: Annotated[float | None, _range("profile.hurst")] = None
+    rms_height: Annotated[float | None, _range("profile.rms_height")] = None
     harmonics: Order | Literal["all"] | None = Field(
-        None, description=f'an integer from 1 to {MOST_HARMONICS}, or "all" of a scan'
+        None, description=f'{_words("profile.harmonics")}, or "all" of a scan'
     )
-    seed: int | None = Field(None, ge=0, description="an integer >= 0")
+    seed: Annotated[int | None, _range("profile.seed")] = None
     orders: Annotated[tuple[Order, ...], Field(strict=False, min_length=1)] | None = Field(
-        None, description=f"a list of distinct integers from 1 to {MOST_HARMONICS}"
+        None, description=_words("profile.orders")
     )
-    amplitudes: Numbers | None = Field(None, description="a list of finite numbers (m), as many as orders")
-    phases: Numbers | None = Field(None, description="a list of finite numbers (radians), as many as orders")
+    amplitudes: Numbers | None = Field(None, description=_words("profile.amplitudes"))
+    phases: Numbers | None = Field(None, description=_words("profile.phases"))
     file: str | None = Field(None, min_length=1, description="the name of a text file or of an instrument's file")
     unit_x: Unit | None = Field(None, description=UNITS)
     unit_h: Unit | None = Field(None, description=UNITS)
@@ -71,13 +79,13 @@ class ProfileTable(Table):
 class LayerTable(Table):
     """[layer]."""
 
-    thickness: Length = Field(description=f"{POSITIVE} (m)")
+    thickness: Annotated[float, _range("layer.thickness")]
 
 
 class AdhesionTable(Table):
     """[adhesion]."""
 
-    work_of_adhesion: float = Field(ge=LEAST, le=MOST, description=f"{POSITIVE} (J/m^2)")
+    work_of_adhesion: Annotated[float, _range("adhesion.work_of_adhesion")]
     slope_term: bool = Field(False, description="true or false")
 
 

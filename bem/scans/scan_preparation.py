@@ -29,8 +29,9 @@ from typing import Any
 
 import numpy as np
 
-from bem.scene.scan_file import RawScan
-from bem.scene.scan_text import FEWEST, FloatArray, Refusal, ScanFileError
+from bem.geometry.arrays import FloatArray
+from bem.scans.scan_file import RawScan
+from bem.scans.scan_text import FEWEST, Refusal, ScanFileError
 
 UNIFORMITY = 1e-3  # admitted deviation of a position, in sample distances
 OUTLIER = 15.0  # median steps; of a normal distribution of steps, ten standard deviations

@@ -4,9 +4,9 @@ import random
 
 import numpy as np
 
-from bem.scene.scan_file import read_scan
-from bem.scene.scan_preparation import prepare
-from bem.scene.scan_text import ScanFileError
+from bem.scans.scan_file import read_scan
+from bem.scans.scan_preparation import prepare
+from bem.scans.scan_text import ScanFileError
 
 METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 HEADINGS = ("x [{x}]|h [{h}]", "x ({x})|h ({h})", "x / {x}|h / {h}", "{x}|{h}", "x [{x}]|h", "x|h", "Filter [um]|Gauss")

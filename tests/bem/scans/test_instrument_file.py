@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from bem.scene import instrument_file
-from bem.scene.scan_file import read_scan
-from bem.scene.scan_text import ScanFileError
+from bem.scans import instrument_file
+from bem.scans.scan_file import read_scan
+from bem.scans.scan_text import ScanFileError
 
 RNG = np.random.default_rng(2)
 MAP = np.round(RNG.normal(size=(8, 3)), 3)  # (along x, along y), um

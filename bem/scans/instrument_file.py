@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from bem.scene.scan_text import FloatArray, Refusal, ScanFileError
-from bem.scene.scan_units import unit_of
+from bem.geometry.arrays import FloatArray
+from bem.scans.scan_text import Refusal, ScanFileError
+from bem.scans.scan_units import unit_of
 
 LIBRARY = "SurfaceTopography"
 RASTER_TEXT = (b"aISO-", b"aBCR-")  # SDF, ISO 25178-71

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from bem.geometry.profile import Profile
-from bem.scene.scan_file import RawScan
-from bem.scene.scan_preparation import DRAWN, prepare
-from bem.scene.scan_text import ScanFileError
+from bem.scans.scan_file import RawScan
+from bem.scans.scan_preparation import DRAWN, prepare
+from bem.scans.scan_text import ScanFileError
 
 COUNT, SPACING = 200, 1e-5
 X = SPACING * np.arange(COUNT)

@@ -6,9 +6,9 @@ The line has x in mm and h in um; another unit, a swapped column or a lost sampl
 import numpy as np
 import pytest
 
-from bem.scene import scan_text
-from bem.scene.scan_file import read_scan
-from bem.scene.scan_text import ScanFileError
+from bem.scans import scan_text
+from bem.scans.scan_file import read_scan
+from bem.scans.scan_text import ScanFileError
 
 COUNT = 40
 X = np.arange(COUNT) * 0.25  # mm

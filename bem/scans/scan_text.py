@@ -20,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
+
 Row = tuple[float | None, ...]
 
 SHOWN = 3  # mistakes of one sort that are spelt out

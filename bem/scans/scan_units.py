@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from bem.scene.scan_text import Reading, Refusal, TextTable
+from bem.scans.scan_text import Reading, Refusal, TextTable
 
 METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 ALLOWED = ", ".join(f'"{unit}"' for unit in METRES)

@@ -17,9 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.scene.instrument_file import InstrumentScan, is_instrument_file, read_instrument
-from bem.scene.scan_text import DELIMITERS, FloatArray, Refusal, ScanFileError, TextTable, read_table
-from bem.scene.scan_units import METRES, Statement, resolved, statements
+from bem.geometry.arrays import FloatArray
+from bem.scans.instrument_file import InstrumentScan, is_instrument_file, read_instrument
+from bem.scans.scan_text import DELIMITERS, Refusal, ScanFileError, TextTable, read_table
+from bem.scans.scan_units import METRES, Statement, resolved, statements
 
 SCAN_KEYS = ("unit_x", "unit_h", "decimal", "columns", "spacing", "row", "channel")  # of [profile]: how it is read
 
