@@ -45,7 +45,7 @@ def taken(posed: Scene, code: str, *names: str) -> list[Any]:
     --------
     >>> solid, profile = taken(scene("sinusoid"), "this code", "solid", "profile")
     Traceback (most recent call last):
-    ValueError: scene: this code does not know [adhesion]
+    ValueError: scene: this code does not provide [adhesion]
     """
     tables = posed.physics()
     known = [tables.pop(name, None) for name in names]

@@ -51,7 +51,7 @@ def preparation_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequenc
         heights = [float(value) if np.isfinite(value) else None for value in h - np.nanmean(h)]
         series.append(Series.model_validate({"label": label, "x": x.tolist(), "y": heights, "style": style}))
     panel = Panel(xlabel=f"x / {across}", ylabel=f"height / {upward}", series=series)
-    return Figure(id="profile-preparation", caption=caption_of(steps), solution=panel)
+    return Figure(id="preparation", caption=caption_of(steps), solution=panel)
 
 
 def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:
