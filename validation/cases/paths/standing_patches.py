@@ -50,7 +50,7 @@ class Waves:
         adhesion = bem.Adhesion(self.work, False)
         return bem.ContactState(profile, bem.Solid(1e6, 0.5), edges, depth, adhesion=adhesion, tolerance=1e-8)
 
-    def settled(self, edges: FloatArray, depth: float) -> FloatArray:
+    def relaxed(self, edges: FloatArray, depth: float) -> FloatArray:
         """Edges in m, (n, 2), at rest at a penetration in m, from the given ones."""
         widths = edges[:, 1] - edges[:, 0]
         for _ in range(STEPS):
@@ -59,8 +59,8 @@ class Waves:
                 break
             gap = np.append(edges[1:, 0], edges[0, 0] + PERIOD) - edges[:, 1]
             beside = np.stack([np.roll(gap, 1), gap], axis=1)
-            room = np.minimum(beside, (edges[:, 1] - edges[:, 0])[:, None])
-            edges = edges - np.clip(STEP * force, -LARGEST, LARGEST) * room
+            scale = np.minimum(beside, (edges[:, 1] - edges[:, 0])[:, None])
+            edges = edges - np.clip(STEP * force, -LARGEST, LARGEST) * scale
             stays = edges[:, 1] - edges[:, 0] > GONE * widths
             edges, widths = edges[stays], widths[stays]
         for _ in range(NEWTON_STEPS):
@@ -88,7 +88,7 @@ def _standing() -> Outcome:
     last = result.targets[-1]
     before = next(s for s in reversed(result.states) if s.branch == "unloading" and s.n_patches > last.n_patches)
     event = next(e for e in result.events if e.kind == "detachment")
-    rest = PAIRS.settled(PAIRS.settled(np.array(before.edges), event.penetration - PAST), BETWEEN)
+    rest = PAIRS.relaxed(PAIRS.relaxed(np.array(before.edges), event.penetration - PAST), BETWEEN)
     flow = Reference(kind="self", source="overdamped motion of the edges in small steps, from the state before")
     rows = (
         counted("patches before and after one of a pair has detached", flow, [5.0, float(len(rest))],
@@ -106,7 +106,7 @@ def _first_of_equal(flow: Reference) -> Row:
     before, after = EQUAL.solved([DEEPEST, *AROUND]).targets[1:]
     edges = np.array(before.edges)
     edges[0] += SMALLER * (edges[0, 1] - edges[0, 0]) * np.array([0.5, -0.5])
-    rest = EQUAL.settled(edges, AROUND[1])
+    rest = EQUAL.relaxed(edges, AROUND[1])
     return counted("patches before and after the first of seven equal crests detaches", flow, [7.0, float(len(rest))],
                    [float(before.n_patches), float(after.n_patches)])  # fmt: skip
 
