@@ -17,16 +17,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import bem
 from bem.scene.result import Result
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Reference, Row
 from validation.references import adapters
-
-FloatArray = NDArray[np.float64]
 
 PERIOD, DEEPEST, BETWEEN = 0.01, 10e-6, 2.16e-6  # m; the outer pair detaches at penetrations of 2.22 and 2.11 um
 AROUND, SMALLER = (-5.4e-6, -5.8e-6), 0.01  # m; widths: seven equal patches part at a penetration of -5.46 um
