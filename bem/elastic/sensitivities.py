@@ -17,11 +17,9 @@ which is symmetric and, at an equilibrium, positive definite exactly where it is
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Evaluation
-
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 
 def stress_intensity_jacobian(state: Evaluation) -> FloatArray:
