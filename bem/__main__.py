@@ -24,6 +24,7 @@ from bem.command_line.checkpoint import (
 )
 from bem.command_line.console import effects_text, reporter, scene_text, summary, summary_line
 from bem.command_line.folder_lock import FolderInUseError, locked
+from bem.compiled.kernels import IN_USE
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.result import FINAL_STATUSES, Progress, Result, write_result
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
@@ -89,7 +90,8 @@ def _check(options: argparse.Namespace) -> int:
     effects = effects_of(scene)
     if options.json:
         listed = [vars(effect) for effect in effects]
-        print(json.dumps({"scene": scene.resolved(), "effects": listed, "seconds": predicted_seconds(scene)}))
+        facts = {"effects": listed, "seconds": predicted_seconds(scene), "kernels": IN_USE}
+        print(json.dumps({"scene": scene.resolved()} | facts))
     else:
         print(f"{scene_text(scene.resolved())}\n\n{effects_text(effects)}")
     return DONE

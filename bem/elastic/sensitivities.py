@@ -19,11 +19,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.compiled.kernels import mirrored
 from bem.elastic.collocation import Evaluation
 
 FloatArray = NDArray[np.float64]
 
 
+@mirrored
 def stress_intensity_jacobian(state: Evaluation) -> FloatArray:
     """dK_i / d(outward motion of edge e), (2 L, 2 L), dimensionless."""
     count, modes = state.patches.count, state.resolution.modes

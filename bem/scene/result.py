@@ -28,6 +28,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.compiled.kernels import IN_USE
+
 SCHEMA = "linecontact-result/1"
 RESULT_FILE, FIELDS_FILE = "result.json", "fields.npz"
 FINAL_STATUSES = ("converged", "separated", "complete_contact")
@@ -226,7 +228,7 @@ def digest(content: Mapping[str, Any]) -> str:
 
 
 def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Versions, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
+    """Versions, kernels, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
     try:
         version = metadata.version("linecontact")
     except metadata.PackageNotFoundError:
@@ -237,6 +239,7 @@ def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
         "platform": f"{platform.system()} {platform.machine()}",
         "numpy": np.__version__,
         "scipy": metadata.version("scipy"),
+        "kernels": IN_USE,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "scene_sha256": digest(resolved_scene),
     }
