@@ -229,6 +229,14 @@ static PyMethodDef methods[] = {
     KERNEL(solved_leaf),
     KERNEL(joined_gram),
     KERNEL(stress_intensity_jacobian),
+    KERNEL(slopes_at_edges),
+    KERNEL(without_uniform),
+    KERNEL(uncoupled),
+    KERNEL(integral),
+    KERNEL(columns),
+    KERNEL(coordinates),
+    KERNEL(near_patch),
+    KERNEL(pair_by_pair),
     {NULL, NULL, 0, NULL},
 };
 

@@ -138,16 +138,106 @@ DECLARED(stress_intensity_jacobian)
         for (i = 0; i < 2 * n; i++)
             pull[i] = intensity[i] / (2 * sqrt(half_width[i % n]));
         for (i = 0; i < 2 * n; i++) {
-            double p = (double)modes[i % n], r = half_width[i % n], root = sqrt(r), scale = PI * PI / root;
-            double *row = values + i * 2 * n;
+            double p = (double)modes[i % n], r = half_width[i % n], root = sqrt(r), *row = values + i * 2 * n;
             Size beside = i < n ? i + n : i - n;
             for (j = 0; j < 2 * n; j++)
-                row[j] = compliance[i * 2 * n + j] * pull[j] * scale;
-            row[i] -= p * (p - 1) * pull[i] / root + intensity[i] / (4 * r) + sqrt(PI) / root * slope[i] / 2;
+                row[j] = compliance[i * 2 * n + j] * (PI * PI * pull[j]) / root;
+            row[i] -= p * (p - 1) * pull[i] / root; /* terms that cancel: in the order of the reference */
             row[beside] -= ((modes[i % n] % 2 == 0 ? -p : p - 1) + 0.5) * pull[beside] / root;
+            row[i] -= intensity[i] / (4 * r) + sqrt(PI) / root * slope[i] / 2;
         }
         PyMem_Free(pull);
     }
+    leave(&call);
+    return result;
+}
+
+/* hierarchical.without_uniform(gram, charges, uniform): edges in the order of edge vectors, then the shared columns;
+   alpha 1 1^T taken out by the formula of Sherman and Morrison.  None where what is left is not positive definite. */
+DECLARED(without_uniform)
+{
+    Call call;
+    Size of_gram[2], of_charges[2], m, edges, i, j;
+    double *from, *charges, *gram, *values, *ones = NULL, uniform, remaining;
+    PyObject *parts[2] = {NULL, NULL}, *result = NULL;
+    if (!enter(&call, n_given, 3))
+        return NULL;
+    from = reals(&call, given[0], 2, of_gram);
+    charges = reals(&call, given[1], 2, of_charges);
+    uniform = number(&call, given[2]);
+    m = of_gram[0];
+    edges = (m - 2) / 2;
+    expect(&call, m >= 2 && m % 2 == 0 && of_gram[1] == m && of_charges[1] == 2, "gram or charges of another shape");
+    parts[0] = new_reals(&call, 2, m, m, &gram);
+    parts[1] = new_reals(&call, 2, of_charges[0], 2, &values);
+    if (!call.failed && (ones = workspace(m))) { /* b^T A'^-1 1: the column, whatever rounding left of the row */
+        for (i = 0; i < m; i++)
+            ones[i] = from[i * m + 1];
+        remaining = 1 - uniform * ones[1];
+        for (i = 0; remaining > 0 && i < m; i++) {
+            /* place of the shared columns: 0 and 1; of edges: 2, 4, ... on the left, 3, 5, ... on the right */
+            Size place = i < edges ? 2 + 2 * i : i < 2 * edges ? 3 + 2 * (i - edges) : i - 2 * edges;
+            const double *old = from + place * m;
+            double *new = gram + i * m, factor = uniform / remaining;
+            for (j = 0; j < edges; j++) {
+                new[j] = old[2 + 2 * j] + ones[place] * (ones[2 + 2 * j] * factor);
+                new[edges + j] = old[3 + 2 * j] + ones[place] * (ones[3 + 2 * j] * factor);
+            }
+            new[2 * edges] = old[0] + ones[place] * (ones[0] * factor);
+            new[2 * edges + 1] = old[1] + ones[place] * (ones[1] * factor);
+        }
+        for (i = 0; remaining > 0 && i < of_charges[0]; i++) {
+            double factor = uniform / remaining;
+            values[2 * i] = charges[2 * i] + charges[2 * i + 1] * (ones[0] * factor);
+            values[2 * i + 1] = charges[2 * i + 1] + charges[2 * i + 1] * (ones[1] * factor);
+        }
+        if (remaining > 0)
+            result = PyTuple_Pack(2, parts[0], parts[1]);
+        else {
+            result = Py_None;
+            Py_INCREF(result);
+        }
+    }
+    for (i = 0; i < 2; i++)
+        Py_XDECREF(parts[i]);
+    PyMem_Free(ones);
+    leave(&call);
+    return result;
+}
+
+/* collocation.slopes_at_edges(coupled, charges): sum n^2 (+-1)^n Q_n of the coupled modes, left edges first. */
+DECLARED(slopes_at_edges)
+{
+    Call call;
+    Size of_charges[2], patches, i, j, k, start = 0;
+    double *charges, *slopes;
+    int64_t *index;
+    Table *tables;
+    PyObject *classes, *result;
+    if (!enter(&call, n_given, 2))
+        return NULL;
+    index = integers(&call, attribute(&call, given[0], "index"), &patches);
+    classes = attribute(&call, given[0], "tables");
+    charges = reals(&call, given[1], 2, of_charges);
+    tables = tables_of(&call, classes);
+    for (i = 0; !call.failed && i < patches; i++) {
+        expect(&call, 0 <= index[i] && index[i] < PyTuple_GET_SIZE(classes), "modes: index out of range");
+        start += call.failed ? 0 : tables[index[i]].n;
+    }
+    expect(&call, start == of_charges[1], "charges and modes differ");
+    result = new_reals(&call, 2, of_charges[0], 2 * patches, &slopes);
+    for (j = 0; !call.failed && j < of_charges[0]; j++)
+        for (i = 0; i < patches; i++) {
+            const Table *table = &tables[index[i]];
+            double left = 0.0, right = 0.0;
+            for (k = 0; k < table->n; k++, charges++) {
+                left += table->slopes[k] * *charges;
+                right += table->slopes[table->n + k] * *charges;
+            }
+            slopes[j * 2 * patches + i] = left;
+            slopes[j * 2 * patches + patches + i] = right;
+        }
+    PyMem_Free(tables);
     leave(&call);
     return result;
 }

@@ -11,5 +11,13 @@ DECLARED(skeleton_columns);
 DECLARED(solved_leaf);
 DECLARED(joined_gram);
 DECLARED(stress_intensity_jacobian);
+DECLARED(slopes_at_edges);
+DECLARED(without_uniform);
+DECLARED(uncoupled);
+DECLARED(integral);
+DECLARED(columns);
+DECLARED(coordinates);
+DECLARED(near_patch);
+DECLARED(pair_by_pair);
 
 #endif

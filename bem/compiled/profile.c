@@ -112,3 +112,86 @@ DECLARED(sampled_series)
     leave(&call);
     return result;
 }
+
+/* adhesion.integral(start, width, series, whole, x): a Chebyshev series on the panel in which each position lies, and
+   `whole` for every turn of the circle. */
+DECLARED(integral)
+{
+    Call call;
+    Size panels[1], of_width[1], of_series[2], n[1], i, k;
+    double *start, *width, *series, *x, *values, whole;
+    PyObject *result;
+    if (!enter(&call, n_given, 5))
+        return NULL;
+    start = reals(&call, given[0], 1, panels);
+    width = reals(&call, given[1], 1, of_width);
+    series = reals(&call, given[2], 2, of_series);
+    whole = number(&call, given[3]);
+    x = reals(&call, given[4], 1, n);
+    expect(&call, panels[0] > 0 && of_width[0] == panels[0] && of_series[0] == panels[0] && of_series[1] > 0,
+           "panels and series differ");
+    result = new_reals(&call, 1, n[0], 0, &values);
+    for (i = 0; !call.failed && i < n[0]; i++) {
+        double turns = floor(x[i] / (2 * PI)), place = x[i] - turns * (2 * PI), t, before = 0.0, now = 0.0;
+        const double *terms;
+        Size low = 0, high = panels[0];
+        while (high - low > 1) { /* the last panel that does not begin behind the place */
+            Size middle = (low + high) / 2;
+            if (start[middle] <= place)
+                low = middle;
+            else
+                high = middle;
+        }
+        t = 2 * (place - start[low]) / width[low] - 1;
+        t = t < -1 ? -1 : t > 1 ? 1 : t;
+        terms = series + low * of_series[1];
+        for (k = of_series[1] - 1; k > 0; k--) { /* Clenshaw's rule */
+            double next = 2 * t * now - before + terms[k];
+            before = now;
+            now = next;
+        }
+        values[i] = turns * whole + t * now - before + terms[0];
+    }
+    leave(&call);
+    return result;
+}
+
+/* collocation.uncoupled(series, modes): sums over n >= p of (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n, left edges
+   first, and of n C_n^2 over all patches. */
+DECLARED(uncoupled)
+{
+    Call call;
+    Size of_series[2], patches, i, n;
+    double *series, *at_edge, *slope, energy = 0.0;
+    int64_t *modes;
+    PyObject *parts[2], *result = NULL;
+    if (!enter(&call, n_given, 2))
+        return NULL;
+    series = reals(&call, given[0], 2, of_series);
+    modes = integers(&call, given[1], &patches);
+    expect(&call, of_series[0] == patches, "series and modes differ");
+    parts[0] = new_reals(&call, 1, 2 * patches, 0, &at_edge);
+    parts[1] = new_reals(&call, 1, 2 * patches, 0, &slope);
+    for (i = 0; !call.failed && i < patches; i++) {
+        double even = 0.0, odd = 0.0, steep_even = 0.0, steep_odd = 0.0;
+        const double *c = series + i * of_series[1];
+        for (n = (Size)(modes[i] < 0 ? 0 : modes[i]); n < of_series[1]; n++) {
+            double term = (double)n * c[n], steep = term * ((double)n * (double)n);
+            even += n % 2 == 0 ? term : 0.0;
+            odd += n % 2 == 0 ? 0.0 : term;
+            steep_even += n % 2 == 0 ? steep : 0.0;
+            steep_odd += n % 2 == 0 ? 0.0 : steep;
+            energy += term * c[n];
+        }
+        at_edge[i] = (even - odd) / PI;
+        at_edge[patches + i] = (even + odd) / PI;
+        slope[i] = -(steep_even - steep_odd) / PI;
+        slope[patches + i] = -(steep_even + steep_odd) / PI;
+    }
+    if (!call.failed)
+        result = Py_BuildValue("(OOd)", parts[0], parts[1], energy);
+    for (i = 0; i < 2; i++)
+        Py_XDECREF(parts[i]);
+    leave(&call);
+    return result;
+}

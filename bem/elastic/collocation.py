@@ -232,12 +232,7 @@ def evaluate(
     gram = solution.gram
     charges, charge_rate = -solution.charges[:, 0], np.pi * solution.charges[:, 1]
 
-    both = np.stack([charges, charge_rate])
-    slopes = np.empty((2, 2 * count))
-    for size, members in skeleton.coupled.classes:
-        rows = skeleton.coupled.starts[members, None] + np.arange(size)
-        slopes[:, members] = both[:, rows] @ chebyshev.basis(size).slopes_at_edges[0]
-        slopes[:, count + members] = both[:, rows] @ chebyshev.basis(size).slopes_at_edges[1]
+    slopes = slopes_at_edges(skeleton.coupled, np.stack([charges, charge_rate]))
     edge_slope += slopes[0]
     radius = np.concatenate([half_width, half_width])
     to_intensity = np.sqrt(np.pi / radius)
@@ -299,11 +294,29 @@ def _right_hand_sides(
         if size > chebyshev.SMALL_TRANSFORM:
             series[members, :size] = chebyshev.coefficients(series[members, :size])
     series[:, 0] += np.pi * (profile.max_height - penetration)
+    return series, *uncoupled(series, resolution.modes)
+
+
+@mirrored
+def uncoupled(series: FloatArray, modes: IntArray) -> tuple[FloatArray, FloatArray, float]:
+    """Sums over n >= p of (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2 L,) each, and of n C_n^2."""
     order, sums = _edge_sums(series.shape[1])
-    term = series * np.where(order >= resolution.modes[:, None], order, 0.0)
+    term = series * np.where(order >= modes[:, None], order, 0.0)
     left, right, slope_left, slope_right = (term @ sums).T
     at_edge, slope = np.concatenate([left, right]), np.concatenate([slope_left, slope_right])
-    return series, at_edge, slope, float(np.vdot(term, series))
+    return at_edge, slope, float(np.vdot(term, series))
+
+
+@mirrored
+def slopes_at_edges(coupled: chebyshev.BySize, charges: FloatArray) -> FloatArray:
+    """sum n^2 (+-1)^n Q_n of the coupled modes from nodal charges, (k, n) to (k, 2 L)."""
+    count = coupled.index.size
+    slopes = np.empty((charges.shape[0], 2 * count))
+    for size, members in coupled.classes:
+        rows = coupled.starts[members, None] + np.arange(size)
+        slopes[:, members] = charges[:, rows] @ chebyshev.basis(size).slopes_at_edges[0]
+        slopes[:, count + members] = charges[:, rows] @ chebyshev.basis(size).slopes_at_edges[1]
+    return slopes
 
 
 @mirrored

@@ -138,15 +138,26 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
     count = skeleton.patches.count
     shared = np.stack([skeleton.force, np.ones(skeleton.x.size)], axis=1)
     whole = _cluster(skeleton, 0, count, shared, accuracy)
-    left = 2 + 2 * np.arange(count)
-    order = np.concatenate([left, left + 1, [0, 1]])
-    gram, charges = whole.gram[order[:, None], order], whole.charges(np.eye(2))
-    remaining = 1 - UNIFORM * gram[-1, -1]
-    if remaining <= 0:
+    found = without_uniform(whole.gram, np.ascontiguousarray(whole.charges(np.eye(2))), UNIFORM)
+    if found is None:
         raise IllConditionedSystemError(f"skeleton matrix of {skeleton.x.size} unknowns is not positive definite")
-    uniform = gram[:, -1] * (UNIFORM / remaining)
-    charges += np.outer(charges[:, 1], uniform[-2:])
-    return Solution(gram + np.outer(gram[:, -1], uniform), charges)
+    return Solution(*found)
+
+
+@mirrored
+def without_uniform(gram: FloatArray, charges: FloatArray, uniform: float) -> tuple[FloatArray, FloatArray] | None:
+    """b^T A^-1 b and A^-1 [force | 1] from those of A' = A + alpha 1 1^T, whose columns come patch by patch.
+
+    None where A is not positive definite.
+    """
+    left = np.arange(2, gram.shape[0], 2)
+    order = np.concatenate([left, left + 1, [0, 1]])
+    gram = gram[order[:, None], order]
+    remaining = 1 - uniform * gram[-1, -1]
+    if remaining <= 0:
+        return None
+    change = gram[:, -1] * (uniform / remaining)
+    return gram + np.outer(gram[:, -1], change), charges + np.outer(charges[:, 1], change[-2:])
 
 
 def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, accuracy: float) -> Cluster:

@@ -24,7 +24,7 @@ from scipy.fft import dct
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-SMALL_TRANSFORM = 128  # nodes up to which a matrix is the faster transform (measured)
+SMALL_TRANSFORM = 256  # nodes up to which a matrix is the faster transform (measured)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from bem.adhesive.adhesion import true_length
 from bem.compiled import kernels
 from bem.elastic import collocation, hierarchical, sensitivities
 from bem.elastic.collocation import Elastic
+from bem.elastic.gap import gap_field
 from bem.elastic.kernel_series import kernel_series
 from bem.elastic.layer import LayerEffect
 from bem.elastic.separated_kernel import separated_kernel
@@ -137,6 +139,76 @@ def test_derivatives_of_the_stress_intensities(posed):
         CORE.stress_intensity_jacobian(state),
         kernels.REFERENCES[sensitivities.stress_intensity_jacobian.__name__](state),
     )
+
+
+def test_sums_over_the_uncoupled_modes(posed):
+    given = posed.series, posed.resolution.modes
+    (*found, energy), (*expected, energy_expected) = CORE.uncoupled(*given), posed.reference.uncoupled(*given)
+    for one, other in zip(found, expected, strict=True):
+        check(one, other)
+    assert energy == pytest.approx(energy_expected, rel=ROUNDING)
+
+
+def test_uniform_charge_taken_out(posed):
+    leaf = posed.reference.solved_leaf(posed.skeleton, 0, posed.patches.count, posed.shared, None, 0.03)
+    gram, charges = np.ascontiguousarray(leaf[0]), np.ascontiguousarray(leaf[2].T)
+    for found, expected in zip(
+        CORE.without_uniform(gram, charges, 0.03), posed.reference.without_uniform(gram, charges, 0.03), strict=True
+    ):
+        check(found, expected)
+    assert CORE.without_uniform(gram, charges, 1 / gram[1, 1]) is None
+    assert posed.reference.without_uniform(gram, charges, 1 / gram[1, 1]) is None
+
+
+def test_slopes_at_the_edges(posed):
+    charges = np.random.default_rng(1).normal(size=(2, posed.skeleton.x.size))
+    given = posed.coupled, charges
+    check(CORE.slopes_at_edges(*given), posed.reference.slopes_at_edges(*given))
+
+
+@pytest.mark.parametrize("points", [1, 300])
+def test_potential_of_charges(points):
+    random = np.random.default_rng(2)
+    given = random.normal(size=(2, points)), random.normal(size=(2, 777)), random.normal(size=777)
+    check(CORE.pair_by_pair(*given), kernels.REFERENCES["pair_by_pair"](*given))
+
+
+def test_logarithm_of_nothing_and_of_what_is_no_number():
+    chords = np.array([0.0, np.nan, np.inf, 1.0, -1e300, 5e-324])
+    given = np.stack([chords, np.zeros(6)]), np.array([[1.0], [0.0]]), np.ones(1)
+    found = CORE.pair_by_pair(*given)
+    assert found[0] == found[5] == -np.inf  # numbers below the smallest normal one are as good as zero
+    assert np.isnan(found[1])
+    assert found[2] == np.inf
+    assert found[3:5] == pytest.approx([0.0, np.log(1e300)], rel=2e-16)
+
+
+def test_potential_beside_a_patch(posed):
+    state = collocation.evaluate(Elastic(ROUGH), posed.patches, 1.0, 1e-4)
+    field, random = gap_field(Elastic(ROUGH), state), np.random.default_rng(3)
+    which = random.integers(0, posed.patches.count, 100)
+    apart = np.where(random.random(100) < 0.3, 1e-9, random.random(100))  # of the gap behind the patch
+    x = posed.patches.right[which] + apart * posed.patches.gap_after[which]
+    given = posed.patches.center, posed.patches.half_width, field._skeletons, field._series, which, x
+    check(CORE.near_patch(*given), kernels.REFERENCES["near_patch"](*given))
+
+
+def test_kernel_between_two_arcs():
+    x, modes = (
+        np.concatenate([np.linspace(0.2, 3, 40), np.linspace(3.3, 6, 50)]),
+        np.random.default_rng(5).normal(size=(37, 21)),
+    )
+    given = x, 3.1, -0.1
+    for found, expected in zip(CORE.coordinates(*given), kernels.REFERENCES["coordinates"](*given), strict=True):
+        check(found, expected)
+    given = x, np.cos(np.linspace(0, np.pi, 90)), modes
+    check(CORE.columns(*given), kernels.REFERENCES["columns"](*given))
+
+
+def test_true_length():
+    x, length = np.random.default_rng(4).uniform(-20, 20, 500), true_length(ROUGH, 0.3)
+    given = length.start, length.width, length.series, length.whole, x
+    check(CORE.integral(*given), kernels.REFERENCES["integral"](*given))
 
 
 @pytest.mark.parametrize(
