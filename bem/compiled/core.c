@@ -7,7 +7,7 @@
 #include "core.h"
 #include "kernels.h"
 
-#define INTERFACE 1 /* kernels.INTERFACE */
+#define INTERFACE "1" /* kernels.INTERFACE */
 
 Blas blas;
 static PyObject *numpy_empty;
@@ -254,7 +254,7 @@ PyMODINIT_FUNC PyInit_linecontact_kernels(void)
     if (numpy_empty == NULL || look_up_all() < 0)
         return NULL;
     made = PyModule_Create(&module);
-    if (made != NULL && PyModule_AddIntConstant(made, "INTERFACE", INTERFACE) < 0)
+    if (made != NULL && PyModule_AddStringConstant(made, "INTERFACE", INTERFACE) < 0)
         Py_CLEAR(made);
     return made;
 }
