@@ -75,7 +75,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("scene", type=Path, help="scene file (TOML)")
     run.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the result")
     present = run.add_mutually_exclusive_group()
-    present.add_argument("--resume", action="store_true", help="go on from the states DIR holds")
+    present.add_argument("--resume", action="store_true", help="continue from the states DIR holds")
     present.add_argument("--overwrite", action="store_true", help="replace the result DIR holds")
     run.add_argument("--plot", action="store_true", help="also draw curves and stored shapes as PNG")
     run.add_argument("--quiet", action="store_true", help="no progress")
@@ -107,7 +107,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
-    """Solve a scene into a folder that is ours alone; `new` tells whether it was made for this."""
+    """Solve a scene into a folder that is ours alone; `new` says whether it was made for this."""
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
     if stored is not None and stored.status in FINAL_STATUSES:
         result = stored

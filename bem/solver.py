@@ -2,12 +2,12 @@
 
 The order of things is that of the method: the scene is posed in dimensionless form, complete contact is written down,
 the path is followed from target to target (with adhesion event by event, without adhesion target by target), and
-every stored state is polished, assessed by a finer evaluation and certified by an independent one.  Increments
+every stored state is refined, assessed by a finer evaluation and certified by an independent one.  Increments
 between targets are stored at most once per largest increment, at the same accuracy as targets.  BLAS runs on one
 thread: the matrices are small, two threads are slower, and digits do not depend on the number of cores.
 
-From a target the path goes on from the numbers stored of it, not from those in memory: an interrupted path takes up
-its last target and goes on to the same states and events, bit for bit on the same machine.
+From a target the path continues from the numbers stored of it, not from those in memory: an interrupted path takes up
+its last target and continues to the same states and events, bit for bit on the same machine.
 
 Nothing but an interrupt leaves `solve`: what double precision or memory cannot do (NUMERICAL_FAILURES) ends the path as
 `not_converged`, with the reason in `Result.failure`.
@@ -72,8 +72,8 @@ def solve(
     on_state : callable, optional
         Called with all that is kept so far, as an interrupted result, whenever a state is added.
     resume : Result, optional
-        An interrupted result of the same scene: its states are kept up to the last target, and the path goes on from
-        there.
+        An interrupted result of the same scene: its states are kept up to the last target, and the path continues
+        from there.
 
     Returns
     -------
@@ -163,7 +163,7 @@ class _Run:
         self.point = self._point_of(record.states[-1], self.kept)
 
     def follow(self) -> tuple[str, str | None]:
-        """Visit the remaining targets; the status of the result, and why it is none of the final ones."""
+        """Visit the remaining targets; the status of the result, and why, where it is not a final one."""
         try:
             for index in range(self.done, len(self.goals)):
                 status = self._reach(index)
@@ -189,7 +189,7 @@ class _Run:
         return f"{words} at {self.recorder.target_of(self.point):.9g}"
 
     def _reach(self, index: int) -> str | None:
-        """Follow the path to one target; None to go on, else the status with which the path ends."""
+        """Follow the path to one target; None to continue, else the status with which the path ends."""
         goal = self.goals[index]
         direction = self.path.direction(self.point, goal.value, goal.separation)
         if direction:
@@ -229,7 +229,7 @@ class _Run:
                 if self._fails(between):
                     return "not_converged"
                 self._keep(between, target=False)
-                if between.events:  # the path goes on behind them
+                if between.events:  # the path continues behind them
                     self.point = between
                     return self._follow_to(goal, spacing, index)
         return None

@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 SAFETY = 3.0  # error estimates are this multiple of what a finer evaluation still changes
 ROUNDING = 1e-13  # floor of error estimates, dimensionless
-CLOSURE = 1e-8
+RESIDUAL = 1e-8
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ def _judged(
         state.penetration,
         adhesion,
         compliance_ratio=problem.compliance_ratio,
-        demands=certificate.Demands(closure=CLOSURE, interpenetration=max(1e-10, 1e-3 * tolerance)),
+        demands=certificate.Demands(closure=RESIDUAL, interpenetration=max(1e-10, 1e-3 * tolerance)),
     )
 
 

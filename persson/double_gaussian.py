@@ -11,7 +11,7 @@ parameters and the residual.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, final double
 Gaussian, with G sigma_0^2 where the print mixes units.  SI units.  Limits: the tensile tail |sigma|^-3 of a real
 contact lies outside; state the window of the fit.  At small loads the theory's P is no double Gaussian (residual 0.09,
-sigma_a near 0, where the fit is bounded): the residual tells.
+sigma_a near 0, where the fit is bounded): the residual shows it.
 """
 
 from __future__ import annotations

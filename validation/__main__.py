@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
-        print("interrupted; what was finished is kept, the same command goes on", file=sys.stderr)
+        print("interrupted; what was finished is kept, the same command continues", file=sys.stderr)
         return INTERRUPTED
 
 
@@ -106,7 +106,9 @@ def _run(options: argparse.Namespace) -> int:
     """Run cases and write report.json and report.html."""
     opener = opener_of(options.executor)
     cases = select(registry(), options.level, options.only)
-    expected = baseline.expected_seconds([case.id for case in cases], baseline.FOLDER)  # a malformed one is told now
+    expected = baseline.expected_seconds(
+        [case.id for case in cases], baseline.FOLDER
+    )  # a malformed one is reported now
     facts = provenance()  # before the run: sources that change meanwhile are not those of the report
     folder: Path = options.out
     begun = time.monotonic()
@@ -166,8 +168,8 @@ def _render(report: Report, folder: Path, as_json: bool) -> int:
         summary = {"cases": len(report.cases), "planned": report.planned, "failed": failed}
         print(json.dumps(summary | {"verdicts": given, "seconds": seconds, "report": page}))
     else:
-        told = ", ".join(f"{count} {name}" for name, count in given.items())
-        print(f"{len(report.cases)} cases: {told}; {seconds} s; report: {page}")
+        verdicts = ", ".join(f"{count} {name}" for name, count in given.items())
+        print(f"{len(report.cases)} cases: {verdicts}; {seconds} s; report: {page}")
     return FAILED if failed else DONE
 
 
@@ -192,7 +194,9 @@ def _baseline_update(options: argparse.Namespace) -> int:
         raise baseline.BaselineError(f"{options.out / REPORT_FILE}: changed after it was written, run it again")
     chosen = [record for record in report.cases if record.id == options.case]
     if not chosen:
-        raise baseline.BaselineError(f"case {options.case!r}: none of {', '.join(r.id for r in report.cases)}")
+        raise baseline.BaselineError(
+            f"case {options.case!r} is not in the report: {', '.join(r.id for r in report.cases)}"
+        )
     for line in baseline.update(chosen[0], options.reason, baseline.FOLDER):
         print(line)
     return DONE
@@ -201,9 +205,9 @@ def _baseline_update(options: argparse.Namespace) -> int:
 def _study(options: argparse.Namespace) -> int:
     """Run a study."""
     if options.peers and options.name != WITH_PEERS:
-        raise CaseError(f"--peers: study {options.name} has none, {WITH_PEERS} has")
+        raise CaseError(f"--peers: study {options.name} has no peers, {WITH_PEERS} has")
     if options.random is not None and options.name != WITH_RANDOM:
-        raise CaseError(f"--random: study {options.name} has none, {WITH_RANDOM} has")
+        raise CaseError(f"--random: study {options.name} has no random scenes, {WITH_RANDOM} has")
     if options.seed and options.random is None:
         raise CaseError(f"--seed {options.seed}: of the scenes of --random, which is not given")
     study = import_module(module_of(options.name))
@@ -252,11 +256,13 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument("--json", action="store_true", help="print the summary as JSON")
     report.set_defaults(command=_report)
 
-    paper = commands.add_parser("replicate", help="the paper's results from 11 realisations of ours, as a report")
+    paper = commands.add_parser("replicate", help="the results of the paper from 11 realisations, as a report")
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there are kept")
     paper.add_argument("--jobs", type=_positive, default=cores, help=f"worker processes (default: {cores})")
     paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
-    paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: replicates nothing")
+    paper.add_argument(
+        "--quick", action="store_true", help="few realisations with few harmonics: shows only that it runs"
+    )
     paper.add_argument("--json", action="store_true", help="print the summary as JSON")
     paper.set_defaults(command=_alone(_replicate))
 

@@ -1,6 +1,6 @@
 """Descent to the minimum of the potential that an overdamped motion of the edges reaches, where a branch has ended.
 
-Small trust-region steps, measured in units of the room of each edge, minimise the potential at a fixed target; on the
+Small trust-region steps, measured in units of the edge scale, minimise the potential at a fixed target; on the
 way patches may vanish, gaps close and crests touch.  Large steps would end in another basin: barriers between basins
 are as narrow as the shortest wavelength, and no edge moves by more than a fifth of it at once.  Dimensionless.
 Source: Barquins, J. Adhesion 26 (1988) 1, for the width at which a lone contact pulls off.
@@ -20,7 +20,7 @@ from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.trust_region import trust_region_step
 from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
 
@@ -28,8 +28,8 @@ FloatArray = NDArray[np.float64]
 
 DESCENT_STEPS = 10_000  # evaluations; jumps of three realisations of the paper's profile took up to 47
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
-SMALLEST_RADIUS = 1e-12  # of a step, below which there is none
-LARGEST_ROOM = 0.5  # of the shortest wavelength, in which the steps of an edge are measured
+SMALLEST_RADIUS = 1e-12  # of a step, below which the descent ends
+LARGEST_EDGE_SCALE = 0.5  # of the shortest wavelength, in which the steps of an edge are measured
 LARGEST_EXPANSION = 0.2  # of the shortest wavelength, by which an edge with K < 0 moves at once
 DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
 NARROW_GAP, CLOSING_STEP = 0.25, 0.4  # of the shortest wavelength; part of its width by which its edges move at once
@@ -87,11 +87,11 @@ class Steps:
     Attributes
     ----------
     largest : float
-        Trust radius in units of the room of the edges; small values follow the descent path closely.
+        Trust radius in units of the edge scale; small values follow the descent path closely.
     least_resolution : callable or None
         Least resolution of given patches, where others than these are near.
     ahead : CrestsAhead or None
-        Finds the crests that touch after a step; the descent ends there, or before edges reach patches that it knows.
+        Finds the crests that touch after a step; the descent ends there, or before edges reach the patches beside them.
         Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
     """
 
@@ -123,31 +123,31 @@ def descend(
     steps : Steps
     """
     walk = _Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2)
-    try:
-        while walk.evaluations < DESCENT_STEPS and walk.radius >= SMALLEST_RADIUS:
-            here = walk.evaluated()
-            verdict = walk.reshaped(here)
-            if verdict is None:
-                step = walk.step(here)
-                inside = here.closed(accuracy.residual) and step.size < 0.9 * walk.radius
-                verdict = "converged" if inside else walk.tried(here, step)
-            if verdict != "again":
-                return walk.ended(verdict)
-    except IllConditionedSystemError:
-        return walk.ended("ill_conditioned")
+    while walk.evaluations < DESCENT_STEPS and walk.radius >= SMALLEST_RADIUS:
+        here = walk.evaluated()
+        if here is None:
+            return walk.ended("ill_conditioned")
+        verdict = walk.reshaped(here)
+        if verdict is None:
+            step = walk.step(here)
+            inside = here.closed(accuracy.residual) and step.size < 0.9 * walk.radius
+            verdict = "converged" if inside else walk.tried(here, step)
+        if verdict != "again":
+            return walk.ended(verdict)
     return walk.ended("not_converged")
 
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """A trust-region step: the room of each edge, the parts of it moved, and the fall that the model predicts."""
+    """A trust-region step: the edge scale, the parts of it moved, and the fall that the model predicts."""
 
-    room: FloatArray
+    edge_scale: FloatArray
     parts: FloatArray
     predicted: float
 
     @property
     def size(self) -> float:
+        """Its length, of which the trust radius is a bound."""
         return float(np.linalg.norm(self.parts))
 
 
@@ -173,7 +173,7 @@ class _Walk:
         """The outcome."""
         return Descent(status, self.patches, self.here, self.changes, self.evaluations, self.touching)
 
-    def evaluated(self) -> Balance:
+    def evaluated(self) -> Balance | None:
         """Forces on the edges where they are; with the resolution that they ask for, where they come from elsewhere."""
         if self.here is None:
             self.resolution = resolve(self.system.elastic, self.patches, self.accuracy.tolerance)
@@ -205,23 +205,26 @@ class _Walk:
 
     def step(self, here: Balance) -> _Step:
         """The step that minimises the quadratic model within the trust radius."""
-        room = _room(self.system, here, self.steps.largest)
-        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
-        gradient = here.gradient * room
+        scale = _edge_scale(self.system, here, self.steps.largest)
+        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(scale, scale)
+        gradient = here.gradient * scale
         parts = trust_region_step(gradient, hessian, self.radius)
-        return _Step(room, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
+        return _Step(scale, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
 
     def tried(self, here: Balance, step: _Step) -> DescentStatus | Literal["again"]:
         """Try a step: take it where the potential falls about as far as predicted, else shrink the radius."""
-        trial = self.patches.moved(step.parts * step.room)
+        trial = self.patches.moved(step.parts * step.edge_scale)
         if not self._is_free(trial):
             return "not_converged"
         wanted = _at_least(resolve(self.system.elastic, trial, self.accuracy.tolerance), self.resolution)
         if self.resolution is None or not _equal(wanted, self.resolution):
             self.resolution = wanted
-            self.here = self._balance(self.patches, self.penetration, wanted)
-            return "again"
+            again = self._balance(self.patches, self.penetration, wanted)
+            self.here = again or here
+            return "ill_conditioned" if again is None else "again"
         ahead = self._balance(trial, here.state.penetration, wanted)
+        if ahead is None:
+            return "ill_conditioned"
         ratio = self._ratio(here, ahead, step)
         closing = ahead.state.stress_intensity <= 0
         if not (ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1] and np.all(step.parts[closing] > 0)):
@@ -242,13 +245,14 @@ class _Walk:
         noise += energy_noise(self.system, here, ahead, self.accuracy.tolerance)
         actual = here.potential - ahead.potential
         if step.predicted < 100 * noise:
-            actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.room))
+            actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.edge_scale))
         return actual / step.predicted if step.predicted > 0 else -1.0
 
-    def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance:
-        """Forces on some edges, counted."""
-        found = balance(self.system, patches, penetration, self.target, self.accuracy.tolerance, resolution)
-        self.evaluations += 1
+    def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance | None:
+        """Forces on some edges, counted; None where their system is ill-conditioned."""
+        tolerance = self.accuracy.tolerance
+        found = if_solvable(balance, self.system, patches, penetration, self.target, tolerance, resolution)
+        self.evaluations += found is not None
         return found
 
     def _is_free(self, patches: Patches) -> bool:
@@ -257,7 +261,7 @@ class _Walk:
         return others is None or patches.joined(others) is not None
 
     def _stand_at(self, patches: Patches, before: Balance) -> None:
-        """Go on from other edges, on which the forces are not known."""
+        """Continue from other edges, on which the forces are not known."""
         self.patches, self.penetration, self.here = patches, before.state.penetration, None
 
 
@@ -271,15 +275,15 @@ def _equal(first: Resolution, second: Resolution) -> bool:
     return bool(np.all(first.nodes == second.nodes) and np.all(first.modes == second.modes))
 
 
-def _room(system: System, here: Balance, largest_step: float) -> FloatArray:
+def _edge_scale(system: System, here: Balance, largest_step: float) -> FloatArray:
     """Length in which each edge may move, (2 L,); more of it is used where a narrow gap closes, whatever happens."""
     patches, wavelength = here.state.patches, 2 * np.pi / system.elastic.profile.max_order
-    room = np.minimum(patches.edge_room, LARGEST_ROOM * wavelength)
+    scale = np.minimum(patches.edge_scale, LARGEST_EDGE_SCALE * wavelength)
     narrow = (patches.gap_after < NARROW_GAP * wavelength) & _pulled_shut(here)
     if narrow.any():
         share = np.where(narrow, max(CLOSING_STEP / largest_step, 1.0), 1.0)
-        room = room * np.concatenate([np.roll(share, 1), share])
-    return room
+        scale = scale * np.concatenate([np.roll(share, 1), share])
+    return scale
 
 
 def _pulled_shut(here: Balance) -> NDArray[np.bool_]:
@@ -290,13 +294,13 @@ def _pulled_shut(here: Balance) -> NDArray[np.bool_]:
 
 
 def _expanded(system: System, here: Balance) -> Patches | None:
-    """Edges with K < 0 moved outward by Newton towards 0.3 of the critical K; None when no room is left."""
+    """Edges with K < 0 moved outward by Newton towards 0.3 of the critical K; None when there is no space left."""
     state = here.state
-    room = np.minimum(state.patches.edge_room, LARGEST_EXPANSION / 0.3 * 2 * np.pi / system.elastic.profile.max_order)
+    scale = np.minimum(state.patches.edge_scale, LARGEST_EXPANSION / 0.3 * 2 * np.pi / system.elastic.profile.max_order)
     short = state.stress_intensity < 0.3 * 2 * np.sqrt(here.work)
     slope = np.diagonal(here.jacobian)
     wanted = (0.6 * np.sqrt(here.work) - state.stress_intensity) / np.where(slope > 0, slope, np.inf)
-    step = np.where(short, np.clip(wanted, 0.02 * room, 0.3 * room), 0.0)
+    step = np.where(short, np.clip(wanted, 0.02 * scale, 0.3 * scale), 0.0)
     moved = state.patches.moved(step)
     return moved if moved.is_ordered else None
 

@@ -2,7 +2,7 @@
 
 Whether a jump ends beyond a crest or on it, what the contact becomes depends on when the crest touches; and near the
 end of a branch several jumps lie so close together that their order is a matter of the smallest increment.  A jump
-therefore stops where a crest ahead of one of its edges touches, and goes on with the new contact.  The gap is
+therefore stops where a crest ahead of one of its edges touches, and continues with the new contact.  The gap is
 evaluated at the crests within a few of the shortest wavelengths ahead; those farther away wait for the equilibrium at
 the end of the jump, in which every gap is looked at (gap.py).  Dimensionless.  Limits: minima of the gap beside a
 crest wait as well; beside an edge with K <= 0 the surfaces interpenetrate whatever the crests are, and nothing is

@@ -35,8 +35,8 @@ LOAD_ACCURACY = 1e-11
 STIFF = 100.0  # times the accuracy: what one digit of the control changes in the load of a narrow gap
 COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
 REFINEMENTS, REFINEMENT = 3, 16  # finer paths where Newton does not reach the load, and how much finer each is
-REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # of evaluations in finer increments
-COARSE_CLOSURE = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
+REFINED_TOLERANCE, REFINED_RESIDUAL = 1e-6, 1e-7  # of evaluations in finer increments
+COARSE_RESIDUAL = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
 
 
 class Branches(Protocol):
@@ -79,7 +79,7 @@ class Branches(Protocol):
 
 
 def at_load(path: Branches, before: Point, after: Point, load: float) -> Equilibrium | None:
-    """The refined point between two points at which the load is `load`; None where there is none.
+    """The refined point between two points at which the load is `load`; None where it does not exist.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def _refined(path: Branches, reach: float) -> Branches:
     accuracy = replace(
         inc.coarse,
         tolerance=min(inc.coarse.tolerance, REFINED_TOLERANCE),
-        residual=min(inc.coarse.residual, REFINED_CLOSURE),
+        residual=min(inc.coarse.residual, REFINED_RESIDUAL),
     )
     return path.with_increments(
         Increments(reach / REFINEMENT, min(reach, inc.smallest) / REFINEMENT, accuracy, inc.fine)
@@ -171,7 +171,7 @@ def may_meet(path: Branches, before: WithEdges, after: WithEdges, load: float) -
 def _tracking(path: Branches) -> Branches:
     """The same path, whose points are only as accurate as between targets; it books its effort on the same account."""
     inc = path.increments
-    accuracy = Accuracy(inc.coarse.tolerance, COARSE_CLOSURE * inc.coarse.residual, inc.fine.allowed)
+    accuracy = Accuracy(inc.coarse.tolerance, COARSE_RESIDUAL * inc.coarse.residual, inc.fine.allowed)
     return path.with_increments(replace(inc, fine=accuracy))
 
 

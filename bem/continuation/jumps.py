@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bem.adhesive.branch import misses_energy, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
-from bem.adhesive.events import Cause, Settled, interpenetration, settle
+from bem.adhesive.events import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
 from bem.continuation.limit_points import LimitPoint, at_rest, locate_limit_point
 from bem.continuation.opening import complete_potential
@@ -37,7 +37,7 @@ IntArray = NDArray[np.int64]
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
 DOUBT = 3.0  # times its error: less energy is not released
 TIED = 1e-6  # relative difference of patches that move alike
-MOVING = 0.3  # of the largest motion in units of room: patches that move with a mode
+MOVING = 0.3  # of the largest motion in units of the edge scale: patches that move with a mode
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +84,8 @@ class Jumps:
         self.effort.evaluations += touch.evaluations
         end = self._equilibrium(touch.exact.value, touch.balance, last=True)
         state = touch.balance.state
-        settled = self._settled(state, state.patches, touch.exact.value, found=touch.touching)
-        after = self.behind(touch.exact, touch.error, settled, settled.changes)
+        relaxed = self._relaxed(state, state.patches, touch.exact.value, found=touch.touching)
+        after = self.behind(touch.exact, touch.error, relaxed, relaxed.changes)
         return [] if after is None else [end, after]
 
     def limit_point(self, point: Equilibrium, reach: float, thorough: bool) -> LimitPoint | None:
@@ -101,56 +101,56 @@ class Jumps:
     def from_limit(self, limit: LimitPoint, reach: float) -> list[Point]:
         """A limit point and the state behind its jump; nothing where the forces lead to no other state.
 
-        Where the branch turns unstable and others leave it continuously, one of these goes on a smallest increment
+        Where the branch turns unstable and others leave it continuously, one of these continues a smallest increment
         behind, in the direction of `reach`.
         """
         inc, value, patches = self.increments, limit.exact.value, limit.balance.state.patches
         outward, leads_on, evaluations = departure(self.system, limit, inc.coarse)
         self.effort.evaluations += evaluations
-        size = np.abs(outward) / patches.edge_room
+        size = np.abs(outward) / patches.edge_scale
         moving = np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)
-        growth = (outward / patches.edge_room).reshape(2, -1).sum(axis=0)
+        growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
         leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))  # of two alike, what shrinks
         place = ("bifurcation", float(patches.center[leading]))
         broken = limit.kind == "bifurcation"
         if not leads_on and not broken:
             return []
         state, away = limit.balance.state, patches.moved(outward)
-        settled = self._settled(state, away, value, moving, fine=not leads_on)
+        relaxed = self._relaxed(state, away, value, moving, fine=not leads_on)
         if not leads_on:
-            leads_on = bool(settled.changes) or _departed(patches, settled, float(size.max()))
+            leads_on = bool(relaxed.changes) or _departed(patches, relaxed, float(size.max()))
         if not leads_on:
             value += float(np.copysign(inc.smallest, reach))
-            settled = self._settled(state, away, value, moving)
-        changes = (place, *settled.changes) if broken or not settled.changes else settled.changes
-        if settled.balance is None and not settled.changes:
+            relaxed = self._relaxed(state, away, value, moving)
+        changes = (place, *relaxed.changes) if broken or not relaxed.changes else relaxed.changes
+        if relaxed.balance is None and not relaxed.changes:
             return []
-        behind = self.behind(limit.exact, limit.error, settled, changes, leads_on or bool(settled.changes))
+        behind = self.behind(limit.exact, limit.error, relaxed, changes, leads_on or bool(relaxed.changes))
         if behind is not None:
             return [BranchEnd(limit.exact.value, limit), behind]
-        if not broken or settled.balance is None:
+        if not broken or relaxed.balance is None:
             return []
-        return [self._equilibrium(value, settled.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
+        return [self._equilibrium(value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
 
     def unlocated(self, start: Equilibrium, value: float, found: GapMinima | None, fine: bool = False) -> Point:
         """The state at `value` behind an end of the branch that was not located, from the last good edges.
 
         What the accuracy between targets leaves undecided (a shallow minimum, or none) that of targets decides.
-        A jump of the edges that releases no energy is none: Newton only did not reach that far.
+        Edges that leap without a release of energy have not jumped: Newton only did not reach that far.
         """
         here, state = start.balance, start.state
         unstable = unstable_patches(here) if found is None else None
-        settled = self._settled(state, state.patches, value, unstable, found, fine)
+        relaxed = self._relaxed(state, state.patches, value, unstable, found, fine)
         pushed = self._exact(here, start.value, value)
-        if settled.balance is not None and not settled.changes:
-            ahead = self._equilibrium(value, settled.balance)
+        if relaxed.balance is not None and not relaxed.changes:
+            ahead = self._equilibrium(value, relaxed.balance)
             if not self.misses_energy(start, ahead):
-                return self._resting(settled)
+                return self._resting(relaxed)
         width, control, stiffness = abs(value - start.value), self.system.control, here.stiffness
         deeper = abs(width / (control.penetration_weight + control.load_weight * stiffness))
         error = Exact(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
-        changes = settled.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
-        return self.behind(pushed, error, settled, changes, bool(settled.changes)) or self._resting(settled)
+        changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
+        return self.behind(pushed, error, relaxed, changes, bool(relaxed.changes)) or self._resting(relaxed)
 
     def misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether more energy went missing between two points than the forces along one branch account for.
@@ -168,7 +168,7 @@ class Jumps:
         self,
         at: Exact,
         error: Exact,
-        settled: Settled,
+        relaxed: Relaxed,
         changes: tuple[tuple[str, float], ...],
         moved: bool = True,
     ) -> Point | None:
@@ -178,49 +178,49 @@ class Jumps:
         ----------
         at, error : Exact
             The state from which the contact jumps, and its errors.
-        settled : Settled
+        relaxed : Relaxed
             Where the jump ended.
         changes : tuple of (kind, position)
             What happened, in order.
         moved : bool
             Whether something surely did; else the energy released must exceed its error.
         """
-        if settled.balance is None:
-            return self._without_edges(at, error, settled, changes)
-        system, value = self.system, settled.target
-        found = at_rest(system, settled.balance, value, self._fine)
+        if relaxed.balance is None:
+            return self._without_edges(at, error, relaxed, changes)
+        system, value = self.system, relaxed.target
+        found = at_rest(system, relaxed.balance, value, self._fine)
         self.effort.evaluations += 2
-        here, after, uncertain = (settled.balance, self._exact(settled.balance, value, value), np.inf)
+        here, after, uncertain = (relaxed.balance, self._exact(relaxed.balance, value, value), np.inf)
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
-        released = at.potential - self._led_back(here, after, at.value)
+        released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
         works = system.control.penetration_weight > 0  # the load does work, or the penetration
         eased = abs(at.load - after.load) if works else abs(at.penetration - after.penetration)
         doubt = error.potential + uncertain + error.value * eased  # of a jump elsewhere
         if not moved and released <= DOUBT * doubt:
             return None
         events = path_events(changes, at, error, released, doubt)
-        return self._equilibrium(value, here, events) if settled.status == "converged" else _failed(settled, events)
+        return self._equilibrium(value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
 
     def _without_edges(
-        self, at: Exact, error: Exact, settled: Settled, changes: tuple[tuple[str, float], ...]
+        self, at: Exact, error: Exact, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
     ) -> Separated | Complete | Failed:
         """The point behind a jump that leaves no edges, or did not end."""
         released = np.nan
-        if settled.status == "separated":
+        if relaxed.status == "separated":
             changes = (*changes[:-1], ("pull_off", changes[-1][1]))
             if self.system.control.penetration_weight:  # a dead tension falls for ever
                 released = at.potential
-        elif settled.status == "complete_contact":
-            released = at.potential - complete_potential(self.system, self.complete, settled.target)
+        elif relaxed.status == "complete_contact":
+            released = at.potential - complete_potential(self.system, self.complete, relaxed.target)
         events = path_events(changes, at, error, released, error.potential)
-        if settled.status == "separated":
-            return Separated(settled.target, events=events)
-        if settled.status == "complete_contact":
-            return Complete(settled.target, events=events)
-        return _failed(settled, events)
+        if relaxed.status == "separated":
+            return Separated(relaxed.target, events=events)
+        if relaxed.status == "complete_contact":
+            return Complete(relaxed.target, events=events)
+        return _failed(relaxed, events)
 
-    def _settled(
+    def _relaxed(
         self,
         before: Evaluation,
         patches: Patches,
@@ -228,21 +228,21 @@ class Jumps:
         unstable: IntArray | None = None,
         found: GapMinima | None = None,
         fine: bool = False,
-    ) -> Settled:
+    ) -> Relaxed:
         """Where the forces lead; what the accuracy between targets leaves open that of targets decides."""
         cause = Cause(unstable, found, before)
         for accuracy in (self.increments.coarse, self.increments.fine)[int(fine) :]:
-            settled = settle(self.system, patches, before.penetration, value, accuracy, cause)
-            self.effort.book(settled.evaluations, settled.local_evaluations)
-            if settled.status != "not_converged":
+            relaxed = relax(self.system, patches, before.penetration, value, accuracy, cause)
+            self.effort.book(relaxed.evaluations, relaxed.local_evaluations)
+            if relaxed.status != "not_converged":
                 break
-        return settled
+        return relaxed
 
-    def _resting(self, settled: Settled) -> Equilibrium | Failed:
+    def _resting(self, relaxed: Relaxed) -> Equilibrium | Failed:
         """The state that forces led to, as a point of the branch that went there."""
-        if settled.balance is None or settled.status != "converged":
-            return _failed(settled)
-        return self._equilibrium(settled.target, settled.balance)
+        if relaxed.balance is None or relaxed.status != "converged":
+            return _failed(relaxed)
+        return self._equilibrium(relaxed.target, relaxed.balance)
 
     def _equilibrium(
         self, value: float, here: Balance, events: tuple[PathEvent, ...] = (), last: bool = False
@@ -255,13 +255,13 @@ class Jumps:
         control, change = self.system.control, value - start
         state = here.state
         deeper = change * control.rate(state)
-        potential = here.potential + change * (control.force(state) + change / 2 * control.force_rate(state))
+        potential = self._led_to(state, here.potential, change)
         return Exact(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
 
-    def _led_back(self, here: Balance, exact: Exact, value: float) -> float:
-        """The potential that a state next to the value of a limit point has at that value."""
-        control, change = self.system.control, value - exact.value
-        return exact.potential + change * (control.force(here.state) + change / 2 * control.force_rate(here.state))
+    def _led_to(self, state: Evaluation, potential: float, change: float) -> float:
+        """The potential of a state after a change of the control at fixed edges."""
+        control = self.system.control
+        return potential + change * (control.force(state) + change / 2 * control.force_rate(state))
 
     def _finer(self, here: Balance, value: float) -> Balance:
         """The forces on the same edges at the accuracy of a target."""
@@ -270,19 +270,19 @@ class Jumps:
         return balance(self.system, state.patches, state.penetration, value, self.increments.fine.tolerance)
 
 
-def _failed(settled: Settled, events: tuple[PathEvent, ...] = ()) -> Failed:
+def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
     """An event that does not end in a state, with what happened until then."""
     status: Literal["not_converged", "ill_conditioned"] = "not_converged"
-    if settled.status == "ill_conditioned":
+    if relaxed.status == "ill_conditioned":
         status = "ill_conditioned"
-    return Failed(settled.target, status, events=events)
+    return Failed(relaxed.target, status, events=events)
 
 
-def _departed(start: Patches, settled: Settled, pushed: float) -> bool:
-    """Whether edges that were pushed from an equilibrium, in units of their room, did not fall back to it."""
-    if settled.balance is None:
+def _departed(start: Patches, relaxed: Relaxed, pushed: float) -> bool:
+    """Whether edges that were pushed from an equilibrium, in units of their edge scale, did not fall back to it."""
+    if relaxed.balance is None:
         return False
-    moved = np.abs(edge_positions(settled.balance.state.patches) - edge_positions(start)) / start.edge_room
+    moved = np.abs(edge_positions(relaxed.balance.state.patches) - edge_positions(start)) / start.edge_scale
     return float(moved.max()) > 2 * pushed
 
 

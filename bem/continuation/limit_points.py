@@ -33,15 +33,15 @@ from bem.continuation.softness import (
     to_rest,
 )
 from bem.elastic.collocation import finer, resolve
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
 from bem.geometry.patches import Patches
 from bem.loading.path_events import Exact
 
 FloatArray = NDArray[np.float64]
 
 STEPS = 8  # of Newton; it takes two to four, more where a fold is about to vanish (a cusp)
-LONGEST_STEP = 0.2  # of the room of an edge
-NEAR = 1e-3  # of the room: the rest of a step is left to finer evaluations
+LONGEST_STEP = 0.2  # of the edge scale
+NEAR = 1e-3  # of the edge scale: the rest of a step is left to finer evaluations
 CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
 CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
@@ -100,25 +100,32 @@ def locate_limit_point(
         Whether the branch is followed around its fold where Newton fails: almost symmetric profiles turn sharply.
     """
     try:
-        soft, broken = softness(system, start, value, start.scale), None
-        if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
-            soft = softness(system, start, value, start.scale, every=True)
-            for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
-                here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
-                soft = softness(system, here, value, start.scale, every=True)
-            broken = _neutral(system, soft, reach, tolerances, breaking=True)
-            if broken is not None and not is_pushed(broken):
-                return broken
-            tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
-            found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
-            if found is not None:
-                return found
-        found = _neutral(system, soft, reach, tolerances, breaking=False)
-        if found is None and (thorough or broken is not None):
-            found = _around(system, soft, reach, tolerances)
-        return found or (broken if thorough else None)
-    except (LostError, IllConditionedSystemError, np.linalg.LinAlgError):
+        return if_solvable(_located, system, start, value, reach, tolerances, thorough)
+    except (LostError, np.linalg.LinAlgError):
         return None
+
+
+def _located(
+    system: System, start: Balance, value: float, reach: float, tolerances: tuple[float, float, float], thorough: bool
+) -> LimitPoint | None:
+    """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
+    soft, broken = softness(system, start, value, start.scale), None
+    if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
+        soft = softness(system, start, value, start.scale, every=True)
+        for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
+            here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
+            soft = softness(system, here, value, start.scale, every=True)
+        broken = _neutral(system, soft, reach, tolerances, breaking=True)
+        if broken is not None and not is_pushed(broken):
+            return broken
+        tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
+        found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
+        if found is not None:
+            return found
+    found = _neutral(system, soft, reach, tolerances, breaking=False)
+    if found is None and (thorough or broken is not None):
+        found = _around(system, soft, reach, tolerances)
+    return found or (broken if thorough else None)
 
 
 def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, float]:
@@ -155,7 +162,7 @@ class _Newton:
 
     @property
     def size(self) -> float:
-        """Of the step, in parts of the room of an edge."""
+        """Of the step, in parts of the edge scale."""
         return self.soft.size(self.step)
 
 
@@ -265,7 +272,7 @@ def at_rest(
         resolution = finer(wanted) if tolerance == tolerances[1] else wanted
         here = balance(system, patches, here.state.penetration, value, tolerance, resolution)
         outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
-        size = float(np.max(np.abs(outward) / here.state.patches.edge_room))
+        size = float(np.max(np.abs(outward) / here.state.patches.edge_scale))
         if size > LONGEST_STEP:
             return None
         found.append(after_step(system, here, value, outward, 0.0))
@@ -281,7 +288,7 @@ def _beside(
     """
     state, value = broken.balance.state, broken.exact.value
     way = -broken.modes @ (broken.modes.T @ broken.balance.gradient)
-    way /= float(np.max(np.abs(way) / state.patches.edge_room))
+    way /= float(np.max(np.abs(way) / state.patches.edge_scale))
     middle = float(np.cbrt(_push(broken.balance, broken.modes)))
     for side in SIDES:
         here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, tolerances[0])
@@ -324,7 +331,7 @@ def _along(soft: Soft) -> FloatArray:
 
 
 def _tangent(soft: Soft, along: FloatArray) -> tuple[FloatArray, float]:
-    """Motion of edges and control along a branch, on the side of a given motion, as long as the room of an edge."""
+    """Motion of edges and control along a branch, on the side of a given motion, as long as the edge scale."""
     step = np.linalg.solve(_bordered(soft, along), np.append(np.zeros(along.size), 1.0))
     size = soft.size(step[:-1]) * float(np.sign(along @ step[:-1]))
     return np.asarray(step[:-1] / size), float(step[-1]) / size

@@ -4,9 +4,9 @@ Under the JKR model a gap of zero width needs infinite tension, so that complete
 
 - at a flaw: a gap of given width near the lowest pressure of complete contact, where both its edges open at one load
   (beside it one edge would open while the other heals).  Its K is a linear function of the load; it opens when K
-  reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no
-  adhesion: what the opening releases is counted from the flawed state, which lies above complete contact by w g / 2
-  for a narrow flaw of width g.  Nobody pays for that: a path through an opening gains it;
+  reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no adhesion: what the opening releases is counted
+  from the flawed state, which lies above complete contact by w g / 2 for a narrow flaw of width g.  The control does
+  no work for that energy: a path through an opening gains it;
 - or because the separation is prescribed: s > 0 is the mean gap, so that there is one.  It begins at the same
   place with zero width, and the branch is continuous there (Johnson, Int. J. Solids Struct. 32 (1995) 423).
 

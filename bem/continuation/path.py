@@ -8,7 +8,7 @@ limit point (touch_points.py, limit_points.py), from which the contact jumps (ju
 state of a branch and the first one behind the jump.  That neither depends on the increments is a property that tests
 show; where no end is located, increments shrink until the jump begins from the last good edges.
 
-A point carries all that the path needs to go on from it, the next increment among it: a path holds no state of its
+A point carries all that the path needs to continue from it, the next increment among it: a path holds no state of its
 own besides counts of its work.  Dimensionless.
 """
 
@@ -46,7 +46,7 @@ CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left clo
 
 @dataclass(frozen=True)
 class Pace:
-    """How the path goes on: its next increment, and a value of the control that Newton did not reach."""
+    """How the path continues: its next increment, and a value of the control that Newton did not reach."""
 
     increment: float
     blocked: float | None = None
@@ -186,7 +186,7 @@ class Path:
         return replace(final, events=(*events, *final.events))
 
     def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> Point:
-        """The point at given equilibrium edges, from which the path goes on as if it began there."""
+        """The point at given equilibrium edges, from which the path continues as if it began there."""
         return self.corrected(patches, penetration, value) or Failed(value, "not_converged")
 
     def corrected(self, patches: Patches, penetration: float, value: float) -> Equilibrium | None:
@@ -202,7 +202,7 @@ class Path:
     def refined_at(self, point: WithEdges, value: float) -> Equilibrium | None:
         """The point of the same branch at another value of the control, at the accuracy of a target, or None.
 
-        The branch goes on where contact forms beside it.
+        The branch continues where contact forms beside it.
         """
         return self.corrected(point.predicted(value), point.state.penetration, value)
 
@@ -236,7 +236,7 @@ class Path:
         return crossing.at_load(self, before, after, load)
 
     def _pace(self, point: Point) -> Pace:
-        """How a path goes on from a point: as the point says, or as from a beginning."""
+        """How a path continues from a point: as the point says, or as from a beginning."""
         known = point.increment if isinstance(point, Equilibrium) else None
         return Pace(known or self.increments.largest / 4)
 
@@ -346,10 +346,10 @@ class Path:
 
 def _within_reach(point: Equilibrium) -> float:
     """The increment whose predicted motion uses half of what Newton may travel."""
-    speed = float(np.max(np.abs(point.rate) / point.state.patches.edge_room))
+    speed = float(np.max(np.abs(point.rate) / point.state.patches.edge_scale))
     return 0.5 * LARGEST_NEWTON_STEP / speed if speed > 0 else np.inf
 
 
 def _with_increment(point: Point, increment: float | None) -> Point:
-    """The point with the increment with which the path goes on from there, where it has edges."""
+    """The point with the increment with which the path continues from there, where it has edges."""
     return replace(point, increment=increment) if isinstance(point, Equilibrium) else point

@@ -31,7 +31,7 @@ class Equilibrium(PathPoint):
     curvature : (2 L,) array or None
         Half its second derivative, where the point before on the same branch is known.
     increment : float or None
-        With which the path goes on from here; None for that of a beginning.
+        With which the path continues from here; None for that of a beginning.
     last : bool
         Whether the branch ends here, where a crest touches.
     """

@@ -18,7 +18,7 @@ from bem.loading.path_events import Exact
 
 FloatArray = NDArray[np.float64]
 
-SIDEWAYS = 1e-4  # of the room, over which D_v H is a difference
+SIDEWAYS = 1e-4  # of the edge scale, over which D_v H is a difference
 
 
 class LostError(Exception):
@@ -45,13 +45,13 @@ class Soft:
         return np.asarray(self.modes[:, 0])
 
     @property
-    def room(self) -> FloatArray:
-        """Room of the edges, (2 L,)."""
-        return np.asarray(self.here.state.patches.edge_room / self.scale)
+    def edge_scale(self) -> FloatArray:
+        """Edge scale, (2 L,)."""
+        return np.asarray(self.here.state.patches.edge_scale / self.scale)
 
     def size(self, step: FloatArray) -> float:
-        """Largest part of its room by which an edge moves in a step."""
-        return float(np.max(np.abs(step) / self.room))
+        """Largest part of its edge scale by which an edge moves in a step."""
+        return float(np.max(np.abs(step) / self.edge_scale))
 
 
 def softness(

@@ -28,7 +28,7 @@ TOUCHED = 1e-10  # of the rms height: a gap that is closed
 NEARLY = 1e-6  # the same for the evaluations that are not the last
 TIED = 1e-9  # of the rms height: gaps that close together
 DISTINCT = (1e-7, 1e-10)  # of the rms height: gaps farther apart give a slope, in the first evaluations and the last
-CLOSURE = 0.1  # of |G/w - 1| over the tolerance of the evaluation
+RESIDUAL = 0.1  # of |G/w - 1| over the tolerance of the evaluation
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def locate_touch(
         tolerance = tolerances[int(before is not None)]
         if not patches.is_ordered:
             return None
-        corrected = correct(system, patches, penetration, value, Accuracy(tolerance, CLOSURE * tolerance))
+        corrected = correct(system, patches, penetration, value, Accuracy(tolerance, RESIDUAL * tolerance))
         evaluations += corrected.evaluations
         if corrected.balance is None:
             return None

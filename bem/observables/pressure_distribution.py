@@ -36,7 +36,7 @@ SAMPLES_PER_COEFFICIENT = 16
 LEAST_SAMPLES = 128
 SAMPLES_PER_WAVELENGTH = 64  # complete contact
 TAIL_REACH = 100.0  # lowest level with adhesion, in units of the largest |extremum|
-NEGLIGIBLE_SHARE = 1e-12  # of the period below minus that pressure: closures are met to rounding only
+NEGLIGIBLE_SHARE = 1e-12  # of the period below minus that pressure: edges close to rounding only
 LINEAR_SHARE = 0.1  # levels are equidistant up to this share of the highest pressure, geometric beyond
 
 
@@ -383,7 +383,7 @@ def _bracketed(
         newton = here - step
         inside = (newton > low[active]) & (newton < high[active])
         root[active] = np.where(inside, newton, (low[active] + high[active]) / 2)
-        settled = (np.abs(root[active] - here) <= resolution[active]) | (value == 0)
+        found = (np.abs(root[active] - here) <= resolution[active]) | (value == 0)
         root[active] = np.where(value == 0, here, root[active])
-        active = active[~settled]
+        active = active[~found]
     raise ArithmeticError(f"{active.size} crossings of the pressure were not located in 100 steps")

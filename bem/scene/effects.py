@@ -7,7 +7,7 @@ imported only when the scene names it.  One that changes no mode by more than a 
 
 Predicted costs are power laws in the highest harmonic M, measured on one core on the self-affine profile with H = 0.7
 and 1000 harmonics: seconds = constant (M / 1000)^exponent for each sweep in one direction, each target, each output.
-They are meant to tell seconds from hours, within a factor of 3.
+They are meant to distinguish seconds from hours, within a factor of 3.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ NEGLIGIBLE = 0.1  # of accuracy.tolerance: elastic effects that change no mode b
 SWEEP = 10.0, 1.4  # s at 1000 harmonics and exponent: one sweep in one direction, without adhesion
 ADHESIVE_SWEEP = 28.0, 1.15  # the same with adhesion
 KERNEL_SHARE = 0.5  # of the sweeps, in addition: what adds to the kernel of the half-space
-TARGET = 0.5, 1.2  # one target: polish, certificate, error estimate
+TARGET = 0.5, 1.2  # one target: refinement, certificate, error estimate
 OUTPUT = 0.1, 1.0  # fields, spectra or a distribution at one target
 
 

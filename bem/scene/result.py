@@ -74,7 +74,7 @@ class ErrorEstimate:
 class Certificate:
     """A-posteriori checks of a state; `min_gap` in m, the rest dimensionless, None where it has no meaning.
 
-    `reasons` tells each demand that is not met, with its limit and place.
+    `reasons` names each demand that is not met, with its limit and place.
     """
 
     closure: float | None
@@ -90,7 +90,7 @@ class Certificate:
 class State:
     """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
 
-    Every number is finite.  Two may say that there is none: an estimated error is infinite where the corrected edges
+    Every number is finite.  Two may say that none exists: an estimated error is infinite where the corrected edges
     overlap; `mean_pressure` is NaN (null in the file) where any would do, in complete contact under a prescribed
     separation, and where the state asked for does not exist.  `total_displacement` is None there on a compressible
     layer.  `events` is the number of events up to this state; None in results that did not store it.  The status is

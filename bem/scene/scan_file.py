@@ -104,7 +104,7 @@ def read_scan(path: Path) -> Scan:
 
 
 def _rows(lines: list[str]) -> tuple[list[tuple[float, float]], list[str]]:
-    """Samples, and what is wrong with the lines that are none."""
+    """The samples, and what is wrong with the lines that hold none."""
     rows: list[tuple[float, float]] = []
     ragged: list[str] = []
     invalid: list[str] = []

@@ -193,7 +193,7 @@ class Scene:
         return surface_of(self.profile.model_dump(), self.scan)
 
     def physics(self) -> dict[str, Any]:
-        """The tables that say what is in contact, those absent left out; other codes ask whether they know them all."""
+        """The tables that say what is in contact, those absent left out; other codes check that they provide all."""
         tables = {name: getattr(self, name) for name in TABLES if name not in QUESTIONS}
         return {name: table for name, table in tables.items() if table is not None}
 
@@ -203,7 +203,7 @@ class Scene:
         return asked if isinstance(asked, bool) else found(target, asked) is not None
 
     def resolved(self) -> dict[str, Any]:
-        """Everything as plain values, defaults included; a file is told by its name and digest."""
+        """Everything as plain values, defaults included; a file is given by its name and digest."""
         content: dict[str, Any] = {"title": self.title}
         for name in TABLES:
             table = getattr(self, name)

@@ -142,7 +142,7 @@ def test_closed_form_sees_a_wrong_penetration():
 
 
 @pytest.mark.parametrize(
-    ("wanted", "told"),
+    ("wanted", "reported"),
     [
         (Reached(least=1e-3), "contact fraction 0.001 not reached from above"),
         (Reached(largest=0.9), "contact fraction 0.9 not reached from below"),
@@ -151,8 +151,8 @@ def test_closed_form_sees_a_wrong_penetration():
     ],
     ids=["least", "largest", "gap", "patch"],
 )
-def test_a_case_less_hard_than_intended_is_found(wanted, told):
-    assert missed(wanted, small_result(), parse_scene(SMALL)) == [told]
+def test_a_case_less_hard_than_intended_is_found(wanted, reported):
+    assert missed(wanted, small_result(), parse_scene(SMALL)) == [reported]
 
 
 def test_a_case_as_hard_as_intended_is_not():

@@ -152,8 +152,8 @@ def test_study_writes_and_prints_its_table(tmp_path, capsys):
 def test_run_that_fails_is_a_line_with_its_message(tmp_path, capsys, kind, message):
     tasks = (Task(1, 100, 0.05), Task(0, 100, 0.05), Task(0, 100, 0.0125))
     assert study(tmp_path, getattr(examples, kind), tasks) == 1
-    told = capsys.readouterr().out
-    assert "NOT MET: every load reached: seed 1, 100: " + message in told
+    reported = capsys.readouterr().out
+    assert "NOT MET: every load reached: seed 1, 100: " + message in reported
     stored = json.loads((tmp_path / "cost.json").read_text())
     assert [run["status"][:5] for run in stored["runs"]] == [message[:5], "conve", "conve"]
 
@@ -163,9 +163,9 @@ def test_breakdown_is_told_and_stored(here, tmp_path, capsys):
     assert study(tmp_path, examples.converge, tasks, examples.apart) == 0
     stored = json.loads((tmp_path / "cost.json").read_text())
     assert stored["stage_exponents"]["factorisation"] == pytest.approx(3.0, rel=1e-9)
-    told = capsys.readouterr().out
-    assert "200 harmonics, 9.0 s: factorisation 89 %, gap search 11 %" in told
-    assert "seconds of one evaluation grow as patches^2.00 (200 harmonics)" in told
+    reported = capsys.readouterr().out
+    assert "200 harmonics, 9.0 s: factorisation 89 %, gap search 11 %" in reported
+    assert "seconds of one evaluation grow as patches^2.00 (200 harmonics)" in reported
     assert {path.name for path in tmp_path.glob("*.svg")} == {
         "cost-harmonics.svg",
         "cost-patches.svg",

@@ -107,10 +107,10 @@ def cluster(tmp_path):
 @needs_dask
 @pytest.mark.filterwarnings(r"ignore:\s*Mismatched versions found:Warning")
 def test_member_of_a_killed_worker_is_neither_lost_nor_counted_twice(cluster, tmp_path):
-    planned, folder, told = members(6, harmonics=16), tmp_path / "members", []
+    planned, folder, reported = members(6, harmonics=16), tmp_path / "members", []
 
     def killing(note):
-        told.append(note.text)
+        reported.append(note.text)
         if note.text.startswith("[1/6]"):
             cluster.workers[0].send_signal(signal.SIGKILL)
 
@@ -120,7 +120,7 @@ def test_member_of_a_killed_worker_is_neither_lost_nor_counted_twice(cluster, tm
     assert cluster.workers[0].wait(10) == -signal.SIGKILL
     assert (sorted(outcome.computed), outcome.failed) == ([member.name for member in planned], {})
     assert sorted(path.parent.name for path in folder.glob(f"*/{RESULT_FILE}")) == [member.name for member in planned]
-    assert [line.split("]")[0] for line in told if line.startswith("[")] == [f"[{k}/6" for k in range(1, 7)]
+    assert [line.split("]")[0] for line in reported if line.startswith("[")] == [f"[{k}/6" for k in range(1, 7)]
     assert all(read_member(member, folder).status == "converged" for member in planned)
 
 

@@ -264,8 +264,8 @@ HAPPENED = {
 @pytest.mark.parametrize("kind", ["increment", "scale", "shift", "mirror"])
 def test_other_events_are_found(kind, wrong, asked_again):
     made, other = asked_again("separation", kind)
-    told = copies.compared(made, *solved("separation"), HAPPENED[wrong](other))
-    assert kinds(told) == {"events at a smaller increment" if kind == "increment" else kind}
+    reported = copies.compared(made, *solved("separation"), HAPPENED[wrong](other))
+    assert kinds(reported) == {"events at a smaller increment" if kind == "increment" else kind}
 
 
 @pytest.mark.parametrize("kind", ["scale", "shift", "mirror"])

@@ -1,4 +1,4 @@
-"""Theory correction: the fit finds what made its data, the hold-out stays out, the judge measures, the page tells."""
+"""Theory correction: the fit finds what made its data, the hold-out stays out, the judge measures, the page reports."""
 
 import json
 from dataclasses import replace

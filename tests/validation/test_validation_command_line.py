@@ -1,4 +1,4 @@
-"""The command line: exit codes, what stdout and stderr say, bad input told before anything is run."""
+"""The command line: exit codes, what stdout and stderr say, bad input reported before anything is run."""
 
 import json
 import os
@@ -54,11 +54,11 @@ def report_of(out):
 def test_run_that_agrees_ends_with_0_and_one_line(cases, tmp_path, capsys):
     cases(fine="agree")
     assert run(tmp_path / "out") == 0
-    told = capsys.readouterr()
-    assert told.out.count("\n") == 1
-    assert told.out.startswith("1 cases: 1 agrees; ")
-    assert str(tmp_path / "out" / "report.html") in told.out
-    assert "[1/1] fine" in told.err
+    reported = capsys.readouterr()
+    assert reported.out.count("\n") == 1
+    assert reported.out.startswith("1 cases: 1 agrees; ")
+    assert str(tmp_path / "out" / "report.html") in reported.out
+    assert "[1/1] fine" in reported.err
 
 
 def test_run_writes_report_and_page(cases, tmp_path):
@@ -152,7 +152,7 @@ def exit_code(words):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["cost", "--peers"], "study cost has none"),
+        (["cost", "--peers"], "study cost has no peers"),
         (["work-precision", "--peers"], "not installed: pip install"),
         (["work-precision", "--executor", "dask://host:1"], "runs here alone"),
         (["cost", "--jobs", "2"], "study cost does not take it"),
@@ -258,7 +258,8 @@ def test_baseline_that_no_case_owns_fails_the_check(stored, capsys):
 
 
 @pytest.mark.parametrize(
-    ("case", "reason", "message"), [("other", "why", "case 'other': none of fine"), ("fine", " ", "--reason")]
+    ("case", "reason", "message"),
+    [("other", "why", "case 'other' is not in the report: fine"), ("fine", " ", "--reason")],
 )
 def test_update_of_nothing_or_for_nothing_is_refused(stored, capsys, case, reason, message):
     assert update(stored, case, reason) == 2
@@ -313,8 +314,8 @@ def test_interrupt_ends_with_130_and_keeps_what_was_finished(tmp_path):
             break
     time.sleep(1.0)  # one worker waits for work, the other is at it
     os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C in a terminal: parent and workers
-    _, told = process.communicate(timeout=30)
+    _, reported = process.communicate(timeout=30)
     assert process.returncode == 130
-    assert "interrupted" in told
-    assert "Traceback" not in told
+    assert "interrupted" in reported
+    assert "Traceback" not in reported
     assert sorted(path.name for path in (out / "cases").iterdir()) == ["first.json"]

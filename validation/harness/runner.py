@@ -2,7 +2,7 @@
 
 Each case is one task on one BLAS thread; those that took longest when they ran before start first.  The worker writes
 the record to OUT/cases/ID.json under a temporary name and renames it, with a key over the case, all sources and the
-versions of what they run on: a run that was interrupted at any moment goes on, and a record that other code made is
+versions of what they run on: a run that was interrupted at any moment continues, and a record that other code made is
 computed again.  A case that crashes is a record with its message (traceback in OUT/cases/ID.log), never a missing one;
 planned and reported cases are counted and compared.
 """
@@ -104,7 +104,7 @@ def _computed(
     seconds: Mapping[str, float],
     opener: Opener,
 ) -> Iterable[CaseRecord]:
-    """Records as they are finished, told with what is done and what is left."""
+    """Records as they are finished; what is done and what is left is reported."""
     if not cases:
         return
     local = opener is local_processes
@@ -133,9 +133,9 @@ def _computed(
                 elif isinstance(record, Solved):
                     record = _kept(record, event.item, store, code)
                 left.discard(record.id)
-                told = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
+                ending = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
                 done = f"[{planned - len(left)}/{planned}]"
-                report(Note(f"{done} {record.id}: {told}; {_clock(begun, left, seconds, workers)}"))
+                report(Note(f"{done} {record.id}: {ending}; {_clock(begun, left, seconds, workers)}"))
                 yield record
 
 

@@ -70,7 +70,7 @@ class Realisation:
         raise LookupError(f"{self.name}: the load {load:g} E* is never met")
 
     def field(self, name: str, load: float) -> NDArray[Any]:
-        """A field of the state at this load; LookupError when there is none."""
+        """A field of the state at this load; LookupError when it is not there."""
         k = self.index_of(load)
         if k is None:
             raise LookupError(f"{self.name}: no state at {load:g} E*")

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure as Canvas
 from validation.harness.runner import write_atomically
 from validation.harness.schema import Figure, Panel, Series
 
-COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # told apart by colour-blind readers
+COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # distinguished by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")
 MOST_INSIDE = 7  # series in a legend within the axes; more are listed below them
 SETTINGS: Any = {

@@ -1,9 +1,9 @@
-"""Answers of the tasks of a study, each kept on disk as soon as it is there, so that an interrupted study goes on.
+"""Answers of the tasks of a study, each kept on disk as soon as it is there, so that an interrupted study continues.
 
 A task is a name and whatever else decides its answer; its answer lies in OUT/answers/NAME-DIGEST.json, written under a
 temporary name and renamed, with the key of the sources and of the versions they run on, and a SHA-256 of its own.
 The digest in the name is that of the task, so that short and full forms lie side by side.  An answer of other sources
-counts as missing; a damaged file is told, and computed again.  Exceptions are no answers: what failed is tried again.
+counts as missing; a damaged file is reported, and computed again.  Exceptions are not kept: what failed is tried again.
 Answers are plain data classes, or lists of them; every float comes back bit by bit, nan and infinity too.
 """
 

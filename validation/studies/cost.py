@@ -347,7 +347,7 @@ def _change(coarse: Sequence[float], fine: Sequence[float], asked: int) -> float
 
 
 def _worst(values: Iterable[float]) -> float:
-    """The largest; nan when there is none or one is no number."""
+    """The largest; nan when the values are empty or one is not a number."""
     known = list(values)
     return math.nan if not known or any(math.isnan(value) for value in known) else max(known)
 

@@ -38,7 +38,7 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.adhesive.equilibrium", "correct", "Newton, rest"),
     ("bem.nonadhesive.nonadhesive", "solve_contact", "Newton, rest"),
     ("bem.nonadhesive.grid_contact", "GridProblem.patches", "start on a grid"),
-    ("bem.adhesive.events", "settle", "events, rest"),
+    ("bem.adhesive.events", "relax", "events, rest"),
     ("bem.continuation.limit_points", "locate_limit_point", "events, rest"),
     ("bem.continuation.departure", "departure", "events, rest"),
     ("bem.continuation.limit_points", "at_rest", "events, rest"),

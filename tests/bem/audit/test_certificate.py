@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bem.audit import certificate, displacement
+from bem.audit import certificate, displacement, gap_depths
 from bem.audit.certificate import AdhesiveEdges, Demands, certify
 from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.audit.displacement import DisplacementField, GapPoints
@@ -274,7 +274,7 @@ def test_too_few_nodes_are_seen_in_truncation_and_residual(adhesive):
 
 def test_a_gap_that_is_not_resolved_is_not_ok(monkeypatch):
     state = STATES["westergaard, narrow"]()
-    monkeypatch.setattr(certificate, "MAX_GAP_SAMPLES", 1)
+    monkeypatch.setattr(gap_depths, "MAX_GAP_SAMPLES", 1)
     assert "displacement not resolved in the gap behind patch 0" in state.certify().reasons
 
 
@@ -366,12 +366,13 @@ def test_patches_that_are_none_are_refused(adhesive, left, right):
         adhesive.certify(pressure)
 
 
-@pytest.mark.parametrize("module", [certificate, displacement], ids=["certificate", "displacement"])
+@pytest.mark.parametrize("module", [certificate, displacement, gap_depths], ids=["certificate", "displacement", "gaps"])
 def test_the_certificate_shares_no_code_with_the_solver(module):
     tree = ast.parse(Path(module.__file__).read_text())
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     assert {name for name in imported if name.startswith("bem")} <= {
         "bem.audit.displacement",
+        "bem.audit.gap_depths",
         "bem.geometry.patches",
         "bem.geometry.profile",
     }

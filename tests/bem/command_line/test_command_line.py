@@ -268,7 +268,7 @@ def test_corrupt_result_is_refused_and_kept(scene, tmp_path, solver, capsys):
 
 
 def test_resume_of_an_earlier_version_is_refused(scene, tmp_path, solver, capsys):
-    """It cannot be told which events came before the last target."""
+    """It cannot be reported which events came before the last target."""
     solver(stop_at=2)
     run(scene, tmp_path / "out")
     stored = read_result(tmp_path / "out")

@@ -143,6 +143,6 @@ def test_a_coarse_equilibrium_is_improved_with_its_error():
     here = resting(system, [2 * np.pi], 1.0, 0.5)
     better, exact, error = at_rest(system, here, 0.5, (1e-5, 1e-8))
     finest = at_rest(system, here, 0.5, (1e-8, 1e-12))[1]
-    assert better.closure <= 1e-7
+    assert better.residual <= 1e-7
     assert abs(exact.potential - finest.potential) <= 3 * error.potential + 1e-13
     assert abs(exact.load - finest.load) <= 3 * error.load + 1e-12

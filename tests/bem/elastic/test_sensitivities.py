@@ -36,7 +36,7 @@ def rough():
 
 def difference(state, edge, quantity):
     """Fourth-order central difference of a quantity by the outward motion of an edge, sizes held fixed."""
-    step = 2e-4 * state.patches.edge_room[edge]
+    step = 2e-4 * state.patches.edge_scale[edge]
 
     def at(amount):
         moved = state.patches.moved(amount * np.eye(2 * state.patches.count)[edge])

@@ -88,7 +88,7 @@ def test_any_finite_number_comes_back_exactly(value, tmp_path_factory):
 
 
 def test_json_has_no_nan_and_no_infinity(tmp_path):
-    """What is open in complete contact, and an error that cannot be told, are null."""
+    """What is open in complete contact, and an error that cannot be reported, are null."""
     unknown = ErrorEstimate(mean_pressure=math.inf)
     state = replace(STATE, mean_pressure=math.nan, status="complete_contact", error_estimate=unknown)
     write_result(replace(RESULT, states=(state,)), tmp_path)

@@ -1,4 +1,4 @@
-"""The scene contract: what is accepted, what it resolves to, and that every mistake is told."""
+"""The scene contract: what is accepted, what it resolves to, and that every mistake is reported."""
 
 import copy
 import math

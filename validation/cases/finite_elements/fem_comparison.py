@@ -73,7 +73,7 @@ class Comparison:
     Parameters
     ----------
     label : str
-        What tells the scene from the others of its case.
+        What distinguishes the scene from the others of its case.
     differences : tuple of Difference
         Empty when one of the codes has no state; `failure` then says why.
     fem : Result or None

@@ -32,7 +32,7 @@ STEP, LARGEST, STEPS = 0.2, 0.05, 5000  # of l: times the force over w, and at m
 NEWTON_STEPS, AT_REST, GONE = 4, 1e-4, 1e-3
 
 
-def settled(edges: FloatArray, depth: float) -> FloatArray:
+def relaxed(edges: FloatArray, depth: float) -> FloatArray:
     """Edges in m, (n, 2), at rest at a penetration in m, from the given ones."""
     profile = bem.Profile.from_harmonics(PERIOD, ORDERS, AMPLITUDES, PHASES)
     widths = edges[:, 1] - edges[:, 0]
@@ -43,8 +43,8 @@ def settled(edges: FloatArray, depth: float) -> FloatArray:
             break
         gap = np.append(edges[1:, 0], edges[0, 0] + PERIOD) - edges[:, 1]
         beside = np.stack([np.roll(gap, 1), gap], axis=1)
-        room = np.minimum(beside, (edges[:, 1] - edges[:, 0])[:, None])
-        edges = edges - np.clip(STEP * force, -LARGEST, LARGEST) * room
+        scale = np.minimum(beside, (edges[:, 1] - edges[:, 0])[:, None])
+        edges = edges - np.clip(STEP * force, -LARGEST, LARGEST) * scale
         stays = edges[:, 1] - edges[:, 0] > GONE * widths
         edges, widths = edges[stays], widths[stays]
     for _ in range(NEWTON_STEPS):
@@ -70,7 +70,7 @@ def _standing() -> Outcome:
     last = result.targets[-1]
     before = next(s for s in reversed(result.states) if s.branch == "unloading" and s.n_patches > last.n_patches)
     event = next(e for e in result.events if e.kind == "detachment")
-    rest = settled(settled(np.array(before.edges), event.penetration - PAST), BETWEEN)
+    rest = relaxed(relaxed(np.array(before.edges), event.penetration - PAST), BETWEEN)
     flow = Reference(kind="self", source="overdamped motion of the edges in small steps, from the state before")
     rows = (
         counted("patches before and after one of a pair has detached", flow, [5.0, float(len(rest))],

@@ -246,7 +246,7 @@ CASES = (
         sources=("carbone2009", "peskir2002"), compute=_routes, effects=("adhesion",), scene=SCENES
     ),
     Case(id="theory-convergence", group="theory", level="quick",
-         question="Does the area of the theory with adhesion settle when every step is halved?",
+         question="Does the area of the theory with adhesion converge when every step is halved?",
          equations=EQUATIONS,
          sources=("carbone2009",), compute=_convergence, effects=("adhesion",), scene=SCENES),
     Case(id="theory-load-balance", group="theory", level="quick",

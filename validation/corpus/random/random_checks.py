@@ -163,8 +163,8 @@ def targets(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
         if abs(value - goal) <= TARGET * unit + 8 * EPS * abs(goal):
             met += 1
             if loading.control == "separation" and goal == 0 and state.status != "complete_contact":
-                told = f"{state.status}, contact fraction {state.contact_fraction:.9g}"
-                yield Finding("targets", f"separation 0 is complete contact, not {told}")
+                reported = f"{state.status}, contact fraction {state.contact_fraction:.9g}"
+                yield Finding("targets", f"separation 0 is complete contact, not {reported}")
         elif any(abs(state.mean_pressure - p) <= TARGET * max(units.pressure, abs(p)) + digit for p in asked):
             if result.status == "converged" and state.mean_pressure == result.states[-1].mean_pressure and stop:
                 close = TARGET * max(units.pressure, stop) + digit
@@ -243,9 +243,9 @@ def identities(result: Result, units: Units) -> Iterator[Finding]:
             "edges": float((state.status == "converged") != bool(len(edges))),
             "elastic energy below 0": float(state.elastic_energy < -IDENTITY * energy),
         }
-        told = [f"{name} ({value:.1e})" for name, value in wrong.items() if value > IDENTITY]
-        if told:
-            yield Finding("identity", f"{', '.join(told)} of state {k} ({state.status})")
+        reported = [f"{name} ({value:.1e})" for name, value in wrong.items() if value > IDENTITY]
+        if reported:
+            yield Finding("identity", f"{', '.join(reported)} of state {k} ({state.status})")
 
 
 def released(result: Result, units: Units) -> Iterator[Finding]:
@@ -289,8 +289,8 @@ def energy_balance(scene: Scene, result: Result, units: Units, tolerance: float 
         safety = AT_EVENTS if part.events else SAFETY
         if not abs(part.missing) <= safety * part.quadrature + tolerance * part.energies + EPS * units.energy:
             share, bar = part.missing / part.energies, part.quadrature / part.energies
-            told = f"{share:.1e} of the energies missing before state {part.state}, quadrature {bar:.1e}"
-            yield Finding("energy balance", f"{told}, {part.events} events")
+            reported = f"{share:.1e} of the energies missing before state {part.state}, quadrature {bar:.1e}"
+            yield Finding("energy balance", f"{reported}, {part.events} events")
 
 
 def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:

@@ -212,14 +212,14 @@ def _differing(
     ours = ours if made.last is None else ours[len(ours) - made.last :]
     findings = []
     for k, (one, two) in enumerate(zip(ours, theirs, strict=True)):
-        told = min((list(_differences(way, units, one, two)) for way in ways), key=len)
-        if told:
-            findings.append(Finding(made.kind, f"target {k}: {', '.join(told)}"))
+        wrong = min((list(_differences(way, units, one, two)) for way in ways), key=len)
+        if wrong:
+            findings.append(Finding(made.kind, f"target {k}: {', '.join(wrong)}"))
     if made.last is None:
         near = nearness or (OTHER_INCREMENT if made.kind == "increment" else SAME_PATH)
         kind: Kind = "events at a smaller increment" if made.kind == "increment" else made.kind
-        told = list(_other_events(ways, units, result.events, other.events, near))
-        findings += [Finding(kind, f"events: {', '.join(told)}")] if told else []
+        wrong = list(_other_events(ways, units, result.events, other.events, near))
+        findings += [Finding(kind, f"events: {', '.join(wrong)}")] if wrong else []
     return findings
 
 

@@ -2,7 +2,7 @@
 
 Every scene that has an answer is solved once more at a third of its increment and once as a copy (scaled, shifted,
 mirrored or restarted: by its number, so that a fourth of the scenes are asked each way), and the stored states at its
-targets are settled by dense algebra (references/dense_equilibrium.py), whose distance from them their error estimates
+targets are solved by dense algebra (references/dense_equilibrium.py), whose distance from them their error estimates
 must bound.  Scenes taken to an extreme are judged by their own result alone: an answer or a refusal by name.
 """
 
@@ -31,13 +31,13 @@ from validation.corpus.random.random_copies import COPIES, ROUNDINGS, STATE, com
 from validation.corpus.random.random_scenes import Drawn, draw
 from validation.references.dense_equilibrium import NoReferenceError, reference
 
-MOST_DENSE = 3  # states of a scene that are settled by dense algebra: the first, the last and one between
-MOST_WORK = 2e7  # nodes squared times terms of the layer, below 1 s: states that need more are not settled
+MOST_DENSE = 3  # states of a scene that are solved by dense algebra: the first, the last and one between
+MOST_WORK = 2e7  # nodes squared times terms of the layer, below 1 s: states that need more are not
 
 
 @dataclass(frozen=True)
 class RandomCase:
-    """A random scene as a case of the stability study; its name tells seed and index."""
+    """A random scene as a case of the stability study; its name holds seed and index."""
 
     seed: int
     index: int
@@ -153,9 +153,9 @@ def dense_route(scene: Scene, result: Result) -> Iterator[Finding]:
         except (NoReferenceError, np.linalg.LinAlgError, ValueError) as error:
             yield Finding("dense route", f"{type(error).__name__}: {error}, at {scene.loading.control} {goal:g}")
             continue
-        told = list(_missed(units, state, known))
-        if told:
-            yield Finding("dense route", f"{', '.join(told)} at {scene.loading.control} {goal:g}")
+        wrong = list(_missed(units, state, known))
+        if wrong:
+            yield Finding("dense route", f"{', '.join(wrong)} at {scene.loading.control} {goal:g}")
 
 
 def _dense_work(scene: Scene, state: State) -> float:

@@ -11,7 +11,7 @@ and counts its errors; in everyday use the baseline of that case pins the count.
 By how much: error over what is allowed, of a band the distance from its middle over half its width.  A fault with a
 size is made smaller in decades until no case sees it, starting where the measured excess predicts, with the cases
 that saw it best.  A red control, or a fault that its case does not notice, fails the study; a fault that does not fit
-the sources is refused before anything runs.  Finished answers are kept (answers.py): an interrupted study goes on.
+the sources is refused before anything runs.  Finished answers are kept (answers.py): an interrupted study continues.
 """
 
 from __future__ import annotations
@@ -119,8 +119,10 @@ def run(folder: Path, quick: bool, report: Callable[[Note], None], studied: Stud
         print(f"NOT MET: {line}")
     caught = sum(finding.caught for finding in findings)
     by_name = sum(finding.noticed for finding in findings) - caught
-    told = f"{caught} of {len(faults)} faults caught by {len(control.records)} cases, {by_name} more noticed by name"
-    print(f"{told}; {folder / FILE}")
+    reported = (
+        f"{caught} of {len(faults)} faults caught by {len(control.records)} cases, {by_name} more noticed by name"
+    )
+    print(f"{reported}; {folder / FILE}")
     return 1 if failures or len(findings) != len(faults) else 0
 
 

@@ -1,7 +1,7 @@
 """A better estimate of the contact area: the theory's correction calibrated, judged on a hold-out, and put on a page.
 
 1. Boundary-element ensembles (members.py), stored realisation by realisation on any executor; a
-   second run goes on where the first ended.
+   second run continues where the first ended.
 2. Calibration on the fit part (fit.py): calibration.json, which copied to persson/ becomes the
    calibrated correction of the package.
 3. Judgement on the hold-out (judge.py) by that calibration: area, separation and distribution of the
