@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Literal
 
-from bem.scene.effects import elastic_effects
+from bem.scene.elastic_tables import elastic_effects
 from bem.scene.scene import Scene
 
 

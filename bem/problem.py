@@ -1,7 +1,7 @@
 """From a scene (SI) to the dimensionless problem that its effects define, and the increments of its path.
 
 Only the modules of effects that the scene names are imported: adhesion.py with [adhesion], compliance.py with the
-tables that change the compliance (effects.py).
+tables that change the compliance (elastic_tables.py).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from bem.geometry.scaling import Scales, Solid
 from bem.loading.control import Control, DisplacementControl, LoadControl
 from bem.loading.increments import COARSE, Accuracy, Increments
 from bem.loading.interface_law import InterfaceLaw
-from bem.scene.effects import elastic_effects, negligible
+from bem.scene.elastic_tables import elastic_effects, negligible
 from bem.scene.scene import Scene
 
 FloatArray = NDArray[np.float64]

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -40,6 +40,7 @@ from bem.record import AnyPoint, Record, Recorder
 from bem.scene.result import NotFiniteError, Progress, Result, State
 from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
+from bem.scene_objects import Described, Tables, scene_of
 from bem.states import flat_state
 
 TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
@@ -57,16 +58,18 @@ class Goal:
 
 
 def solve(
-    scene: Scene,
+    scene: Described = None,
     progress: Callable[[Progress], None] | None = None,
     on_state: Callable[[Result], None] | None = None,
     resume: Result | None = None,
+    **tables: Unpack[Tables],
 ) -> Result:
     """Solve a scene.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or mapping, optional
+        Checked, as a file, or as its tables; SceneError lists its mistakes.
     progress : callable, optional
         Called after every accepted increment.
     on_state : callable, optional
@@ -74,6 +77,8 @@ def solve(
     resume : Result, optional
         An interrupted result of the same scene: its states are kept up to the last target, and the path continues
         from there.
+    **tables
+        `profile`, `solid`, `loading`, `layer`, ...: objects or mappings, where no scene is given.
 
     Returns
     -------
@@ -81,6 +86,7 @@ def solve(
         Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt); states before
         a failure are kept.  `not_converged` also where a state is not certified.
     """
+    scene = scene_of(scene, tables)
     surface = scene.surface()
     if surface.is_flat:
         return _solve_flat(scene, surface)

@@ -20,6 +20,7 @@ from bem.compiled.kernels import mirrored
 from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
+from bem.geometry.ranges import check
 from bem.geometry.scaling import Scales
 
 FloatArray = NDArray[np.float64]
@@ -45,8 +46,7 @@ class Adhesion:
     slope_term: bool = False
 
     def __post_init__(self) -> None:
-        if not (self.work_of_adhesion > 0 and np.isfinite(self.work_of_adhesion)):
-            raise ValueError(f"work_of_adhesion: {self.work_of_adhesion} must be finite and > 0 (J/m^2)")
+        check(adhesion__work_of_adhesion=self.work_of_adhesion)
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,7 @@ NEWTON_STEPS = 8
 LARGEST_NEWTON_STEP = 0.3  # of the edge scale
 SHORT_NEWTON_STEP = 1e-3  # the same
 ENERGY_TRUNCATION = 3e-3  # relative error of the energy over the square of the tolerance of the evaluation
-LAYER_TRUNCATION = 5e-3  # the same over the tolerance itself, where a layer adds to the kernel; measured 5e-3
+KERNEL_TRUNCATION = 5e-3  # the same over the tolerance itself, where an effect adds to the kernel; measured on layers
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,8 +98,8 @@ class Balance:
         return bool(np.all(np.abs(self.gradient / self.work) <= np.maximum(limit, rounding)))
 
     @property
-    def opening(self) -> bool:
-        """Whether K > 0 at every edge."""
+    def all_tensile(self) -> bool:
+        """Whether K > 0 at every edge, as at the tip of a crack."""
         return bool(np.all(self.state.stress_intensity > 0))
 
     @property
@@ -193,7 +193,7 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
 
 def energy_noise(system: System, first: Balance, last: Balance, tolerance: float) -> float:
     """Error of the difference in elastic energy of two states evaluated to `tolerance`, dimensionless."""
-    share = ENERGY_TRUNCATION * tolerance**2 if system.elastic.kernel is None else LAYER_TRUNCATION * tolerance
+    share = ENERGY_TRUNCATION * tolerance**2 if system.elastic.kernel is None else KERNEL_TRUNCATION * tolerance
     return share * (first.state.elastic_energy + last.state.elastic_energy)
 
 
@@ -213,7 +213,8 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
     """Newton iteration on K = 2 sqrt(w) from edges close to an equilibrium.
 
     K is closer to a linear function of the edges than G = K^2/4, above all where w is small and K changes sign on
-    the way.  Steps must shrink by half each time and stay below 0.3 of the edge scale, the end must have K > 0,
+    the way.  Steps must halve each time, until the residual is within a hundredfold of its limit, and stay below 0.3 of
+    the edge scale, the end must have K > 0,
     and once all K > 0 the Hessian must be positive definite; anything else ends the iteration with its reason.
     The Hessian is diag(K/2) times the Jacobian that Newton inverts (exactly so at equilibrium, or where w is uniform):
     an indefinite one lies beyond a fold.  Short steps keep the resolution: K of one number of modes and of the next
@@ -226,7 +227,7 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
         if here is None:
             return Corrected("ill_conditioned", None, count)
         scale = patches.edge_scale
-        if here.opening:
+        if here.all_tensile:
             try:
                 cho_factor(here.hessian_by_edge_scale, check_finite=False)
             except LinAlgError:

@@ -1,10 +1,10 @@
 """What happens where a branch ends: new contacts, coalescence, detachment, and the jump to the nearest minimum.
 
-An event is resolved at fixed target, first where it happens and then everywhere: the patches concerned and four
-neighbours each side move in the frozen field of all others (small trust-region steps, cheap evaluations), then all
-edges descend together.  A crest that touches ahead of a moving edge is a new contact at once (touching.py),
-interpenetration elsewhere is one in the equilibrium, and the loop continues until none is left.  The energy that the
-avalanche releases is the difference of the potential.  Dimensionless.
+An event is resolved first where it happens and then everywhere: of more than 18 patches, those concerned and four
+neighbours each side move at fixed penetration in the frozen field of all others (small trust-region steps, cheap
+evaluations); then all edges descend together at fixed target.  A crest that touches ahead of a moving edge is a new
+contact at once (touching.py), interpenetration elsewhere is one in the equilibrium, and the loop continues until none
+is left.  The energy that the avalanche releases is the difference of the potential.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.adhesive.descent import DescentStatus, Steps, descend, pull_off_half_width
+from bem.adhesive.descent import DescentStatus, Steps, descend
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.touching import CrestsAhead
+from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Evaluation, Resolution, resolve
 from bem.elastic.gap import GapMinima, gap_field, low_minima
 from bem.elastic.logarithmic_potential import LogarithmicPotential
@@ -182,7 +183,7 @@ def _nearest(patches: Patches, position: float) -> int:
 def _relaxed_locally(
     system: System, patches: Patches, state: Evaluation, target: float, accuracy: Accuracy, active: IntArray
 ) -> tuple[Patches, list[tuple[str, float]], int]:
-    """Descend near the active patches in the frozen field of the others, touch by touch.
+    """Descend near the active patches at fixed penetration, in the frozen field of the others, touch by touch.
 
     Returns
     -------

@@ -44,7 +44,7 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
 
 
 def _shift(values: FloatArray, force: FloatArray, radius: float) -> float:
-    """The shift of the eigenvalues above the most negative one at which the step is as long as the radius.
+    """The shift of all eigenvalues, >= max(0, -the smallest), at which the step is as long as the radius.
 
     The length falls as the shift grows, and its inverse is nearly linear: Newton on that, within bounds that close in.
     Where every step is shorter (the hard case) the bounds close in on the most negative eigenvalue.

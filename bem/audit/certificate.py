@@ -33,7 +33,7 @@ IntArray = NDArray[np.int64]
 SMALLEST_VARIATION = 1e-5  # rms heights; rounding of u (5e-14, measured with 155 patches) over 1e-8, margin 2
 SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
 RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
-ROUNDING = 5e-13  # rms heights; of the displacement on a patch, over the largest charge where that exceeds 1
+ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
 ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
 
 
@@ -46,13 +46,13 @@ class Demands:
     closure : float
         max|G/w - 1|, or without adhesion max|K| over that of a flat punch with the load of the patch.
     interpenetration : float
-        Largest depth, in rms heights.
+        Largest depth, in rms heights; states.py allows a thousandth of accuracy.tolerance where that is more.
     contact_residual : float
         max|u - (h - h_max + Delta)| on a patch, over the variation of h on that patch.
     truncation : float
         Last three coefficients of a patch over its largest.
     hessian_asymmetry : float
-        As the solver defines it.
+        max|H - H^T| over max|H|.
     mean_gap_error : float
         |mean gap - separation| in rms heights.
     """
@@ -100,8 +100,10 @@ class AdhesiveEdges:
     ----------
     work : (2 L,) array
         w at all left edges, then all right ones.
-    min_eigenvalue, hessian_asymmetry : float or None
-        Of the Hessian of the energy; a state without them is not ok.
+    min_eigenvalue : float or None
+        Of the Hessian of the potential under control, scaled; a state without it is not ok.
+    hessian_asymmetry : float or None
+        Of the Hessian of the energy at fixed penetration; a state without it is not ok.
     intensity_rounding : (2 L,) array or None
         Accuracy of K in double precision: an edge is not asked for more than three times that.
     """

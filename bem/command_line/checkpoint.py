@@ -20,7 +20,7 @@ from bem.scene.result import FINAL_STATUSES, CorruptResultError, Result, digest,
 from bem.scene.scene import Scene
 
 PAUSE = 10.0
-SECONDS_BETWEEN_INCREMENTS = 2.0  # between writes of states that are no targets
+SECONDS_BETWEEN_INCREMENTS = 2.0  # between writes of states that are not targets
 
 
 class OutputFolderError(ValueError):
@@ -28,7 +28,7 @@ class OutputFolderError(ValueError):
 
 
 def usable(folder: Path) -> None:
-    """Refuse what exists and is no folder.
+    """Refuse what exists and is not a folder.
 
     Raises
     ------

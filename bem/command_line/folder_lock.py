@@ -40,7 +40,7 @@ def locked(folder: Path) -> Iterator[bool]:
     FolderInUseError
         Another process holds it; who, where and since when.
     FileExistsError
-        It is no folder.
+        It is not a folder.
 
     Examples
     --------

@@ -23,11 +23,12 @@ from bem.continuation.opening import (
     lowest_pressure,
     opened_gap,
     opening_load,
+    opening_rounding,
 )
 from bem.continuation.path_point import BranchEnd, Equilibrium, Point
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact, closing_place
-from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, Exact, path_events
+from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
 FloatArray = NDArray[np.float64]
@@ -117,15 +118,17 @@ class BareStates:
         joined = self._fully_joined(value)
         relaxed = self._relaxed(opened_gap(system, complete, flaw, joined.load), highest, value)
         joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, fine.tolerance))
-        behind = self.jumps.behind(joined, NO_ERROR, relaxed, (("opening", flaw.center), *relaxed.changes))
+        rounding = opening_rounding(system, flaw, fine.tolerance)
+        error = replace(NO_ERROR, value=system.control.load_weight * rounding, load=rounding)
+        behind = self.jumps.behind(joined, error, relaxed, (("opening", flaw.center), *relaxed.changes))
         return behind or Failed(value, "not_converged")
 
-    def _fully_joined(self, value: float) -> Exact:
+    def _fully_joined(self, value: float) -> EventNumbers:
         """Complete contact at a value of the control; the tension under which the last gap closes has no bound."""
         control, highest = self.system.control, self.system.elastic.profile.max_height
         value = value if control.load_weight else highest
         potential = complete_potential(self.system, self.complete, value)
-        return Exact(value, highest, control.load(highest, value), potential)
+        return EventNumbers(value, highest, control.load(highest, value), potential)
 
     def _relaxed(self, start: Patches, penetration: float, value: float) -> Relaxed:
         """Where the forces lead from edges that touch or open."""

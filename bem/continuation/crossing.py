@@ -33,6 +33,7 @@ SECANT_STEPS = 30
 NEWTON_STEPS = 6
 LOAD_ACCURACY = 1e-11
 STIFF = 100.0  # times the accuracy: what one digit of the control changes in the load of a narrow gap
+DIGITS = 64  # spacings of the control that Newton may still go to and fro there; measured 26
 COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
 REFINEMENTS, REFINEMENT = 3, 16  # finer paths where Newton does not reach the load, and how much finer each is
 REFINED_TOLERANCE, REFINED_RESIDUAL = 1e-6, 1e-7  # of evaluations in finer increments
@@ -225,7 +226,7 @@ def _newton(
 
     Points are as accurate as between targets: a finer root next to one of them may lie beyond it.
     """
-    nearest = None
+    nearest, least = None, STIFF * accuracy
     for _ in range(NEWTON_STEPS):
         found = path.refined_at(point, value) if ends[0] <= value <= ends[1] else None
         if found is None:
@@ -234,8 +235,8 @@ def _newton(
         miss = abs(found.state.load - load) / max(abs(load), 1e-3)
         if miss <= accuracy:
             return found
-        if miss <= STIFF * accuracy and abs(ahead - value) <= 4 * np.spacing(abs(value)):
-            nearest = found  # in narrow gaps the control may have no number between
+        if miss <= least and abs(ahead - value) <= DIGITS * np.spacing(abs(value)):
+            nearest, least = found, miss  # in narrow gaps the control may have no number between
         value = ahead
     return nearest
 

@@ -8,8 +8,9 @@ limit point (touch_points.py, limit_points.py), from which the contact jumps (ju
 state of a branch and the first one behind the jump.  That neither depends on the increments is a property that tests
 show; where no end is located, increments shrink until the jump begins from the last good edges.
 
-A point carries all that the path needs to continue from it, the next increment among it: a path holds no state of its
-own besides counts of its work.  Dimensionless.
+A point carries what the path needs to go on from it, the next increment among it; a path holds no state of its own
+besides counts of its work.  What `advance` knows besides, a value of the control that Newton did not reach, it forgets
+at its goal.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -109,7 +110,7 @@ class Path:
         return replace(self, increments=increments)
 
     def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
-        """Sign of the motion of the control from a point to a goal, which `separation` only repeats."""
+        """Sign of the motion of the control from a point to a goal; `separation` is the goal again, not needed here."""
         return float(np.sign(goal - point.value))
 
     def advance(self, point: Point, goal: float, separation: float | None = None) -> Iterator[Point]:
@@ -153,7 +154,10 @@ class Path:
                 return
 
     def refine(self, point: Point, direction: float) -> Point:
-        """The point at the accuracy of a target; a branch that ends within the coarse accuracy is left here.
+        """The point at the accuracy of a target.
+
+        Where the fine state interpenetrates, or there is none, the branch ended within the coarse accuracy: at a touch,
+        or at a limit point.  The path then jumps from there, returns to the value, and refines what it finds.
 
         Parameters
         ----------
@@ -177,11 +181,12 @@ class Path:
         else:
             points = self._past_event(point, Attempt(), (value + direction * inc.smallest / 8, value), True)
         if not points:
-            return _with_increment(self.jumps.unlocated(point, value, found, fine=True), point.increment)
+            unlocated = self.jumps.unlocated(point, value, found, inc.smallest / 8, fine=True)
+            return _with_increment(unlocated, point.increment)
         points = [*points[:-1], _with_increment(points[-1], point.increment)]
         if points[-1].value != value and points[-1].state is not None:
             points += self.advance(points[-1], value)
-        events = [event for behind in points for event in behind.events]
+        events = [event for passed in points for event in passed.events]
         final = self.refine(points[-1], direction)
         return replace(final, events=(*events, *final.events))
 
@@ -241,7 +246,11 @@ class Path:
         return Pace(known or self.increments.largest / 4)
 
     def _trial(self, point: Equilibrium, goal: float, direction: float, pace: Pace) -> Trial | None:
-        """The increment to try: within reach of Newton, halfway to what it did not reach; None where the gaps close."""
+        """The increment to try; None where the gaps close.
+
+        As long as the pace allows and Newton reaches, but not shorter than `BRACKET` times the shortest; before a value
+        that Newton did not reach, halfway to it, down to the shortest.  The last one ends at the goal.
+        """
         closing = self.bare.closing_value
         last = self._last_increment(point, closing)
         if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
@@ -281,7 +290,7 @@ class Path:
         if points or not thorough:
             return points, shorter
         start = point if attempt.ahead is None else attempt.ahead
-        return [self.jumps.unlocated(start, trial.value, attempt.found)], shorter
+        return [self.jumps.unlocated(start, trial.value, attempt.found, trial.step)], shorter
 
     def _past_event(
         self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool
@@ -294,19 +303,20 @@ class Path:
         attempt : Attempt
             To follow the branch.
         ends : (float, float)
-            Where it was to lead, and how far the path goes.
+            Where the attempt was to lead, and how far the path goes: a fold beyond that does not end this path, and
+            the point at its end, just before the fold, is found from there.
         thorough : bool
-            Whether shorter increments are no alternative.
+            Whether shorter increments would not help.
         """
         if attempt.ahead is not None and attempt.found is not None:
             return self.jumps.from_touch(point, attempt.ahead, attempt.found)
         reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
         limit = self.jumps.limit_point(point, reach, thorough)
-        if limit is None:  # it may lie behind the point: coarse evaluations lead a little farther than the branch
+        if limit is None:
             return []
-        if direction * (limit.exact.value - ends[1]) <= 0:
+        if direction * (limit.exact.value - ends[1]) <= 0:  # also behind the point: coarse states go a little too far
             return self.jumps.from_limit(limit, reach)
-        if limit.kind == "bifurcation":
+        if limit.kind == "broken_symmetry":
             return []
         near = self.corrected(before_fold(limit, ends[1]), limit.balance.state.penetration, ends[1])
         return [] if near is None or self.interpenetrates(near) else [near]

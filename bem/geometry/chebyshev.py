@@ -114,13 +114,6 @@ def _transform(n: int) -> FloatArray:
     return matrix
 
 
-def coefficient_tail(series: FloatArray, last: int = 3) -> float:
-    """Largest of the last coefficients relative to the largest of all: an estimate of the truncation."""
-    size = np.abs(series)
-    top = size.max()
-    return float(size[-last:].max() / top) if top > 0 else 0.0
-
-
 def profile_nodes(width: FloatArray, max_order: int) -> FloatArray:
     """Nodes that resolve harmonics up to `max_order` on patches of these widths (dimensionless), (L,).
 

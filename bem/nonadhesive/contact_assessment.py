@@ -1,6 +1,6 @@
-"""Stiffness and estimated errors of a contact without adhesion (assessment.py).
+"""Stiffness and corrections of a contact without adhesion (assessment.py).
 
-The corrected edges are so close to K = 0 that the exact derivatives there do,
+The corrected edges are so close to K = 0 that the derivatives there stand for a second evaluation,
 
     d(load)/d(out) = K K_Delta / 2,   dU_el/d(out) = K^2 / 4,   d^2(load)/dDelta d(out) = K_Delta^2 / 2,
 

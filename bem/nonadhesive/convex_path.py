@@ -21,7 +21,7 @@ from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.control import Control, LoadControl
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, PathStatus, path_events
+from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, PathEvent, PathStatus, path_events
 from bem.loading.path_point import Complete, Failed, PathPoint, Separated
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.contact_assessment import assess_contact
@@ -114,11 +114,13 @@ class ConvexPath:
         return events
 
     @cached_property
-    def _joined(self) -> Exact:
+    def _joined(self) -> EventNumbers:
         """Where the last gap closes: where the pressure of complete contact is lowest, which vanishes there."""
         highest, load = self.body.max_height, self.body.complete.least_load
         value = self.control.value(highest, load)
-        return Exact(value, highest, load, self.control.potential(highest, load, self.body.complete.elastic_energy))
+        return EventNumbers(
+            value, highest, load, self.control.potential(highest, load, self.body.complete.elastic_energy)
+        )
 
     def at(self, value: float, separation: float | None = None) -> ConvexPoint:
         """The point at a value of the control, at this separation where that is what is controlled."""

@@ -142,17 +142,13 @@ def pressure_distribution(
     return _distribution(branches, levels, width, tail)
 
 
-def complete_contact_distribution(
-    pressure: Profile, mean_pressure: float, levels: FloatArray | None = None, bins: int = 400
-) -> PressureDistribution:
+def complete_contact_distribution(pressure: Profile, mean_pressure: float) -> PressureDistribution:
     """Distribution of sigma_0 + the zero-mean harmonics `pressure` of complete contact, dimensionless."""
     branches = profile_branches(pressure, mean_pressure)
-    if levels is None:
-        levels = pressure_levels(branches, bins)
-    return _distribution(branches, levels, 2 * np.pi, 0.0)
+    return _distribution(branches, pressure_levels(branches), 2 * np.pi, 0.0)
 
 
-def pressure_levels(branches: Branches, bins: int, tail_coefficient: float = 0.0) -> FloatArray:
+def pressure_levels(branches: Branches, bins: int = 400, tail_coefficient: float = 0.0) -> FloatArray:
     """Levels from the lowest to the highest pressure, (bins + 1,): sinh-spaced, finest at zero.
 
     With a tail the lowest level is -100 times the largest extremum, far into |sigma|^-3; patches without one reach

@@ -81,7 +81,7 @@ def read_scan(path: Path) -> Scan:
     Raises
     ------
     ScanFileError
-        Missing or unreadable file, ragged rows, text that is no number, NaN or infinity, fewer than three samples,
+        Missing or unreadable file, ragged rows, text that is not a number, NaN or infinity, fewer than three samples,
         positions that do not increase or are not uniform.
     """
     try:

@@ -1,5 +1,6 @@
 """Executors: opened by a text, one BLAS thread each; a real dask scheduler that loses a worker loses no member."""
 
+import argparse
 import json
 import os
 import signal
@@ -32,7 +33,9 @@ def test_unknown_executor_is_refused(spec):
 
 @pytest.mark.parametrize("words", [["run"], ["replicate"], ["study", "maps"]], ids=["run", "replicate", "maps"])
 def test_processes_of_this_machine_are_the_default(words):
-    options = command_line._parser().parse_args([*words, "--out", "here"])
+    parser = argparse.ArgumentParser()
+    command_line.add_commands(parser.add_subparsers())
+    options = parser.parse_args([*words, "--out", "here"])
     assert opener_of(options.executor) is executors.local_processes
     assert options.jobs == (None if words[0] == "study" else os.cpu_count())  # that of a study is its own
 

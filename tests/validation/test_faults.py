@@ -155,7 +155,7 @@ def test_search_ends_at_the_last_decade_that_is_seen(last, predicted):
     ("change", "reported"),
     [
         ({"before": "return y"}, "off: example_faults/sources.py holds 'return y' 0 times, exactly once is needed"),
-        ({"case": "gone"}, "off: its case is none of uses-function, uses-function-loosely, uses-method"),
+        ({"case": "gone"}, "off: its case is not one of uses-function, uses-function-loosely, uses-method"),
     ],
     ids=["text", "case"],
 )

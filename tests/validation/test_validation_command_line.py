@@ -12,6 +12,7 @@ import pytest
 
 from validation import __main__ as command_line
 from validation.__main__ import main
+from validation.command_line import front_door
 from validation.harness import baseline
 from validation.studies import cost
 
@@ -67,6 +68,14 @@ def test_run_writes_report_and_page(cases, tmp_path):
     assert (tmp_path / "report.html").exists()
     written = report_of(tmp_path)
     assert (written["planned"], [case["id"] for case in written["cases"]]) == (1, ["fine"])
+
+
+def test_verify_of_the_front_door_is_run(cases, tmp_path, capsys):
+    cases(fine="deviate")
+    assert front_door.main(["verify", "--jobs", "1", "--out", str(tmp_path)]) == 1
+    assert "FAILED fine" in capsys.readouterr().err
+    assert report_of(tmp_path)["command"].startswith("python -m validation run --level quick")
+    assert front_door.main(["report", str(tmp_path)]) == 1
 
 
 @pytest.mark.parametrize("fact", ["commit", "blas", "date", "seconds", "sources_sha256", "jobs"])
@@ -127,7 +136,7 @@ def test_same_command_does_not_compute_again(examples, monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--only", "other"], "matches none of: fine, bad"),
+        (["--only", "other"], "matches no case of: fine, bad"),
         (["--level", "now"], "quick, standard, full"),
         (["--executor", "cluster"], "neither 'local' nor 'dask://host:port'"),
         (["--jobs", "0"], "an integer >= 1"),
@@ -154,8 +163,8 @@ def exit_code(words):
     [
         (["cost", "--peers"], "study cost has no peers"),
         (["work-precision", "--peers"], "not installed: pip install"),
-        (["work-precision", "--executor", "dask://host:1"], "runs here alone"),
-        (["cost", "--jobs", "2"], "study cost does not take it"),
+        (["work-precision", "--executor", "dask://host:1"], "runs on this machine only"),
+        (["cost", "--jobs", "2"], "study cost runs in one process"),
         (["other"], "invalid choice"),
     ],
 )

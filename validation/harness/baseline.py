@@ -22,8 +22,8 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from validation.harness.compare import combined_tolerance
+from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance, sources_digest, versions, working_tree
-from validation.harness.runner import write_atomically
 from validation.harness.schema import CaseRecord, Row
 from validation.harness.verdict import case_verdicts
 
@@ -214,7 +214,7 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
     Raises
     ------
     BaselineError
-        No reason, a case that failed, a value that is no number, sources that are not those of a commit.
+        No reason, a case that failed, a value that is not a number, sources that are not those of a commit.
     """
     tree = working_tree()
     if tree is None or tree[1]:

@@ -25,7 +25,7 @@ import numpy as np
 import bem
 from bem.scene.result import CorruptResultError, Result, digest, read_result, write_result
 from bem.scene.scene import parse_scene
-from validation.harness.execution import PULSE, Ended, Running, run_in_processes
+from validation.harness.execution import Ended, Running, run_in_processes
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
@@ -90,7 +90,6 @@ def run_ensemble(
     jobs: int,
     report: Report,
     opener: Opener = local_processes,
-    pulse: float = PULSE,
 ) -> Outcome:
     """Compute and store what is missing.
 
@@ -105,8 +104,6 @@ def run_ensemble(
         Gets a `Note` for every step.
     opener : callable
         Opens the executor (executors.py).
-    pulse : float
-        Seconds between signs of life.
 
     Raises
     ------
@@ -128,7 +125,7 @@ def run_ensemble(
     found, damaged, waiting = _sorted_out(planned, wanted, folder, report)
     computed: list[str] = []
     failed: dict[str, str] = {}
-    with closing(run_in_processes(solve_member, waiting, jobs, pulse, opener)) as events:
+    with closing(run_in_processes(solve_member, waiting, jobs, opener=opener)) as events:
         for event in events:
             if isinstance(event, Running):
                 active = zip(event.items, event.seconds, strict=True)

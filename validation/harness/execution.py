@@ -92,16 +92,16 @@ def run_in_processes(
 
 
 def run_alone(
-    function: Callable[[Item], Answer], item: Item, pulse: float = PULSE
+    function: Callable[[Item], Answer], item: Item
 ) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
     """Events of one item in a process of its own, so that its memory and time are its own.
 
     Parameters
     ----------
-    function, item, pulse
+    function, item
         As of `run_in_processes`, for one item.
     """
-    yield from _one_pool(function, deque([item]), 1, pulse, local_processes)
+    yield from _one_pool(function, deque([item]), 1, PULSE, local_processes)
 
 
 def run_in_turn(

@@ -40,7 +40,7 @@ QUADRATURE = np.polynomial.legendre.leggauss(40)
 
 
 class NoReferenceError(RuntimeError):
-    """Newton did not converge: the state is no equilibrium, or not near one."""
+    """Newton did not converge: the state is not an equilibrium, or not near one."""
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,12 @@ class Interface:
         return 2 * np.sqrt(work), self.gamma**2 * rise / work**1.5
 
     def energy(self, left: FloatArray, right: FloatArray) -> float:
-        """-int w dx by Gauss-Legendre on panels shorter than the shortest wave."""
+        """-int w dx by Gauss-Legendre on panels shorter than the shortest wave, and than kinks of w on steep crests."""
         node, weight = QUADRATURE
+        steepest = self.slope * float(np.abs(self.profile.amplitudes) @ self.profile.orders)
         total = 0.0
         for a, b in zip(left, right, strict=True):
-            ends = np.linspace(a, b, 2 + int(np.ceil((b - a) * self.profile.max_order)))
+            ends = np.linspace(a, b, 2 + int(np.ceil((b - a) * self.profile.max_order * (1 + steepest))))
             middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
             total += float(np.sum(self.work(middle[:, None] + half[:, None] * node) @ weight * half))
         return -total

@@ -29,7 +29,7 @@ from validation.corpus.convergence_curves import (
 from validation.corpus.rates import RateError
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
-from validation.report.plots import Line, Plot, write_svg
+from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.store import text_table, write_json
 

@@ -27,7 +27,7 @@ from validation.harness.provenance import provenance
 from validation.harness.runner import Note
 from validation.harness.schema import Table
 from validation.references import adapters
-from validation.report.plots import Line, Plot, write_svg
+from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences

@@ -24,7 +24,7 @@ from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.compare import fitted_order
 from validation.references import adapters
-from validation.report.plots import Line, Plot
+from validation.report.study_figures import Line, Plot
 from validation.studies.stages import timed_stages
 
 FEWEST_PATCHES = 8

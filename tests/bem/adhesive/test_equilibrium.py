@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 
 from bem.adhesive import descent
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import Steps, descend, pull_off_half_width
+from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, balance, correct
 from bem.adhesive.trust_region import trust_region_step
+from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -217,9 +218,9 @@ def test_descent_closes_the_last_gap_under_a_load_that_no_branch_carries():
 def test_descent_moves_edges_with_negative_stress_intensity_outward():
     target = float(penetration_of(0.6))
     squeezed = balance(SYSTEM, patch(0.2), target, target, 1e-12)
-    assert not squeezed.opening
+    assert not squeezed.all_tensile
     end = descend(SYSTEM, patch(0.2), target, target, Accuracy(1e-12, 1e-10), Steps(0.4))
-    assert end.balance.opening
+    assert end.balance.all_tensile
     assert end.balance.state.patches.contact_fraction == pytest.approx(0.6, abs=1e-9)
 
 

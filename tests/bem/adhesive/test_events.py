@@ -5,9 +5,9 @@ import pytest
 from rough_surfaces import rough_profile
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import pull_off_half_width
 from bem.adhesive.equilibrium import System, balance, correct
 from bem.adhesive.events import Cause, first_contact, interpenetration, relax
+from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -113,7 +113,7 @@ def test_first_contact_is_tensile_at_its_edges():
     position = np.array([0.0])
     patches = first_contact(SYSTEM, position)
     assert patches.half_width[0] == pytest.approx(1.5 * pull_off_half_width(SYSTEM, position)[0])
-    assert balance(SYSTEM, patches, 0.0, 0.0, 1e-8).opening
+    assert balance(SYSTEM, patches, 0.0, 0.0, 1e-8).all_tensile
 
 
 def test_first_contacts_of_close_crests_stay_apart():

@@ -11,13 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from stored_states import stored_state
 
 import bem.__main__ as command_line
 from bem.audit import certificate
 from bem.command_line.checkpoint import Checkpoint
 from bem.command_line.console import LineReporter, reporter, summary, summary_line
 from bem.scene.effects import effects_of
-from bem.scene.result import Certificate, ErrorEstimate, Progress, Result, State, provenance, read_result, write_result
+from bem.scene.result import Progress, Result, provenance, read_result, write_result
 from bem.scene.scene import load_scene
 
 SCENE = """
@@ -43,28 +44,13 @@ PROGRESS = Progress(1e3, 0.1, 3, 10, 1, 40, 0, 3)
 
 
 def fake_state(separation, evaluations=10):
-    return State(
-        branch="loading",
+    return stored_state(
         penetration=1e-4 - separation,
         separation=separation,
-        total_displacement=None,
         mean_pressure=1e3,
-        contact_fraction=0.1,
         n_patches=1,
         edges=((0.001, 0.002),),
-        elastic_energy=1.0,
-        adhesion_energy=-2.0,
-        total_energy=-1.0,
-        stress_intensity_max=3.0,
-        contact_stiffness=1.0,
-        stable_at_fixed_load=True,
-        error_estimate=ErrorEstimate(1e-9, 1e-9),
-        certificate=Certificate(1e-12, 1e-9, 0.2, 1e-8, 1e-10, ok=True),
-        unknowns=40,
         evaluations=evaluations,
-        cpu_seconds=0.5,
-        status="converged",
-        target=True,
         events=0,
     )
 

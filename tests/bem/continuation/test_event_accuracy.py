@@ -107,6 +107,22 @@ def test_equal_crests_pull_off_under_load_at_any_increment(order, alpha, delta):
     assert_same(coarse, fine, fractions=3e-10)  # measured 1e-10
 
 
+@pytest.mark.parametrize("order", [4, 9])
+def test_equal_gaps_open_one_by_one_at_any_increment(order):
+    """Edges of narrow gaps hardly move on the way to where the symmetry breaks: its eigenvalue says how near it is."""
+
+    def opened(increment):
+        data = crests(order, 0.3, 0.0, "separation", [0.0, 1.5 * AMPLITUDE], increment=increment)
+        data["loading"]["initial"] = "complete_contact"
+        return outcome(data)
+
+    coarse, fine = opened(LARGEST), opened(LARGEST / 3)
+    assert coarse[0] == fine[0]
+    assert coarse[0][:2] == ["opening", "bifurcation"]
+    # measured 4e-10 of the amplitude; 7e-9 where short steps of the edges were enough
+    assert np.abs(coarse[1] - fine[1])[:, 0].max() <= 1e-9 * AMPLITUDE
+
+
 def rough(seed, work, control="separation", layer=None, slope_term=True, increment=LARGEST, **profile):
     data = {
         "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.49},

@@ -313,7 +313,7 @@ def test_every_point_is_a_stable_equilibrium(rough_points):
     _, points = rough_points
     for point in points:
         if point.state is not None:
-            assert point.balance.opening
+            assert point.balance.all_tensile
             if not point.last:
                 assert point.balance.closed(1e-9)
                 assert point.balance.smallest_eigenvalue > 0

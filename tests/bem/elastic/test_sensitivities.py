@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rough_surfaces import cut
 
 from bem.audit.dense import evaluate_dense
 from bem.elastic.collocation import Elastic, evaluate
@@ -14,17 +15,6 @@ from bem.geometry.profile import Profile
 ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 0).scaled()
 ELASTIC = Elastic(ROUGH)
 EDGES = 8
-
-
-def cut(profile, fraction):
-    """Patches where the profile is highest, and the penetration of that level."""
-    x, h = profile.grid
-    level = float(np.quantile(h, 1 - fraction))
-    above = h > level
-    left = x[np.flatnonzero(above & ~np.roll(above, 1))] - x[1] / 2
-    right = x[np.flatnonzero(above & ~np.roll(above, -1))] + x[1] / 2
-    right = right if right[0] > left[0] else np.append(right[1:], right[0] + 2 * np.pi)
-    return Patches(left, right), profile.max_height - level
 
 
 @pytest.fixture(scope="module")

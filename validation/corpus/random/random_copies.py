@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Event, Result, State, write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
-from validation.corpus.random.random_checks import EPS, Finding, Kind, Units
+from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Kind, Units
 from validation.corpus.random.random_scenes import SCAN, Table
 
 LENGTH, MODULUS, SHIFT = 0.37, 290.0, 1.0  # no powers of two, whose products are exact
@@ -33,9 +33,6 @@ FINER = 3.0
 
 SYMMETRIC = 1e-12  # of a wave, about the point where it is taken for even
 STATE = 2.5e-11  # of the unit of each quantity, besides the errors estimated
-ROUNDINGS = 24.0  # of the height of the profile, seen through the stiffness of the state
-LENGTHS = ("target", "start", "stop", "then_back_to")
-PRESSURES = ("stop_at_mean_pressure", "at_mean_pressures")
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,8 @@ from bem.scene.result import Result, State
 from bem.scene.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.hard.hard_case_run import Outcome
-from validation.corpus.random.random_checks import EPS, Finding, Units, energy_balance, findings_of
-from validation.corpus.random.random_copies import COPIES, ROUNDINGS, STATE, compared, smaller_increment
+from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Units, energy_balance, findings_of
+from validation.corpus.random.random_copies import COPIES, STATE, compared, smaller_increment
 from validation.corpus.random.random_scenes import Drawn, draw
 from validation.references.dense_equilibrium import NoReferenceError, reference
 
@@ -187,10 +187,15 @@ def _missed(units: Units, state: State, known: dict[str, float]) -> Iterator[str
 
 
 def _refused(drawn: Drawn, error: SceneError, seconds: float) -> Outcome:
-    """A scene refused before it ran: right where it was expected and the mistake names the key."""
-    key = drawn.special.split(" ")[0]
-    named = any(key in mistake.path for mistake in error.mistakes) if key else False
-    right = named and drawn.expected != "an answer"
+    """A scene refused before it ran: right where it was expected and the mistake names the key.
+
+    That the pressure shuts a flaw which is wider than half the shortest wave is known only when it is evaluated.
+    """
+    key, profile, flaw = drawn.special.split(" ")[0], drawn.tables["profile"], drawn.tables["loading"].get("flaw", 0.0)
+    shortest = profile.get("period", 0.0) / max(profile.get("orders", [profile.get("harmonics", 1)]))
+    if drawn.expected == "an answer" and flaw > shortest / 2:
+        key = "loading.flaw"
+    right = bool(key) and any(key in mistake.path for mistake in error.mistakes)
     findings = () if right else (Finding("refusal", f"of {drawn.expected}"),)
     return Outcome(
         id=drawn.id,

@@ -101,7 +101,7 @@ def solve(
     Raises
     ------
     ValueError
-        No adhesion, or edges that are no pairs in order.
+        No adhesion, or edges that are not pairs in order.
 
     Examples
     --------
@@ -147,7 +147,7 @@ def follow(
 ) -> list[PaperState]:
     """States at increasing penetrations (n,) in m, each from the edges of the one before, first the highest crest.
 
-    The list ends with the first state that is no equilibrium.
+    The list ends with the first state that is not an equilibrium.
     """
     half = BORN * np.pi / float(surface.order.max())
     place = surface.crest[0]

@@ -92,7 +92,7 @@ class Group:
         elif self.kind == "lines":
             shape = m**-1.1
         else:
-            raise ValueError(f"kind: {self.kind!r} is none of self-affine, roll-off, gaussian, lines")
+            raise ValueError(f"kind: {self.kind!r} is not one of self-affine, roll-off, gaussian, lines")
         slope = 2 * np.pi / PERIOD * np.sqrt(np.sum((m * shape) ** 2) / 2)
         return np.asarray(shape * RMS_SLOPE / slope)
 

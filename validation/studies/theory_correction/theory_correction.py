@@ -23,8 +23,9 @@ from persson.corrected_data import calibration
 from persson.corrected_variance import Correction
 from validation.harness.ensemble import run_ensemble
 from validation.harness.executors import Opener, local_processes
+from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note, record_of, write_atomically
+from validation.harness.runner import Note, record_of
 from validation.harness.schema import SCHEMA as REPORT_SCHEMA
 from validation.harness.schema import Report, with_checksum
 from validation.report.render import failures, write_html

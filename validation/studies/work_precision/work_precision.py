@@ -22,7 +22,7 @@ from validation.harness.provenance import provenance
 from validation.harness.runner import Note
 from validation.references import fft_adhesion as fft_methods
 from validation.references.posed_contacts import Posed, scenes
-from validation.report.plots import Line, Plot, write_svg
+from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.store import peak_megabytes, text_table, write_json
 from validation.studies.work_precision.conclusion import Mark, MethodCurve, sentences
