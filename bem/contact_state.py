@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import chebyshev as series
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field
 from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import check, refuse
@@ -26,8 +27,6 @@ from bem.scene.scene_rules import magnitude_mistakes
 if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion, UniformLaw
     from bem.elastic.layer import Layer
-
-FloatArray = NDArray[np.float64]
 
 
 class ContactState:

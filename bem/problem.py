@@ -12,9 +12,9 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic
+from bem.geometry.arrays import FloatArray
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
 from bem.loading.control import Control, DisplacementControl, LoadControl
@@ -22,8 +22,6 @@ from bem.loading.increments import COARSE, Accuracy, Increments
 from bem.loading.interface_law import InterfaceLaw
 from bem.scene.elastic_tables import elastic_effects, negligible
 from bem.scene.scene import Scene
-
-FloatArray = NDArray[np.float64]
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
 EQUAL, ALIKE = 1e-12, 1e-5  # of the rms height: crests that are as high as the highest, and nearly so

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.audit import certificate, gap_certificate
 from bem.elastic.collocation import Evaluation
@@ -17,8 +16,6 @@ from bem.loading.path_events import PathEvent
 from bem.nonadhesive.gap_series import GapEvaluation
 from bem.problem import Problem
 from bem.scene.result import Certificate, ErrorEstimate, Event, EventError, State
-
-FloatArray = NDArray[np.float64]
 
 SAFETY = 3.0  # error estimates are this multiple of what a finer evaluation still changes
 ROUNDING = 1e-13  # floor of error estimates, dimensionless

@@ -14,16 +14,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.compiled.kernels import mirrored
 from bem.geometry import chebyshev
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import check
 from bem.geometry.scaling import Scales
-
-FloatArray = NDArray[np.float64]
 
 PANELS_PER_WAVELENGTH, NODES = 4, 16  # of panels on which sqrt(1 + h'^2) is a Chebyshev series
 UNRESOLVED = 1e-15  # of the largest value times 2 pi over the width: last coefficients of a panel that is halved

@@ -9,15 +9,12 @@ Dimensionless.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from bem.adhesive.equilibrium import Balance, System, energy_noise
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.loading.control import Control
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 UNBOOKED = 1e-3  # energy that may go missing in an increment, over the work of adhesion that its edges turned over
 ASTRAY, UNCERTAIN = 0.3, 10.0  # of the largest motion of an edge; times the residual

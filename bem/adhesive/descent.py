@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
 from bem.adhesive.touching import CrestsAhead
@@ -22,10 +21,9 @@ from bem.adhesive.vanishing import Change, closing_gaps, pulled_shut, vanishing_
 from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
-
-FloatArray = NDArray[np.float64]
 
 DESCENT_STEPS = 10_000  # evaluations; jumps of three realisations of the paper's profile took up to 47
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease

@@ -13,18 +13,16 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, eigh
 
 from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate
 from bem.elastic.hierarchical import if_solvable
 from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.control import Control
 from bem.loading.increments import Accuracy
 from bem.loading.interface_law import InterfaceLaw
-
-FloatArray = NDArray[np.float64]
 
 NEWTON_STEPS = 8
 LARGEST_NEWTON_STEP = 0.3  # of the edge scale

@@ -13,7 +13,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.descent import DescentStatus, Steps, descend
 from bem.adhesive.equilibrium import Balance, System
@@ -22,12 +21,10 @@ from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Evaluation, Resolution, resolve
 from bem.elastic.gap import GapMinima, gap_field, low_minima
 from bem.elastic.logarithmic_potential import LogarithmicPotential
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import DisplacementControl
 from bem.loading.increments import Accuracy
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LOCAL_STEP, LOCAL_RESIDUAL = 0.2, 1e-4
 GLOBAL_STEP = 0.4

@@ -15,14 +15,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.elastic.gap import GapMinima, gap_field
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 REACH = 4.0  # shortest wavelengths ahead of an edge
 MOVED = 1e-2  # of the shortest wavelength, by which an edge must have moved to be looked ahead of again

@@ -6,10 +6,9 @@ Source: Conn, Gould, Toint, Trust-Region Methods (2000), section 7.3.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 
 def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:

@@ -10,14 +10,11 @@ from __future__ import annotations
 from dataclasses import fields
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dct, idct
 
 from bem.audit.displacement import DisplacementField, GapPoints
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.profile import Profile
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 GAP_POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System
@@ -26,12 +25,11 @@ from bem.continuation.opening import (
     opening_rounding,
 )
 from bem.continuation.path_point import BranchEnd, Equilibrium, Point
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact, closing_place
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, path_events
 from bem.loading.path_point import Complete, Failed, Separated
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,13 +7,11 @@ and several modes may be soft together: among equal patches one shrinks.  The wa
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import System, balance
 from bem.continuation.limit_points import LimitPoint, is_pushed
+from bem.geometry.arrays import FloatArray
 from bem.loading.increments import Accuracy
-
-FloatArray = NDArray[np.float64]
 
 DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the edge scale
 LEAST_FORCE = 3.0  # times the residual between targets

@@ -36,10 +36,9 @@ from bem.continuation.softness import (
 )
 from bem.elastic.collocation import resolve
 from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
-
-FloatArray = NDArray[np.float64]
 
 STEPS = 8  # of Newton; it takes two to four, more where a fold is about to vanish (a cusp)
 LONGEST_STEP = 0.2  # of the edge scale

@@ -20,7 +20,6 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.branch import strays, tangent
 from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
@@ -33,13 +32,12 @@ from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import Flaw
 from bem.continuation.path_point import Equilibrium, Point, WithEdges
 from bem.elastic.gap import GapMinima, gap_field
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
-
-FloatArray = NDArray[np.float64]
 
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
 CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together

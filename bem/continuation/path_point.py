@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bem.adhesive.equilibrium import Balance
 from bem.continuation.limit_points import LimitPoint, before_fold
 from bem.elastic.collocation import Evaluation
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.path_events import PathStatus
 from bem.loading.path_point import Complete, Failed, PathPoint, Separated
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

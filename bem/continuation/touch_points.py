@@ -12,16 +12,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import Balance, System, correct
 from bem.elastic.gap import GapMinima, gap_field, minima_near
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
 from bem.loading.path_events import EventNumbers
-
-FloatArray = NDArray[np.float64]
 
 STEPS = 20
 TOUCHED = 1e-10  # of the rms height: a gap that is closed

@@ -28,11 +28,10 @@ from bem.compiled.kernels import mirrored
 from bem.elastic.collocation import Elastic, Evaluation
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Points = tuple[IntArray, IntArray, FloatArray, FloatArray]  # gap, column in its grid, place in it, and u, (n,) each
 Sampled = tuple[int, IntArray, FloatArray, FloatArray]  # size of the grid, gaps, u at the samples and at the edges
 

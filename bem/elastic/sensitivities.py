@@ -17,12 +17,10 @@ which is symmetric and, at an equilibrium, positive definite exactly where it is
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.compiled.kernels import mirrored
 from bem.elastic.collocation import Evaluation
-
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 
 @mirrored

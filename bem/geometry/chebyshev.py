@@ -18,11 +18,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dct
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from bem.geometry.arrays import FloatArray, IntArray
 
 SMALL_TRANSFORM = 256  # nodes up to which a matrix is the faster transform (measured)
 

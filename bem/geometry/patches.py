@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
+
 TWO_PI = 2 * np.pi
 
 

@@ -16,11 +16,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic, Evaluation
-
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,9 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic, Evaluation
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.control import Control, LoadControl
@@ -30,8 +30,6 @@ from bem.nonadhesive.gaps import Gaps, gaps_of
 from bem.nonadhesive.grid_contact import GridProblem, grid_problem
 from bem.nonadhesive.last_gaps import Condition, assess_gaps, condition_of, lone_cracks, solve_gaps
 from bem.nonadhesive.nonadhesive import solve_contact
-
-FloatArray = NDArray[np.float64]
 
 LOAD_CONTROL = LoadControl()
 ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there

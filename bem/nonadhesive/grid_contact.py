@@ -22,11 +22,9 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from bem.elastic.collocation import Elastic
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import Control
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 ITERATIONS = 300
 CONVERGED = 5e-3  # what the preconditioner would still change of the unknown, relative: four times its error (measured)

@@ -19,18 +19,16 @@ from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.control import Control
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gap_series import GapEvaluation, end_values, evaluate_gaps
 from bem.nonadhesive.gaps import Gaps
-
-FloatArray = NDArray[np.float64]
 
 ITERATIONS = 100
 FINER, EPS = 1.5, float(np.finfo(float).eps)  # nodes of the evaluation that assesses; double precision

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 UNIFORMITY = 1e-3  # admitted deviation of a position, in sample distances
 SHOWN = 3  # mistakes of one sort that are spelt out

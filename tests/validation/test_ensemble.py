@@ -209,7 +209,7 @@ def test_full_disk_is_an_error_and_corrupts_nothing(tmp_path):
     def small_files():
         resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 
-    command = [sys.executable, str(SCRIPT), str(tmp_path), "2", "8"]
+    command = [sys.executable, str(SCRIPT), str(tmp_path), "2", "3"]
     process = subprocess.run(command, capture_output=True, text=True, preexec_fn=small_files, check=False)
     assert process.returncode != 0
     assert "OSError" in process.stderr

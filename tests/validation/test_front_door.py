@@ -5,6 +5,7 @@ import sys
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import bem
@@ -60,6 +61,15 @@ def test_an_example_is_written_explained_and_solved(name, tmp_path, monkeypatch,
     result = bem.read_result(tmp_path / "result")
     assert result.targets
     assert all(state.certificate.ok for state in result.states)
+
+
+def test_the_closed_form_that_an_example_names_holds():
+    result = bem.solve(ROOT / "validation/command_line/examples/one-wave.toml")
+    modulus, period, height, work = 1e6 / 0.75, 0.01, 1e-4, 0.03
+    psi = np.pi / 2 * np.array([state.contact_fraction for state in result.targets])
+    expected = np.pi * modulus * height / period * np.sin(psi) ** 2 - np.sqrt(2 * modulus * work / period * np.tan(psi))
+    computed = [state.mean_pressure for state in result.targets]
+    assert computed == pytest.approx(expected, abs=6e-9)  # measured 2.4e-9 Pa of 700 to 24000 Pa
 
 
 def test_the_examples_show_what_they_are_named_after():

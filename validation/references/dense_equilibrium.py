@@ -17,7 +17,6 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.audit.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
 from bem.contact_state import ContactState
@@ -27,11 +26,9 @@ from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
 from bem.scene.result import State
 from bem.scene.scene import Scene
+from validation.harness.arrays import FloatArray, IntArray
 from validation.references.adapters import taken
 from validation.references.posed_contacts import Found, MethodError, Posed, overlap
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 STEPS, FAR_STEPS = 8, 60
 FARTHEST = 0.3  # of the edge scale, where Newton starts far away

@@ -24,9 +24,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray
 from validation.references.posed_contacts import Found, MethodError, Posed
-
-FloatArray = NDArray[np.float64]
 
 PACKAGES = ("Adhesion", "ContactMechanics", "NuMPI", "SurfaceTopography")
 TOLERANCE = 1e-4  # of the gradient, in the largest cohesive force on a point; 1e-6 changes no error on the sinusoid

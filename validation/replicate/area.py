@@ -11,16 +11,15 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import axes, drawn, marks, shaded, trace
 from validation.harness.schema import Figure, Table
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS
 from validation.replicate.statements import disagreement, statement
-
-FloatArray = NDArray[np.float64]
 
 FITTED = tuple(load for load in LOADS if load >= 0.005)
 COMPARED = (0.005, 0.01, 0.015, 0.02, 0.025)

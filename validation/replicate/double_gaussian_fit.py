@@ -19,17 +19,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from persson import double_gaussian, fit_double_gaussian
+from validation.harness.arrays import FloatArray
 from validation.harness.drawings import axes, drawn, shaded, trace
 from validation.harness.schema import Figure, Row, Series, Table
 from validation.replicate.evidence import jackknife
 from validation.replicate.members import SPECTRA_AT
 from validation.replicate.statements import disagreement, statement
-
-FloatArray = NDArray[np.float64]
 
 FACTOR = 1.4  # of the paper, on the theory's sigma_a
 STARTS = (0.5, 1.5, 3.0)  # of sigma_a, in units of h'_rms / 2

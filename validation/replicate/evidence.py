@@ -21,9 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 from bem.geometry.profile import Profile
 from bem.scene.result import Result, State
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
+from validation.harness.arrays import FloatArray
 from validation.replicate.members import LOADS, MODULUS, PAPER, Size
-
-FloatArray = NDArray[np.float64]
 
 SAME_LOAD = 1e-9  # of E*
 

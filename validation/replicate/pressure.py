@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import drawn, loglog, marks, shaded, trace
 from validation.harness.rows import compared
@@ -33,8 +33,6 @@ from validation.replicate.evidence import (
 )
 from validation.replicate.members import MODULUS, SPECTRA_AT
 from validation.replicate.statements import statement
-
-FloatArray = NDArray[np.float64]
 
 BOUNDS = np.linspace(-0.3, 0.7, 51)  # of E*
 CENTRES = (BOUNDS[1:] + BOUNDS[:-1]) / 2

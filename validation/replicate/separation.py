@@ -11,16 +11,14 @@ J. Phys.: Condens. Matter 20 (2008) 215214, doi:10.1088/0953-8984/20/21/215214.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import drawn, marks, semilogx, shaded, trace
 from validation.harness.schema import Figure, Table
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS, RMS_HEIGHT
 from validation.replicate.statements import disagreement, statement
-
-FloatArray = NDArray[np.float64]
 
 FITTED = (0.0025, 0.005, 0.0075, 0.01)  # of E*
 LARGE, SMALL = 0.005, 0.001  # of E*

@@ -16,16 +16,14 @@ from __future__ import annotations
 from itertools import pairwise, product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import drawn, loglog, semilogx, shaded, trace
 from validation.harness.schema import Figure, Row, Series, Table
 from validation.replicate.evidence import Evidence, Realisation, jackknife, joined, mean_and_error
 from validation.replicate.members import HURST, LOADS, MODULUS, SPECTRA_AT
 from validation.replicate.statements import statement
-
-FloatArray = NDArray[np.float64]
 
 MIDDLE, HIGH = (10.0, 100.0), (250.0, 1000.0)  # orders, fixed beforehand
 MEASURED = {0.005: (0.144, 0.075), 0.02: (0.122, 0.04)}  # largest differences found, middle and high end

@@ -19,19 +19,17 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 import bem
 from bem.scene.result import Event, Result
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.drawings import axes, drawn, marks, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Figure, Reference, Row
 from validation.references import adapters
 from validation.references.one_patch import OnePatch
-
-FloatArray = NDArray[np.float64]
 
 PERIOD, MODULUS, AMPLITUDE, WORK = 0.01, 1e6 / 0.75, 1e-4, 0.06
 MOST = 0.6  # contact fraction beyond which nothing is looked for

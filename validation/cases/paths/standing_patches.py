@@ -15,15 +15,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import bem
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Reference
 from validation.references import adapters
-
-FloatArray = NDArray[np.float64]
 
 ORDERS, AMPLITUDES, PHASES, WORK = (1, 24), (3e-5, 4e-6), (0.0, 0.02), 0.01
 PERIOD, DEEPEST, BETWEEN = 0.01, 10e-6, 2.16e-6  # m; the outer pair detaches at penetrations of 2.22 and 2.11 um

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene, parse_scene
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.drawings import drawn, loglog, marks, trace
 from validation.harness.rows import compared, counted
@@ -24,8 +24,6 @@ from validation.harness.schema import Reference, Row, Table
 from validation.references import adapters
 from validation.references.paper_method import PaperState, Surface, follow, solve
 from validation.references.posed_contacts import Posed, scene_tables, scenes
-
-FloatArray = NDArray[np.float64]
 
 MOVED = 0.05  # of its edge scale: how far an edge is moved before the audit finds it again
 STEPS = 40

@@ -22,14 +22,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray, IntArray
 from validation.references.paper_method.cells import graded
 from validation.references.paper_method.energy import Energy, energy
 from validation.references.paper_method.surface import Surface
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 ITERATIONS = 400
 TRIALS = 12  # of the secant method along a direction

@@ -12,14 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from validation.harness.arrays import FloatArray, IntArray
 from validation.references.paper_method.descent import VANISHED, Descent, descend, edge_scale_of
 from validation.references.paper_method.energy import Energy, SweepsError
 from validation.references.paper_method.surface import Surface
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 CHANGES = 60  # of the number of patches, in all
 POINTS = 24  # at which a gap is looked at, and this many more for every wavelength in it

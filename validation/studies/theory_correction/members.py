@@ -22,11 +22,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray
 from validation.harness.ensemble import Member, member_seed
-
-FloatArray = NDArray[np.float64]
 
 PERIOD = 0.01
 YOUNGS_MODULUS, POISSON_RATIO = 1e6, 0.5
