@@ -109,7 +109,7 @@ def test_mistakes_of_a_scene_are_told_as_by_the_solver(tmp_path, capsys):
 
 def test_mistakes_of_a_verification_are_told_as_by_the_harness(tmp_path, capsys):
     assert exit_code("verify", "--only", "nothing-like-it", "--out", str(tmp_path / "out")) == 2
-    assert "matches none of" in capsys.readouterr().err
+    assert "error: --only 'nothing-like-it'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh"])

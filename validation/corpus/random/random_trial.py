@@ -192,9 +192,9 @@ def _refused(drawn: Drawn, error: SceneError, seconds: float) -> Outcome:
     That the pressure shuts a flaw which is wider than half the shortest wave is known only when it is evaluated.
     """
     key, profile, flaw = drawn.special.split(" ")[0], drawn.tables["profile"], drawn.tables["loading"].get("flaw", 0.0)
-    shortest = profile.get("period", 0.0) / max(profile.get("orders", [profile.get("harmonics", 1)]))
-    if drawn.expected == "an answer" and flaw > shortest / 2:
-        key = "loading.flaw"
+    if drawn.expected == "an answer":
+        most = max(profile.get("orders", [profile.get("harmonics", 1)]))
+        key = "loading.flaw" if 2 * flaw * most > profile.get("period", 0.0) else key
     right = bool(key) and any(key in mistake.path for mistake in error.mistakes)
     findings = () if right else (Finding("refusal", f"of {drawn.expected}"),)
     return Outcome(
