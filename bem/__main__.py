@@ -32,6 +32,7 @@ from bem.command_line.console import (
     summary_line,
 )
 from bem.command_line.folder_lock import FolderInUseError, locked
+from bem.compiled.kernels import IN_USE
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Progress, Result, write_result
@@ -101,7 +102,7 @@ def _check(options: argparse.Namespace) -> int:
         listed = [vars(effect) for effect in effects]
         facts = {"scene": scene.resolved(), "effects": listed, "seconds": predicted_seconds(scene), "groups": groups}
         facts |= {"warnings": [vars(caution) for caution in cautions], "profile_preparation": scene.preparation()}
-        print(json.dumps(facts))
+        print(json.dumps(facts | {"kernels": IN_USE}))
     else:
         parts = (scene_text(scene.resolved()), preparation_text(scene.preparation()), groups_text(groups, cautions))
         print("\n\n".join(part for part in (*parts, effects_text(effects)) if part))

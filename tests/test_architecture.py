@@ -26,6 +26,7 @@ ONLY_IN = {
     "jinja2": ("validation/report/",),
 }
 ORDER = (
+    "bem/compiled",
     "bem/geometry",
     "bem/audit",
     "bem/elastic",

@@ -14,6 +14,7 @@ from typing import Any, Protocol, TextIO
 
 from tqdm import tqdm
 
+from bem.compiled.kernels import IN_USE
 from bem.scene.result import Caution, Effect, Progress, Result
 
 LINE_SECONDS = 5.0
@@ -189,14 +190,16 @@ def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str
 
 
 def effects_text(effects: Iterable[Effect]) -> str:
-    """A table of effects: on or off, predicted cost, reason, and the total."""
+    """A table of effects: on or off, predicted cost, reason, the total, and the kernels in use."""
     listed = tuple(effects)
     width = max(len(effect.name) for effect in listed)
     lines = [
         f"{effect.name:<{width}}  {'on ' if effect.active else 'off'}  {effect.seconds:9.2f} s  {effect.reason}"
         for effect in listed
     ]
-    return "\n".join([*lines, f"predicted cost {sum(effect.seconds for effect in listed):.2g} s on one core"])
+    return "\n".join(
+        [*lines, f"predicted cost {sum(effect.seconds for effect in listed):.2g} s on one core, {IN_USE} kernels"]
+    )
 
 
 def _toml(value: Any) -> str:

@@ -28,6 +28,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.compiled.kernels import IN_USE
 from bem.scene.result_views import Views
 
 SCHEMA = "linecontact-result/1"
@@ -252,13 +253,14 @@ def installed_version() -> str:
 
 
 def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Versions, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
+    """Versions, kernels, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
     return {
         "linecontact": installed_version(),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
         "numpy": np.__version__,
         "scipy": metadata.version("scipy"),
+        "kernels": IN_USE,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "scene_sha256": digest(resolved_scene),
     }
