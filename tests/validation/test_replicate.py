@@ -173,8 +173,8 @@ def test_verdict_of_a_statement(row, verdict):
 
 
 def test_what_is_told_stands_beside_the_verdict():
-    assert claimed(-2.65, reported="window moved: 0.04").message == "window moved: 0.04"
-    assert claimed(-2.65, reported="window moved: 0.04", shortfall="only 3").message == "only 3"
+    assert claimed(-2.65, told="window moved: 0.04").message == "window moved: 0.04"
+    assert claimed(-2.65, told="window moved: 0.04", shortfall="only 3").message == "only 3"
 
 
 def test_scene_is_shown_as_it_would_be_read():
