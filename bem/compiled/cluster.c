@@ -3,7 +3,7 @@
 #include "core.h"
 #include "kernels.h"
 
-#define BLOCK_ROWS 64      /* of the forward substitution (measured) */
+#define BLOCK_ROWS 64      /* of the forward substitution */
 #define WIDEST_SERIES 0.4  /* half_space.WIDEST_SERIES */
 #define SERIES 8           /* half_space.TERMS */
 
