@@ -162,15 +162,18 @@ class Profile:
 
     def height(self, x: ArrayLike) -> FloatArray:
         """h(x), same shape as x."""
-        return np.asarray(self._expand(x, 0)[0])
+        values: FloatArray = self._expand(x, 0)[0]
+        return values
 
     def slope(self, x: ArrayLike) -> FloatArray:
         """h'(x), same shape as x."""
-        return np.asarray(self._expand(x, 1)[1])
+        values: FloatArray = self._expand(x, 1)[1]
+        return values
 
     def curvature(self, x: ArrayLike) -> FloatArray:
         """h''(x), same shape as x."""
-        return np.asarray(self._expand(x, 2)[2])
+        values: FloatArray = self._expand(x, 2)[2]
+        return values
 
     def height_slope_curvature(self, x: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         """h, h' and h'' at once, each of the shape of x."""
