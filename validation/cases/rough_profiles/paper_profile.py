@@ -100,7 +100,8 @@ MEASURED_LOAD, MEASURED_CLOSURE = 2e-13, 7.6e-10
 CASES = (
     Case(id="paper-profile", group="rough profiles", level="standard",
          question="What is the contact area of the paper's profile, and how far off is the theory?",
-         equations="A/A0 = erf(sqrt 2 sigma_0 / (E* h'_rms)) (Persson, no adhesion)",
+         equations=r"$A / A_0 = \operatorname{erf}(\sqrt{2} \, \sigma_0 / (E^\ast h'_{\text{rms}}))$ "
+                   "(Persson, no adhesion)",
          sources=("carbone2009", "persson2001"), compute=_paper_profile,
          effects=("half_space", "adhesion", "slope_term"), scene=adapters.scene_text("paper_profile")),
 )  # fmt: skip
