@@ -24,6 +24,7 @@ ONLY_IN = {
     "meshio": ("fem_reference/",),
     "matplotlib": ("validation/report/", "bem/scene/plots.py", "bem/scene/result_views.py"),
     "jinja2": ("validation/report/",),
+    "latex2mathml": ("validation/report/",),
 }
 ORDER = (
     "bem/compiled",
