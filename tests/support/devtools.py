@@ -8,12 +8,19 @@ import json
 import os
 import select
 import subprocess
+import sys
 import time
 from base64 import b64decode
 
 from browser import BROWSER, QUIET
 
 LIMIT = 120.0  # s, for one answer
+ON_3_AND_4 = """
+import os, sys
+os.dup2(int(sys.argv[1]), 3)
+os.dup2(int(sys.argv[2]), 4)
+os.execv(sys.argv[3], sys.argv[3:])
+"""
 
 
 class Tab:
@@ -97,21 +104,11 @@ class Tab:
 def tab(path):
     """A tab for a file; load it with `show`."""
     inward, outward = os.pipe(), os.pipe()
-    profile = path.parent / "profile"
-    pipes = f'exec "$0" "$@" 3<&{inward[0]} 4>&{outward[1]}'
-    command = [
-        "sh",
-        "-c",
-        pipes,
-        BROWSER,
-        *QUIET,
-        f"--user-data-dir={profile}",
-        "--remote-debugging-pipe",
-        "about:blank",
-    ]
+    options = (*QUIET, f"--user-data-dir={path.parent / 'profile'}", "--remote-debugging-pipe", "about:blank")
     process = subprocess.Popen(
-        command, pass_fds=(inward[0], outward[1]), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+        [sys.executable, "-c", ON_3_AND_4, str(inward[0]), str(outward[1]), BROWSER, *options],
+        pass_fds=(inward[0], outward[1]), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
     os.close(inward[0])
     os.close(outward[1])
     try:

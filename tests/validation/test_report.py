@@ -195,6 +195,12 @@ def test_file_that_is_no_report_is_bad_input(tmp_path, text):
     assert main(["report", str(tmp_path)]) == 2
 
 
+def test_pdf_without_a_browser_is_refused(folder, capsys, monkeypatch):
+    monkeypatch.setattr("validation.report.pdf.BROWSERS", ())
+    assert main(["report", str(folder), "--pdf"]) == 2
+    assert "--pdf: no browser" in capsys.readouterr().err
+
+
 def test_missing_report_is_bad_input(tmp_path):
     assert main(["report", str(tmp_path)]) == 2
 
