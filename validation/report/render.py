@@ -133,7 +133,7 @@ def _rendered(report: Report) -> str:
             case_verdict={case.id: _worst(case) for case in report.cases},
             bibliography=_bibliography(report.cases),
             style=asset("style.css"),
-            script=asset("tables.js"),
+            script=asset("sort.js"),
         )
     )
     return str(page)

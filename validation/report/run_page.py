@@ -57,7 +57,7 @@ def render_run(result: Result) -> str:
         evaluations=sum(state.evaluations for state in result.states),
         unknowns=max((state.unknowns for state in result.states), default=0),
         style=asset("style.css"),
-        script=asset("tables.js"),
+        script=asset("sort.js"),
     )  # fmt: skip
     return str(page)
 
