@@ -86,21 +86,12 @@ def solve(
         Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt); states before
         a failure are kept.  `not_converged` also where a state is not certified.
 
-    Raises
-    ------
-    SceneError
-        All mistakes of the scene, each with what is allowed.
-
     Examples
     --------
-    A wave of amplitude D without adhesion at half the pressure of complete contact, p* = pi E* D / lambda: by
-    Westergaard sin^2(pi f / 2) = 1/2, half of it touches.
-
-    >>> import bem
-    >>> wave = bem.Profile.from_harmonics(1.0, [1], [0.01])
+    >>> wave = {"kind": "harmonics", "period": 1.0, "orders": [1], "amplitudes": [0.01], "phases": [0.0]}
     >>> loading = {"control": "mean_pressure", "targets": [0.5 * np.pi * 0.01]}
-    >>> result = bem.solve(profile=wave, solid=bem.Solid(1.0, 0.0), loading=loading)
-    >>> result.status, round(result.targets[0].contact_fraction, 9)
+    >>> result = solve(profile=wave, solid={"youngs_modulus": 1.0, "poisson_ratio": 0.0}, loading=loading)
+    >>> result.status, round(result.targets[0].contact_fraction, 9)  # Westergaard: half of the wave touches
     ('converged', 0.5)
     """
     scene = scene_of(scene, tables)

@@ -43,6 +43,7 @@ ORDER = (
     "fem_reference",
     "persson",
     "validation/harness",
+    "validation/report/verification",
     "validation/report",
     "validation/references/paper_method",
     "validation/references",

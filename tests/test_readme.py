@@ -54,12 +54,22 @@ def test_scene_commands_run(folder):
     assert (folder / "result" / "result.json").exists()
 
 
-def test_commands_from_a_scene_to_a_page_run(tmp_path):
-    for line in blocks("sh")[3].splitlines():
+def run_block(text, folder):
+    """Run the lines of a block of commands `linecontact ...`."""
+    for line in text.splitlines():
         command = [sys.executable, "-m", "validation.command_line.front_door", *line.split("#")[0].split()[1:]]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
+
+
+def test_commands_from_a_scene_to_a_page_run(tmp_path):
+    run_block(blocks("sh")[3], tmp_path)
     assert (tmp_path / "result" / "report.html").exists()
+
+
+def test_commands_for_a_scan_run(tmp_path):
+    run_block(blocks("sh")[4], tmp_path)
+    assert "as prepared" in (tmp_path / "scan" / "report.html").read_text("utf-8")
 
 
 def test_python_lines_run(folder):
@@ -74,5 +84,5 @@ def test_pictures_exist():
 
 
 def test_every_study_is_listed():
-    named = [line.split()[4] for line in blocks("sh")[4].splitlines() if line.split()[3] == "study"]
+    named = [line.split()[4] for line in blocks("sh")[5].splitlines() if line.split()[3] == "study"]
     assert sorted(named) == sorted(STUDIES)

@@ -21,11 +21,11 @@ from validation.harness.schema import (
     with_checksum,
 )
 from validation.replicate import TOPICS
-from validation.report.all_results import first_sentence, scatter
 from validation.report.figures import svg_of
 from validation.report.render import ReportError, number, render
-from validation.report.row_views import budget_of
-from validation.report.typesetting import typeset
+from validation.report.verification.all_results import first_sentence, scatter
+from validation.report.verification.row_views import budget_of
+from validation.report.verification.typesetting import typeset
 from validation.studies.theory_correction.page import EQUATIONS
 
 PUBLISHED = ("https://doi.org/10.", "https://arxiv.org/abs/")

@@ -20,10 +20,10 @@ from bem.scene.atomic_file import write_atomically
 from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance
 from validation.harness.schema import CaseRecord, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
-from validation.report.all_results import first_sentence, scatter
 from validation.report.figures import svg_of
-from validation.report.row_views import budget_of, named, worst_place
-from validation.report.typesetting import TypesettingError, subscripts, typeset, with_links
+from validation.report.verification.all_results import first_sentence, scatter
+from validation.report.verification.row_views import budget_of, named, worst_place
+from validation.report.verification.typesetting import TypesettingError, subscripts, typeset, with_links
 
 PAGE = "report.html"
 LANDING = "landing-"  # prefix of the ids of figures that open the page

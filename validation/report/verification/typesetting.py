@@ -45,7 +45,7 @@ def typeset(text: str) -> Markup:
     >>> typeset("from $a on")
     Traceback (most recent call last):
     ...
-    validation.report.typesetting.TypesettingError: from $a on: an equation begins at $ and does not end
+    validation.report.verification.typesetting.TypesettingError: from $a on: an equation begins at $ and does not end
     """
     pieces = text.split("$")
     if len(pieces) % 2 == 0:

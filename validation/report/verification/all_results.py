@@ -9,7 +9,7 @@ from validation.harness.compare import error_over_tolerance
 from validation.harness.drawings import loglog, marks, trace
 from validation.harness.schema import Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, counted, counts, fails, verdict_of
-from validation.report.row_views import worst_place
+from validation.report.verification.row_views import worst_place
 
 BEYOND = ("not run", "expected deviation", "changed")  # verdicts that no tolerance gave
 
