@@ -72,6 +72,13 @@ def test_commands_for_a_scan_run(tmp_path):
     assert "as prepared" in (tmp_path / "scan" / "report.html").read_text("utf-8")
 
 
+@pytest.mark.slow
+def test_the_study_of_a_scene_runs(tmp_path):
+    run_block(f"linecontact example pull-off\n{blocks('sh')[5]}", tmp_path)
+    page = (tmp_path / "sure" / "study.html").read_text("utf-8")
+    assert "largest uncertainty" in page
+
+
 def test_python_lines_run(folder):
     done = subprocess.run([sys.executable, "-c", blocks("python")[0]], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -84,5 +91,5 @@ def test_pictures_exist():
 
 
 def test_every_study_is_listed():
-    named = [line.split()[4] for line in blocks("sh")[5].splitlines() if line.split()[3] == "study"]
+    named = [line.split()[4] for line in blocks("sh")[6].splitlines() if line.split()[3] == "study"]
     assert sorted(named) == sorted(STUDIES)
