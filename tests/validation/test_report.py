@@ -359,21 +359,22 @@ def test_all_results_are_drawn_or_counted():
 
 
 @pytest.mark.parametrize(
-    ("changes", "validation", "says"),
+    ("changes", "data", "validation", "says"),
     [
-        ({"computed": 1.5, "uncertainty": 0.3}, 0.5, "within 2 u_val"),
-        ({"computed": 2.1, "uncertainty": 0.3}, 0.5, "beyond 2 u_val: left to model or discretisation"),
-        ({"computed": 1.5, "reference": Reference(kind="exact", source="closed form"), "uncertainty": 0.3}, 0.3,
-         "within 2 u_val"),
-        ({"computed": 1.5, "reference": Reference(kind="self", source="finer")}, None,
+        ({"computed": 1.5, "uncertainty": 0.3}, 0.4, 0.5, "within 2 u_val"),
+        ({"computed": 2.1, "uncertainty": 0.3}, 0.4, 0.5, "beyond 2 u_val: left to model or discretisation"),
+        ({"computed": 1.5, "reference": {"kind": "exact"}, "uncertainty": 0.3}, 0.0, 0.3, "within 2 u_val"),
+        ({"computed": 1.5, "reference": {"kind": "exact", "uncertainty": 0.4}}, 0.4, 0.4, "within 2 u_val"),
+        ({"computed": 1.5, "reference": {"kind": "self"}}, None, None,
          "no uncertainty stated: judged by the tolerance"),
-        ({"computed": 1.0, "reference": Reference(kind="self", source="finer")}, None, "equal"),
+        ({"computed": 1.0, "reference": {"kind": "self"}}, None, None, "equal"),
     ],
 )  # fmt: skip
-def test_budget_of_a_comparison(changes, validation, says):
-    reference = Reference(kind="FEM", source="mesh 4", uncertainty=0.4)
-    budget = budget_of(row(**({"reference": reference} | changes)))
+def test_budget_of_a_comparison(changes, data, validation, says):
+    reference = {"source": "s"} | changes.get("reference", {"kind": "FEM", "uncertainty": 0.4})
+    budget = budget_of(row(**(changes | {"reference": Reference(**reference)})))
     assert budget.error == pytest.approx(changes["computed"] - 1.0)
+    assert (budget.numerical, budget.data) == (changes.get("uncertainty"), data)
     assert budget.validation == (None if validation is None else pytest.approx(validation))
     assert budget.says == says
 

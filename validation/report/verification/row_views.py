@@ -80,8 +80,8 @@ def budget_of(row: Row) -> Budget | None:
     if row.status != "run" or expected is None or computed is None or math.isnan(computed - expected):
         return None
     name, _ = named(row.quantity, row.unit)
-    exact = row.reference.kind == "exact"
-    numerical, data = row.uncertainty or None, 0.0 if exact else row.reference.uncertainty or None
+    unstated = 0.0 if row.reference.kind == "exact" else None
+    numerical, data = row.uncertainty or None, row.reference.uncertainty or unstated
     error = computed - expected
     if not (numerical or data):
         says = "equal" if error == 0 else "no uncertainty stated: judged by the tolerance"
