@@ -58,8 +58,8 @@ def _parser() -> argparse.ArgumentParser:
         "folders",
         nargs="+",
         type=Path,
-        metavar=("A", "B"),
-        help="of runs or reports; or one that holds folders of reports",
+        metavar="FOLDER",
+        help="two or more, of runs or of reports; or one that holds folders of reports",
     )
     several.add_argument("--out", type=Path, metavar="DIR", help="write the history of the reports, DIR/history.html")
     several.add_argument("--json", action="store_true", help="print as JSON")
