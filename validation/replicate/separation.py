@@ -1,7 +1,8 @@
 """Separation of the mean planes against load: both theories, and the straight line of ln p against s.
 
 ln(p/E*) = c - s/u0 by least squares over the loads of `FITTED` (chosen beforehand: from 0.0025 to 0.01 E*, where the
-paper's plot is straight).  At small load the theory's separation grows without bound, as heights of a Gaussian
+paper's plot is straight).  The separation is judged relative to the theory's, in one row at each load of `JUDGED`: in
+units of h_rms alone a difference of half the theory's separation at high load would look small.  At small load the theory's separation grows without bound, as heights of a Gaussian
 profile do; a profile of finite length has a highest crest, and s stays below it.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5; theory: Yang, Persson,

@@ -3,7 +3,10 @@
 A statement agrees when the two numbers differ by no more than the tolerance given, or twice the uncertainties of both.
 Where the paper gives a number its last digit is its uncertainty, and, where the number was taken from 11 realisations
 of its own, the standard error that our 11 show; where it only says "about" the tolerance says how much.
-Where we find otherwise the row is a known discrepancy: the band of the ratio ours / paper's, and the cause.
+
+A row that would agree with anything says nothing.  So each names the alternative that it excludes, and what it accepts
+is at most half the distance to it: an ensemble that scatters more is no test, and its row is not run.  Where we find
+otherwise the row is a known discrepancy: the band of the ratio ours / paper's, and the cause.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
 """
@@ -12,11 +15,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
+from validation.harness.compare import combined_tolerance, error_of
+from validation.harness.rows import counted
 from validation.harness.schema import Band, Reference, Row, Tolerance
 
 PAPER = "Carbone, Scaraggi, Tartaglino 2009"
 REVIEW = "2027-11-21"
+STALE = 0.2  # of the tolerance: a difference that left the stored one by more has moved
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """What a statement excludes: a value in the unit of the row, and in words."""
+
+    value: float
+    words: str
 
 
 def statement(
@@ -25,6 +40,7 @@ def statement(
     error: float,
     paper: float | Sequence[float],
     allowed: float,
+    against: Alternative,
     *,
     measured: float,
     where: str,
@@ -45,6 +61,8 @@ def statement(
         What the paper says.
     allowed, measured : float
         Tolerance of the difference, and the difference found when it was set.
+    against : Alternative
+        What would contradict the paper.
     where : str
         Where the paper says so.
     unit : str
@@ -56,21 +74,50 @@ def statement(
         Why the ensemble is not the paper's: the row is then not run.
     told : str
         What is to be read beside the verdict.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance itself reaches further than half the way to the alternative.
     """
-    found, said = _values(ours), _values(paper)
-    uncertainty = math.hypot(last_digit, error) if same_ensemble else last_digit
-    return Row(
+    said = _values(paper)
+    distance = min(abs(against.value - value) for value in said if value is not None)
+    if allowed > distance / 2:
+        raise ValueError(f"{quantity}: a tolerance of {allowed:g} does not exclude {against.value:g}, {against.words}")
+    excludes = f"excludes {against.value:.4g}, {against.words}"
+    row = Row(
         quantity=quantity,
         unit=unit,
-        reference=Reference(kind="independent code", source=f"{PAPER}, {where}", uncertainty=uncertainty),
+        reference=Reference(kind="independent code", source=f"{PAPER}, {where}",
+                            uncertainty=math.hypot(last_digit, error) if same_ensemble else last_digit),
         norm="absolute",
         expected=said,
-        computed=found,
+        computed=_values(ours),
         uncertainty=error,
         tolerance=Tolerance(value=allowed, measured=measured, basis="required"),
         status="not run" if shortfall else "run",
-        message=shortfall or told,
-    )
+        message=shortfall or "; ".join(part for part in (excludes, told) if part),
+    )  # fmt: skip
+    accepted = combined_tolerance(row)
+    if row.status == "run" and accepted > distance / 2:
+        why = f"no test: {accepted:.2g} is accepted, {against.value:.4g} ({against.words}) is {distance:.2g} away"
+        return row.model_copy(update={"status": "not run", "message": why})
+    return row
+
+
+def stale(rows: Sequence[Row]) -> Row:
+    """How many statements differ from the paper otherwise than was stored beside their tolerance."""
+    moved = [
+        row.quantity
+        for row in rows
+        if row.status == "run"
+        and row.tolerance is not None
+        and abs(error_of(row) - row.tolerance.measured) > STALE * row.tolerance.value
+    ]
+    found = counted("statements whose stored difference is stale",
+                    Reference(kind="self", source="the differences stored beside the tolerances"), [0.0],
+                    [float(len(moved))])  # fmt: skip
+    return found.model_copy(update={"message": "; ".join(moved)})
 
 
 def disagreement(

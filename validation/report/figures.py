@@ -111,7 +111,8 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
     if series.style == "band" and series.upper is not None:
         axes.fill_between(x, y, _numbers(series.upper), color=colour, alpha=0.2, linewidth=0, label=series.label)
     elif series.style == "thin":
-        axes.plot(x, y, "-", color="#9aa0a6", linewidth=0.5, zorder=1.5, label=series.label)
+        shade = {"color": "#9aa0a6"} if series.hue is None else {"color": colour, "alpha": 0.35}
+        axes.plot(x, y, "-", linewidth=0.5, zorder=1.5, label=series.label, **shade)
     elif series.style == "dots":
         axes.plot(x, y, ".", color=colour, markersize=1.8, alpha=0.45, linestyle="none", label=series.label)
     elif series.style == "points":
