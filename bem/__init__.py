@@ -1,7 +1,6 @@
 """Free-boundary boundary element solver for adhesive line contact.
 
-`load_scene`, `parse_scene`, `SceneError`, `solve`, `Profile`, `Solid`, `ContactState`, `Layer` and `Adhesion` are
-imported on first use, so that a scene without an effect never imports the module of that effect.
+The public names are imported on first use, so that a scene without an effect never imports the module of that effect.
 """
 
 from __future__ import annotations
@@ -10,11 +9,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    __version__: str
     from bem.adhesive.adhesion import Adhesion as Adhesion
     from bem.contact_state import ContactState as ContactState
     from bem.elastic.layer import Layer as Layer
     from bem.geometry.profile import Profile as Profile
     from bem.geometry.scaling import Solid as Solid
+    from bem.scene.result import Result as Result
+    from bem.scene.result import read_result as read_result
     from bem.scene.scene import load_scene as load_scene
     from bem.scene.scene import parse_scene as parse_scene
     from bem.scene.scene_rules import SceneError as SceneError
@@ -26,16 +28,27 @@ _HOME = {
     "Layer": "bem.elastic.layer",
     "Profile": "bem.geometry.profile",
     "Solid": "bem.geometry.scaling",
+    "Result": "bem.scene.result",
     "SceneError": "bem.scene.scene_rules",
     "load_scene": "bem.scene.scene",
     "parse_scene": "bem.scene.scene",
+    "read_result": "bem.scene.result",
     "solve": "bem.solver",
 }
 
-__all__ = ["Adhesion", "ContactState", "Layer", "Profile", "SceneError", "Solid", "load_scene", "parse_scene", "solve"]
+__all__ = [
+    *("Adhesion", "ContactState", "Layer", "Profile", "Result", "SceneError", "Solid"),
+    *("load_scene", "parse_scene", "read_result", "solve"),
+]
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
+    if name == "__version__":
+        return import_module("bem.scene.result").installed_version()
     raise AttributeError(f"module 'bem' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

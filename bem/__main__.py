@@ -11,8 +11,8 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 from bem.command_line.checkpoint import (
     Checkpoint,
@@ -31,10 +31,7 @@ from bem.scene.scene_rules import Mistake
 from bem.solver import solve
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-CURVES = {
-    "contact_fraction.png": ("contact_fraction", "contact fraction", 1.0),
-    "separation.png": ("separation", "separation / µm", 1e6),
-}
+CURVES = ("contact_fraction", "separation")  # against which --plot draws the mean pressure
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -45,7 +42,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         Those of the process by default.
     """
-    options = _parser().parse_args(arguments)
+    parser = argparse.ArgumentParser(prog="python -m bem", description="Adhesive line contact of a rough profile.")
+    add_commands(parser.add_subparsers(required=True, metavar="check|run"))
+    return perform(parser.parse_args(arguments))
+
+
+def perform(options: argparse.Namespace) -> int:
+    """Run the command that was parsed; its exit code."""
     command: Callable[[argparse.Namespace], int] = options.command
     try:
         with interruptible():
@@ -61,26 +64,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m bem", description="Adhesive line contact of a rough profile.")
-    commands = parser.add_subparsers(required=True, metavar="check|run")
-
+def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add `check` and `run` to the commands of a program, which hands what it parsed to `options.perform`."""
     check = commands.add_parser("check", help="print the resolved scene, its effects and the predicted cost")
     check.add_argument("scene", type=Path, help="scene file (TOML)")
     check.add_argument("--json", action="store_true", help="print as JSON")
-    check.set_defaults(command=_check)
+    check.set_defaults(command=_check, perform=perform)
 
     run = commands.add_parser("run", help="solve a scene; writes result.json and fields.npz")
     run.add_argument("scene", type=Path, help="scene file (TOML)")
     run.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the result")
     present = run.add_mutually_exclusive_group()
-    present.add_argument("--resume", action="store_true", help="go on from the states DIR holds")
+    present.add_argument("--resume", action="store_true", help="continue from the states DIR holds")
     present.add_argument("--overwrite", action="store_true", help="replace the result DIR holds")
     run.add_argument("--plot", action="store_true", help="also draw curves and stored shapes as PNG")
     run.add_argument("--quiet", action="store_true", help="no progress")
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
-    run.set_defaults(command=_run)
-    return parser
+    run.set_defaults(command=_run, perform=perform)
 
 
 def _check(options: argparse.Namespace) -> int:
@@ -105,14 +105,14 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
-    """Solve a scene into a folder that is ours alone; `new` tells whether it was made for this."""
+    """Solve a scene into a folder that is ours alone; `new` says whether it was made for this."""
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
     if stored is not None and stored.status in FINAL_STATUSES:
         result = stored
     else:
         result = _solved(scene, options.out, stored, options.quiet)
     if options.overwrite:
-        for old in (*(options.out / name for name in CURVES), *options.out.glob("shape_[0-9]*.png")):
+        for old in (*(options.out / f"{name}.png" for name in CURVES), *options.out.glob("shape_[0-9]*.png")):
             old.unlink(missing_ok=True)
     if options.plot:
         _draw(result, options.out)
@@ -156,30 +156,11 @@ def _solved(scene: Scene, folder: Path, stored: Result | None, quiet: bool) -> R
 
 def _draw(result: Result, folder: Path) -> None:
     """Mean pressure against contact fraction and separation, and the stored shapes, as PNG."""
-    from matplotlib.figure import Figure
-
-    for name, (quantity, label, unit) in CURVES.items():
-        figure = Figure(layout="constrained")
-        axes = figure.add_subplot(xlabel=label, ylabel="mean pressure / Pa")
-        for branch, marker in (("loading", "o-"), ("unloading", "s--")):
-            states = [state for state in result.states if state.branch == branch]
-            x = [unit * getattr(state, quantity) for state in states]
-            axes.plot(x, [state.mean_pressure for state in states], marker, markersize=3, label=branch)
-        axes.legend()
-        figure.savefig(folder / name, dpi=150)
-    for key in result.fields:
-        if key.startswith("x_"):
-            _draw_shape(Figure(layout="constrained"), result, key.removeprefix("x_"), folder)
-
-
-def _draw_shape(figure: Any, result: Result, shape: str, folder: Path) -> None:
-    """Displaced surface and rigid profile of a stored shape."""
-    x, displacement, gap = (1e6 * result.fields[f"{name}_{shape}"] for name in ("x", "displacement", "gap"))
-    axes = figure.add_subplot(xlabel="x / µm", ylabel="height / µm")
-    axes.plot(x, displacement - gap, color="0.5", label="rigid profile")
-    axes.plot(x, displacement, label="deformed surface")
-    axes.legend()
-    figure.savefig(folder / f"shape_{shape}.png", dpi=150)
+    plots = import_module("bem.scene.plots")
+    for quantity in CURVES:
+        plots.curves(result.states, [quantity]).savefig(folder / f"{quantity}.png", dpi=150)
+    for name in (key.removeprefix("x_") for key in result.fields if key.startswith("x_")):
+        plots.shape(result.fields, name).savefig(folder / f"shape_{name}.png", dpi=150)
 
 
 if __name__ == "__main__":

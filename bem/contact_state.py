@@ -12,20 +12,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import chebyshev as series
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field
 from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
+from bem.geometry.ranges import check, refuse
 from bem.geometry.scaling import Scales, Solid
+from bem.scene.scene_rules import magnitude_mistakes
 
 if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion, UniformLaw
     from bem.elastic.layer import Layer
-
-FloatArray = NDArray[np.float64]
 
 
 class ContactState:
@@ -50,7 +51,7 @@ class ContactState:
     Raises
     ------
     ValueError
-        Edges of another shape, not finite, out of order or overlapping; flat profile.
+        Edges of another shape, not finite, out of order or overlapping; flat profile; what a scene refuses too.
 
     Examples
     --------
@@ -72,6 +73,10 @@ class ContactState:
         adhesion: Adhesion | None = None,
         tolerance: float = 1e-12,
     ) -> None:
+        check(penetration=penetration)
+        tables = {"solid": solid, "layer": layer, "adhesion": adhesion}
+        plain = {name: None if table is None else vars(table) for name, table in tables.items()}
+        refuse(*magnitude_mistakes(plain, profile))
         pairs = np.asarray(edges, dtype=np.float64)
         if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.shape[0] == 0 or not np.all(np.isfinite(pairs)):
             raise ValueError(f"edges: an array of finite pairs (L, 2) is needed, not shape {pairs.shape}")
@@ -102,7 +107,7 @@ class ContactState:
 
     @property
     def stress_intensity(self) -> FloatArray:
-        """K at the edges, > 0 where the edge opens, (L, 2), Pa m^1/2."""
+        """K at the edges, > 0 in tension, (L, 2), Pa m^1/2; an edge opens where K > sqrt(2 E* w)."""
         return self._by_edge(self.evaluation.stress_intensity) * self.scales.stress_intensity
 
     @property

@@ -1,8 +1,8 @@
 """A flat profile: nothing to solve, every question has an exact answer.
 
 Two flat surfaces are apart (separation > 0) or in complete contact (separation 0) under a uniform pressure, which
-only the load, or the mean compression of a layer, can tell.  With adhesion complete contact carries any tension,
-because no crack is there to grow; without it none.
+only the load, or the mean compression of a layer, shows.  With adhesion complete contact carries any tension, because
+no crack is there to grow; without it none.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Literal
 
-from bem.scene.effects import elastic_effects
+from bem.scene.elastic_tables import elastic_effects
 from bem.scene.scene import Scene
 
 
@@ -43,7 +43,7 @@ def flat_states(scene: Scene) -> list[FlatState]:
 
 
 def _flat_state(scene: Scene, target: float, compliance: float | None, joined: bool) -> FlatState:
-    """One target: `joined` tells whether the surfaces were in contact before."""
+    """One target: `joined` says whether the surfaces were in contact before."""
     control = scene.loading.control
     if control == "mean_pressure":
         sticks = scene.adhesion is not None and joined

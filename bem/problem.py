@@ -1,7 +1,7 @@
 """From a scene (SI) to the dimensionless problem that its effects define, and the increments of its path.
 
 Only the modules of effects that the scene names are imported: adhesion.py with [adhesion], compliance.py with the
-tables that change the compliance (effects.py).
+tables that change the compliance (elastic_tables.py).
 """
 
 from __future__ import annotations
@@ -12,18 +12,16 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic
+from bem.geometry.arrays import FloatArray
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
 from bem.loading.control import Control, DisplacementControl, LoadControl
 from bem.loading.increments import COARSE, Accuracy, Increments
 from bem.loading.interface_law import InterfaceLaw
-from bem.scene.effects import elastic_effects, negligible
+from bem.scene.elastic_tables import elastic_effects, negligible
 from bem.scene.scene import Scene
-
-FloatArray = NDArray[np.float64]
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
 EQUAL, ALIKE = 1e-12, 1e-5  # of the rms height: crests that are as high as the highest, and nearly so

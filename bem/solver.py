@@ -2,12 +2,12 @@
 
 The order of things is that of the method: the scene is posed in dimensionless form, complete contact is written down,
 the path is followed from target to target (with adhesion event by event, without adhesion target by target), and
-every stored state is polished, assessed by a finer evaluation and certified by an independent one.  Increments
+every stored state is refined, assessed by a finer evaluation and certified by an independent one.  Increments
 between targets are stored at most once per largest increment, at the same accuracy as targets.  BLAS runs on one
 thread: the matrices are small, two threads are slower, and digits do not depend on the number of cores.
 
-From a target the path goes on from the numbers stored of it, not from those in memory: an interrupted path takes up
-its last target and goes on to the same states and events, bit for bit on the same machine.
+From a target the path continues from the numbers stored of it, not from those in memory: an interrupted path takes up
+its last target and continues to the same states and events, bit for bit on the same machine.
 
 Nothing but an interrupt leaves `solve`: what double precision or memory cannot do (NUMERICAL_FAILURES) ends the path as
 `not_converged`, with the reason in `Result.failure`.
@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -40,6 +40,7 @@ from bem.record import AnyPoint, Record, Recorder
 from bem.scene.result import NotFiniteError, Progress, Result, State
 from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
+from bem.scene_objects import Described, Tables, scene_of
 from bem.states import flat_state
 
 TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
@@ -57,23 +58,27 @@ class Goal:
 
 
 def solve(
-    scene: Scene,
+    scene: Described = None,
     progress: Callable[[Progress], None] | None = None,
     on_state: Callable[[Result], None] | None = None,
     resume: Result | None = None,
+    **tables: Unpack[Tables],
 ) -> Result:
     """Solve a scene.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or mapping, optional
+        Checked, as a file, or as its tables; SceneError lists its mistakes.
     progress : callable, optional
         Called after every accepted increment.
     on_state : callable, optional
         Called with all that is kept so far, as an interrupted result, whenever a state is added.
     resume : Result, optional
-        An interrupted result of the same scene: its states are kept up to the last target, and the path goes on from
-        there.
+        An interrupted result of the same scene: its states are kept up to the last target, and the path continues
+        from there.
+    **tables
+        `profile`, `solid`, `loading`, `layer`, ...: objects or mappings, where no scene is given.
 
     Returns
     -------
@@ -81,6 +86,7 @@ def solve(
         Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt); states before
         a failure are kept.  `not_converged` also where a state is not certified.
     """
+    scene = scene_of(scene, tables)
     surface = scene.surface()
     if surface.is_flat:
         return _solve_flat(scene, surface)
@@ -163,7 +169,7 @@ class _Run:
         self.point = self._point_of(record.states[-1], self.kept)
 
     def follow(self) -> tuple[str, str | None]:
-        """Visit the remaining targets; the status of the result, and why it is none of the final ones."""
+        """Visit the remaining targets; the status of the result, and why, where it is not a final one."""
         try:
             for index in range(self.done, len(self.goals)):
                 status = self._reach(index)
@@ -189,7 +195,7 @@ class _Run:
         return f"{words} at {self.recorder.target_of(self.point):.9g}"
 
     def _reach(self, index: int) -> str | None:
-        """Follow the path to one target; None to go on, else the status with which the path ends."""
+        """Follow the path to one target; None to continue, else the status with which the path ends."""
         goal = self.goals[index]
         direction = self.path.direction(self.point, goal.value, goal.separation)
         if direction:
@@ -229,7 +235,7 @@ class _Run:
                 if self._fails(between):
                     return "not_converged"
                 self._keep(between, target=False)
-                if between.events:  # the path goes on behind them
+                if between.events:  # the path continues behind them
                     self.point = between
                     return self._follow_to(goal, spacing, index)
         return None

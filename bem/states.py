@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.audit import certificate, gap_certificate
 from bem.elastic.collocation import Evaluation
@@ -18,11 +17,9 @@ from bem.nonadhesive.gap_series import GapEvaluation
 from bem.problem import Problem
 from bem.scene.result import Certificate, ErrorEstimate, Event, EventError, State
 
-FloatArray = NDArray[np.float64]
-
 SAFETY = 3.0  # error estimates are this multiple of what a finer evaluation still changes
 ROUNDING = 1e-13  # floor of error estimates, dimensionless
-CLOSURE = 1e-8
+RESIDUAL = 1e-8
 
 
 @dataclass(frozen=True)
@@ -129,7 +126,7 @@ def _judged(
         state.penetration,
         adhesion,
         compliance_ratio=problem.compliance_ratio,
-        demands=certificate.Demands(closure=CLOSURE, interpenetration=max(1e-10, 1e-3 * tolerance)),
+        demands=certificate.Demands(closure=RESIDUAL, interpenetration=max(1e-10, 1e-3 * tolerance)),
     )
 
 

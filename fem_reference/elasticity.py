@@ -144,15 +144,12 @@ class Constraints:
         T; its last column is the common displacement of the contact.
     contact : IntArray, shape (n_contact,)
         Indices among the n values of a displacement component on the contact, seam values once.
-    contact_x : FloatArray, shape (n_contact,)
-        Their local coordinates X.
     contact_values : IntArray
         The same with the far side of the seam included.
     """
 
     matrix: csr_matrix
     contact: IntArray
-    contact_x: FloatArray
     contact_values: IntArray
     same: IntArray
 
@@ -187,7 +184,7 @@ def constrain(spaces: Spaces, depth: float, in_contact: Callable[[FloatArray], B
     rows = np.flatnonzero(number >= 0)
     matrix = coo_matrix((np.ones(len(rows)), (rows, number[rows])), shape=(2 * n + m, len(free) + 1)).tocsr()
     contact = np.flatnonzero(tied & own)
-    return Constraints(matrix, contact, x[contact], np.flatnonzero(tied), same)
+    return Constraints(matrix, contact, np.flatnonzero(tied), same)
 
 
 @dataclass(frozen=True)

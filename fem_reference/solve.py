@@ -76,7 +76,7 @@ def solve(
     Returns
     -------
     Result
-        With a named `status`; numbers of a state that is no equilibrium carry infinite uncertainty.
+        With a named `status`; numbers of a state that is not an equilibrium carry infinite uncertainty.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Persson's contact theory for roughness in one direction, with and without adhesion.
 
 `solve(spectrum, mean_pressure, ...)` is the entry.  `DiscreteSpectrum` holds the lines of a periodic profile,
-`ContinuousSpectrum` a power spectrum; a state says what it knows at every magnification, in SI units:
+`ContinuousSpectrum` a power spectrum; a state gives its quantities at every magnification, in SI units:
 
 >>> import numpy as np
 >>> import persson

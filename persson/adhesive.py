@@ -120,9 +120,9 @@ class AdhesiveFields:
         """U_tot / (A0 E*) = U_el(S = 0) - gamma A(S_N) M(S_N) = -gamma_eff(S = 0), (n_loads,), m."""
         return -self.work[:, 0]
 
-    def onset(self, load: int = 0) -> float | None:
-        """S at which the barrier leaves zero for good, or None if it never is at zero or never leaves it."""
-        work, nodes = self.work[load], self.problem.mesh.slope_variance
+    def onset(self) -> float | None:
+        """S at which the barrier leaves zero for good, first load; None if it is never zero or never leaves it."""
+        work, nodes = self.work[0], self.problem.mesh.slope_variance
         below = np.flatnonzero(work <= 0)
         if below.size == 0 or below[-1] == nodes.size - 1:
             return None

@@ -35,7 +35,7 @@ ADVICE: dict[Status, str] = {
         "use Westergaard's or Johnson's exact solution of the sinusoid"
     ),
     "not_converged": (
-        "the effective work of adhesion did not settle: raise max_iterations or lower the work of adhesion"
+        "the effective work of adhesion did not converge: raise max_iterations or lower the work of adhesion"
     ),
 }
 

@@ -1,9 +1,10 @@
-"""Options shared by all tests: slow tests on demand, reproducible property tests, pinned BLAS threads, interrupts."""
+"""Options shared by all tests: processes, slow tests on demand, seeds of property tests, BLAS threads, interrupts."""
 
 import signal
 from collections.abc import Generator
 
 import pytest
+import scipy.linalg  # noqa: F401  (with NumPy's, all BLAS that one_blas_thread has to find loaded)
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
@@ -15,6 +16,11 @@ SLOW = "slow: run with --run-slow"
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--run-slow", action="store_true", help="also run the tests marked slow")
     parser.addoption("--no-skips", action="store_true", help="what is absent fails a test; only slow ones are skipped")
+
+
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
+    """Files and tests that are named run in this process, which begins at once; folders on all processors."""
+    return 0 if config.args and all(".py" in name for name in config.args) else None
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

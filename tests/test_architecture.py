@@ -22,7 +22,7 @@ ONLY_IN = {
     "pydantic": ("bem/scene/scene.py", "validation/"),
     "skfem": ("fem_reference/",),
     "meshio": ("fem_reference/",),
-    "matplotlib": ("validation/report/", "bem/__main__.py"),
+    "matplotlib": ("validation/report/", "bem/scene/plots.py", "bem/scene/result_views.py"),
     "jinja2": ("validation/report/",),
 }
 ORDER = (
@@ -60,6 +60,7 @@ ORDER = (
     "validation/studies/theory_correction",
     "validation/replicate",
     "validation",
+    "validation/command_line",
 )
 APART = {  # besides the order: folders that these do not import from either
     "bem/observables": ("bem/adhesive", "bem/continuation", "bem/nonadhesive", "bem/elastic"),

@@ -42,6 +42,14 @@ def test_scene_commands_run(folder):
     assert (folder / "result" / "result.json").exists()
 
 
+def test_commands_from_a_scene_to_a_page_run(tmp_path):
+    for line in blocks("sh")[3].splitlines():
+        command = [sys.executable, "-m", "validation.command_line.front_door", *line.split("#")[0].split()[1:]]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+    assert (tmp_path / "result" / "report.html").exists()
+
+
 def test_python_lines_run(folder):
     done = subprocess.run([sys.executable, "-c", blocks("python")[0]], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -54,5 +62,5 @@ def test_pictures_exist():
 
 
 def test_every_study_is_listed():
-    named = [line.split()[4] for line in blocks("sh")[3].splitlines() if line.split()[3] == "study"]
+    named = [line.split()[4] for line in blocks("sh")[4].splitlines() if line.split()[3] == "study"]
     assert sorted(named) == sorted(STUDIES)

@@ -18,14 +18,18 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from bem.command_line.folder_lock import FolderInUseError, locked
+from bem.scene.result import RESULT_FILE, CorruptResultError
 from validation.harness import baseline
 from validation.harness.executors import ExecutorError, opener_of
+from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance
 from validation.harness.registry import CaseError, registry, select
-from validation.harness.runner import Note, run_cases, write_atomically
+from validation.harness.runner import Note, run_cases
 from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
 from validation.harness.verdict import counts, fails
 from validation.report.render import PAGE, ReportError, failures, write_html
+from validation.report.run_page import write_run_page
+from validation.report.run_words import outcome, succeeded
 from validation.studies import IN_PROCESSES, ON_EXECUTORS, STUDIES, module_of
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -47,10 +51,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 done, 1 something failed, 2 bad input, 130 interrupted.
     """
-    options = _parser().parse_args(arguments)
+    parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
+    add_commands(parser.add_subparsers(required=True, metavar="COMMAND"))
+    return perform(parser.parse_args(arguments))
+
+
+def perform(options: argparse.Namespace) -> int:
+    """Run the command that was parsed; its exit code."""
     try:
         return int(options.command(options))
-    except (CaseError, ExecutorError, ReportError, FolderInUseError, baseline.BaselineError) as error:
+    except (
+        CaseError,
+        ExecutorError,
+        ReportError,
+        CorruptResultError,
+        FolderInUseError,
+        baseline.BaselineError,
+    ) as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except (FileExistsError, IsADirectoryError, NotADirectoryError) as error:
@@ -60,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
-        print("interrupted; what was finished is kept, the same command goes on", file=sys.stderr)
+        print("interrupted; what was finished is kept, the same command continues", file=sys.stderr)
         return INTERRUPTED
 
 
@@ -80,7 +97,7 @@ def read_report(folder: Path) -> Report:
     try:
         content = json.loads(path.read_text("utf-8"))
     except FileNotFoundError as error:
-        raise ReportError(f"{path}: no report there") from error
+        raise ReportError(f"{path}: no report there, and no result of a run") from error
     except ValueError as error:
         raise ReportError(f"{path}: not JSON ({error})") from error
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
@@ -106,7 +123,9 @@ def _run(options: argparse.Namespace) -> int:
     """Run cases and write report.json and report.html."""
     opener = opener_of(options.executor)
     cases = select(registry(), options.level, options.only)
-    expected = baseline.expected_seconds([case.id for case in cases], baseline.FOLDER)  # a malformed one is told now
+    expected = baseline.expected_seconds(
+        [case.id for case in cases], baseline.FOLDER
+    )  # a malformed one is reported now
     facts = provenance()  # before the run: sources that change meanwhile are not those of the report
     folder: Path = options.out
     begun = time.monotonic()
@@ -150,8 +169,23 @@ def _stored(made: Report, folder: Path, as_json: bool) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    """Render a stored report again."""
+    """Render a stored report again, or the page of a run."""
+    if not (options.folder / REPORT_FILE).exists() and (options.folder / RESULT_FILE).exists():
+        return _run_page(options.folder, options.json)
     return _render(read_report(options.folder), options.folder, options.json)
+
+
+def _run_page(folder: Path, as_json: bool) -> int:
+    """Render the page of a run."""
+    result = write_run_page(folder)
+    page, said = str(folder / PAGE), outcome(result)
+    print(
+        json.dumps({"status": result.status, "outcome": said, "report": page}) if as_json else f"{said} report: {page}"
+    )
+    if succeeded(result):
+        return DONE
+    print(f"FAILED: {said}", file=sys.stderr)
+    return FAILED
 
 
 def _render(report: Report, folder: Path, as_json: bool) -> int:
@@ -166,8 +200,8 @@ def _render(report: Report, folder: Path, as_json: bool) -> int:
         summary = {"cases": len(report.cases), "planned": report.planned, "failed": failed}
         print(json.dumps(summary | {"verdicts": given, "seconds": seconds, "report": page}))
     else:
-        told = ", ".join(f"{count} {name}" for name, count in given.items())
-        print(f"{len(report.cases)} cases: {told}; {seconds} s; report: {page}")
+        verdicts = ", ".join(f"{count} {name}" for name, count in given.items())
+        print(f"{len(report.cases)} cases: {verdicts}; {seconds} s; report: {page}")
     return FAILED if failed else DONE
 
 
@@ -192,7 +226,9 @@ def _baseline_update(options: argparse.Namespace) -> int:
         raise baseline.BaselineError(f"{options.out / REPORT_FILE}: changed after it was written, run it again")
     chosen = [record for record in report.cases if record.id == options.case]
     if not chosen:
-        raise baseline.BaselineError(f"case {options.case!r}: none of {', '.join(r.id for r in report.cases)}")
+        raise baseline.BaselineError(
+            f"case {options.case!r} is not in the report: {', '.join(r.id for r in report.cases)}"
+        )
     for line in baseline.update(chosen[0], options.reason, baseline.FOLDER):
         print(line)
     return DONE
@@ -201,9 +237,9 @@ def _baseline_update(options: argparse.Namespace) -> int:
 def _study(options: argparse.Namespace) -> int:
     """Run a study."""
     if options.peers and options.name != WITH_PEERS:
-        raise CaseError(f"--peers: study {options.name} has none, {WITH_PEERS} has")
+        raise CaseError(f"--peers: study {options.name} has no peers, {WITH_PEERS} has")
     if options.random is not None and options.name != WITH_RANDOM:
-        raise CaseError(f"--random: study {options.name} has none, {WITH_RANDOM} has")
+        raise CaseError(f"--random: study {options.name} has no random scenes, {WITH_RANDOM} has")
     if options.seed and options.random is None:
         raise CaseError(f"--seed {options.seed}: of the scenes of --random, which is not given")
     study = import_module(module_of(options.name))
@@ -211,9 +247,9 @@ def _study(options: argparse.Namespace) -> int:
         jobs = options.jobs or os.cpu_count() or 1
         return int(study.run(options.out, options.quick, _say, jobs, opener_of(options.executor)))
     if options.executor != "local":
-        raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs here alone")
+        raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs on this machine only")
     if options.jobs is not None and options.name not in IN_PROCESSES:
-        raise ExecutorError(f"--jobs {options.jobs}: study {options.name} does not take it")
+        raise ExecutorError(f"--jobs {options.jobs}: study {options.name} runs in one process")
     if options.random is not None:
         tasks = study.random_tasks(options.random, options.seed)
         return int(study.run(options.out, options.quick, _say, tasks, jobs=options.jobs or 1, file=study.RANDOM_FILE))
@@ -233,47 +269,58 @@ def _command(options: argparse.Namespace) -> str:
     return f"python -m validation run --level {options.level}{only} --out {options.out.name}"
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], run_name: str = "run") -> None:
+    """Add ours to the commands of a program, which hands what it parsed to `options.perform`.
+
+    Parameters
+    ----------
+    commands
+        As `add_subparsers` returns it.
+    run_name : str
+        What running the cases is called there.
+    """
     cores = os.cpu_count() or 1
 
-    run = commands.add_parser("run", help="run the cases of a level and write the report")
+    run = commands.add_parser(run_name, help="run the cases of a level and write the report")
     run.add_argument("--level", default="quick", help="quick, standard or full (default: quick)")
     run.add_argument("--only", metavar="PATTERN", help="cases whose name or group matches, of any level")
     run.add_argument("--jobs", type=_positive, default=cores, help=f"worker processes (default: {cores})")
     run.add_argument("--executor", default="local", help="local (default) or dask://host:port")
     run.add_argument("--out", type=Path, required=True, help="folder of the report; what is there already is kept")
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
-    run.set_defaults(command=_alone(_run))
+    run.set_defaults(command=_alone(_run), perform=perform)
 
-    report = commands.add_parser("report", help="render report.json of a folder again")
+    report = commands.add_parser("report", help="render the page of a run, or report.json of a folder again")
     report.add_argument("folder", type=Path)
     report.add_argument("--json", action="store_true", help="print the summary as JSON")
-    report.set_defaults(command=_report)
+    report.set_defaults(command=_report, perform=perform)
 
-    paper = commands.add_parser("replicate", help="the paper's results from 11 realisations of ours, as a report")
+    paper = commands.add_parser("replicate", help="the results of the paper from 11 realisations, as a report")
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there are kept")
     paper.add_argument("--jobs", type=_positive, default=cores, help=f"worker processes (default: {cores})")
     paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
-    paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: replicates nothing")
+    paper.add_argument(
+        "--quick", action="store_true", help="few realisations with few harmonics: shows only that it runs"
+    )
     paper.add_argument("--json", action="store_true", help="print the summary as JSON")
-    paper.set_defaults(command=_alone(_replicate))
+    paper.set_defaults(command=_alone(_replicate), perform=perform)
 
     base = commands.add_parser("baseline", help="compare a report with the baselines, or update one").add_subparsers(
         required=True, metavar="ACTION"
     )
     check = base.add_parser("check")
     check.add_argument("--out", type=Path, required=True, help="folder of a report")
-    check.set_defaults(command=_baseline_check)
+    check.set_defaults(command=_baseline_check, perform=perform)
     change = base.add_parser("update")
     change.add_argument("case")
     change.add_argument("--reason", required=True)
     change.add_argument("--out", type=Path, required=True, help="folder of a report")
-    change.set_defaults(command=_baseline_update)
+    change.set_defaults(command=_baseline_update, perform=perform)
 
     study = commands.add_parser("study", help="run a study")
-    study.add_argument("name", choices=STUDIES, help="; ".join(f"{name}: {what}" for name, what in STUDIES.items()))
+    study.add_argument(
+        "name", choices=tuple(STUDIES), help="; ".join(f"{name}: {what}" for name, what in STUDIES.items())
+    )
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
     many, one = ", ".join(ON_EXECUTORS), ", ".join(IN_PROCESSES)
@@ -282,8 +329,7 @@ def _parser() -> argparse.ArgumentParser:
     study.add_argument("--peers", action="store_true", help=f"{WITH_PEERS} beside FFT solvers only (extra `peers`)")
     study.add_argument("--random", type=_positive, metavar="N", help=f"{WITH_RANDOM}: N random scenes instead")
     study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
-    study.set_defaults(command=_alone(_study))
-    return parser
+    study.set_defaults(command=_alone(_study), perform=perform)
 
 
 def _positive(text: str) -> int:

@@ -14,14 +14,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.geometry import chebyshev
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
+from bem.geometry.ranges import check
 from bem.geometry.scaling import Scales
-
-FloatArray = NDArray[np.float64]
 
 PANELS_PER_WAVELENGTH, NODES = 4, 16  # of panels on which sqrt(1 + h'^2) is a Chebyshev series
 UNRESOLVED = 1e-15  # of the largest value times 2 pi over the width: last coefficients of a panel that is halved
@@ -44,8 +43,7 @@ class Adhesion:
     slope_term: bool = False
 
     def __post_init__(self) -> None:
-        if not (self.work_of_adhesion > 0 and np.isfinite(self.work_of_adhesion)):
-            raise ValueError(f"work_of_adhesion: {self.work_of_adhesion} must be finite and > 0 (J/m^2)")
+        check(adhesion__work_of_adhesion=self.work_of_adhesion)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,25 +9,22 @@ Dimensionless.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from bem.adhesive.equilibrium import Balance, System, energy_noise
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.loading.control import Control
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 UNBOOKED = 1e-3  # energy that may go missing in an increment, over the work of adhesion that its edges turned over
-ASTRAY, UNCERTAIN = 0.3, 10.0  # of the largest motion of an edge; times the closure
+ASTRAY, UNCERTAIN = 0.3, 10.0  # of the largest motion of an edge; times the residual
 
 
 def tangent(control: Control, here: Balance) -> FloatArray:
     """d(outward motion of the edges) / dtau along the branch, (2 L,)."""
-    room = here.state.patches.edge_room
-    pull = here.load_gradient * room * control.rate(here.state)
-    return np.asarray(-room * np.linalg.solve(here.hessian_by_room, pull))
+    scale = here.state.patches.edge_scale
+    pull = here.load_gradient * scale * control.rate(here.state)
+    return np.asarray(-scale * np.linalg.solve(here.hessian_by_edge_scale, pull))
 
 
 def misses_energy(
@@ -69,7 +66,7 @@ def misses_energy(
     )
 
 
-def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], change: float, closure: float) -> bool:
+def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], change: float, residual: float) -> bool:
     """Whether edges moved otherwise than the tangents at both ends say: Newton leapt from one branch to another.
 
     Along a branch the trapezoidal rule leaves a part of the motion that falls with the square of the increment; over a
@@ -83,13 +80,13 @@ def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], 
         Tangents there.
     change : float
         Of the target from one to the other.
-    closure : float
-        max |G/w - 1| of the equilibria, which the edges are off by in units of their room.
+    residual : float
+        max |G/w - 1| of the equilibria, which the edges are off by in units of their edge scale.
     """
     patches = ends[0].state.patches
     moved = _outward(patches, ends[1].state.patches)
-    astray = float(np.max(np.abs(moved - change * (rates[0] + rates[1]) / 2) / patches.edge_room))
-    return astray > UNCERTAIN * closure + ASTRAY * float(np.max(np.abs(moved) / patches.edge_room))
+    astray = float(np.max(np.abs(moved - change * (rates[0] + rates[1]) / 2) / patches.edge_scale))
+    return astray > UNCERTAIN * residual + ASTRAY * float(np.max(np.abs(moved) / patches.edge_scale))
 
 
 def _outward(first: Patches, last: Patches) -> FloatArray:

@@ -1,9 +1,9 @@
 """Descent to the minimum of the potential that an overdamped motion of the edges reaches, where a branch has ended.
 
-Small trust-region steps, measured in units of the room of each edge, minimise the potential at a fixed target; on the
-way patches may vanish, gaps close and crests touch.  Large steps would end in another basin: barriers between basins
-are as narrow as the shortest wavelength, and no edge moves by more than a fifth of it at once.  Dimensionless.
-Source: Barquins, J. Adhesion 26 (1988) 1, for the width at which a lone contact pulls off.
+Small trust-region steps minimise the potential at a fixed target.  Each edge moves in units of its step scale: the edge
+scale, at most half the shortest wavelength.  Larger steps would end in another basin: barriers between basins are as
+narrow as the shortest wavelength, and no edge moves by more than a fifth of it at once.  On the way patches vanish and
+gaps close (vanishing.py), and crests touch (touching.py).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -13,41 +13,27 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
 from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.trust_region import trust_region_step
+from bem.adhesive.vanishing import Change, closing_gaps, pulled_shut, vanishing_patches
 from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
 
-FloatArray = NDArray[np.float64]
-
 DESCENT_STEPS = 10_000  # evaluations; jumps of three realisations of the paper's profile took up to 47
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
-SMALLEST_RADIUS = 1e-12  # of a step, below which there is none
-LARGEST_ROOM = 0.5  # of the shortest wavelength, in which the steps of an edge are measured
-LARGEST_EXPANSION = 0.2  # of the shortest wavelength, by which an edge with K < 0 moves at once
-DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
+SMALLEST_RADIUS = 1e-12  # of a step, below which the descent ends
+LARGEST_STEP_SCALE = 0.5  # of the shortest wavelength: largest unit of the steps of an edge
+LARGEST_EXPANSION = 0.2  # of the shortest wavelength, by which edges move at once where one has K <= 0
 NARROW_GAP, CLOSING_STEP = 0.25, 0.4  # of the shortest wavelength; part of its width by which its edges move at once
-CLOSED_GAP = 1e-7  # of the period
-LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
-TIED = 1e-3  # relative difference of gaps that close, or patches that vanish, at the same instant
-VANISHED_WIDTH = 0.02  # of the half width at which a lone JKR contact pulls off
 
 
 DescentStatus = Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
-
-
-@dataclass(frozen=True)
-class Change:
-    """A patch or gap that vanished in a descent."""
-
-    kind: Literal["coalescence", "detachment", "complete_contact"]
-    position: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +73,11 @@ class Steps:
     Attributes
     ----------
     largest : float
-        Trust radius in units of the room of the edges; small values follow the descent path closely.
+        Trust radius in units of the step scale; small values follow the descent path closely.
     least_resolution : callable or None
         Least resolution of given patches, where others than these are near.
     ahead : CrestsAhead or None
-        Finds the crests that touch after a step; the descent ends there, or before edges reach patches that it knows.
+        Finds the crests that touch after a step; the descent ends there, or before edges reach the patches beside them.
         Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
     """
 
@@ -106,7 +92,8 @@ def descend(
     """Minimise the potential from the given edges, letting patches vanish and gaps close.
 
     1. Evaluate the forces on the edges.
-    2. Take out gaps about to close and patches about to vanish, and move edges with K < 0 outward; then evaluate again.
+    2. Take out gaps about to close and patches about to vanish, and move edges out of interpenetration where one has
+       K <= 0; then evaluate again.
     3. Choose the step that minimises the quadratic model within the trust radius.  Where the residual is small and the
        step inside the radius, the descent has converged.
     4. Try it, and take it where the potential falls about as far as predicted, else shrink the radius.
@@ -122,38 +109,56 @@ def descend(
         Of the evaluation, and of the equilibrium.
     steps : Steps
     """
-    walk = _Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2)
-    try:
-        while walk.evaluations < DESCENT_STEPS and walk.radius >= SMALLEST_RADIUS:
-            here = walk.evaluated()
-            verdict = walk.reshaped(here)
-            if verdict is None:
-                step = walk.step(here)
-                inside = here.closed(accuracy.residual) and step.size < 0.9 * walk.radius
-                verdict = "converged" if inside else walk.tried(here, step)
-            if verdict != "again":
-                return walk.ended(verdict)
-    except IllConditionedSystemError:
-        return walk.ended("ill_conditioned")
+    walk = _Walk(system, target, accuracy, steps, patches, penetration, seen=patches, radius=steps.largest / 2)
+    while walk.evaluations < DESCENT_STEPS and walk.radius >= SMALLEST_RADIUS:
+        here = walk.evaluated()
+        if here is None:
+            return walk.ended("ill_conditioned")
+        verdict = walk.reshaped(here)
+        if verdict is None:
+            step = walk.step(here)
+            inside = here.closed(accuracy.residual) and step.size < 0.9 * walk.radius
+            verdict = "converged" if inside else walk.tried(here, step)
+        if verdict != "again":
+            return walk.ended(verdict)
     return walk.ended("not_converged")
 
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """A trust-region step: the room of each edge, the parts of it moved, and the fall that the model predicts."""
+    """A trust-region step: the step scale of each edge, the parts of it moved, and the fall that the model predicts."""
 
-    room: FloatArray
+    scale: FloatArray
     parts: FloatArray
     predicted: float
 
     @property
     def size(self) -> float:
+        """Its length, of which the trust radius is a bound."""
         return float(np.linalg.norm(self.parts))
 
 
 @dataclass(eq=False)
 class _Walk:
-    """Where one descent stands: edges, forces on them (None: to be evaluated), trust radius, what has happened."""
+    """Where one descent stands.
+
+    Attributes
+    ----------
+    system, target, accuracy, steps
+        What `descend` was asked.
+    patches, penetration
+        The edges now, and where load control starts from.
+    seen : Patches
+        Where each edge was when crests ahead of it were last looked at.
+    radius : float
+        Of the trust region.
+    here : Balance or None
+        Forces on the edges; None where they are to be evaluated.
+    resolution : Resolution or None
+        Of the last evaluation: both sides of a step have the same.
+    changes, evaluations, touching
+        What has happened, as in `Descent`.
+    """
 
     system: System
     target: float
@@ -173,8 +178,8 @@ class _Walk:
         """The outcome."""
         return Descent(status, self.patches, self.here, self.changes, self.evaluations, self.touching)
 
-    def evaluated(self) -> Balance:
-        """Forces on the edges where they are; with the resolution that they ask for, where they come from elsewhere."""
+    def evaluated(self) -> Balance | None:
+        """Forces on the edges; where none are known, with the resolution that the patches ask for; None: unsolvable."""
         if self.here is None:
             self.resolution = resolve(self.system.elastic, self.patches, self.accuracy.tolerance)
             if self.steps.least_resolution is not None:
@@ -183,15 +188,15 @@ class _Walk:
         return self.here
 
     def reshaped(self, here: Balance) -> DescentStatus | Literal["again"] | None:
-        """Gaps close, edges with K < 0 move, patches vanish; None where nothing of that is due."""
-        vanished = _closing(self.system, here)
-        if vanished is None and not here.opening:
+        """Gaps close, edges move out of interpenetration, or patches vanish; None where nothing of that is due."""
+        vanished = closing_gaps(self.system, here)
+        if vanished is None and not here.all_tensile:
             wider = _expanded(self.system, here)
             if wider is None or not self._is_free(wider):
                 return "not_converged"
             self._stand_at(wider, here)
             return "again"
-        vanished = vanished or _vanishing(self.system, here)
+        vanished = vanished or vanishing_patches(self.system, here)
         if vanished is None:
             return None
         gone, remaining = vanished
@@ -205,26 +210,29 @@ class _Walk:
 
     def step(self, here: Balance) -> _Step:
         """The step that minimises the quadratic model within the trust radius."""
-        room = _room(self.system, here, self.steps.largest)
-        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(room, room)
-        gradient = here.gradient * room
+        scale = _step_scale(self.system, here, self.steps.largest)
+        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(scale, scale)
+        gradient = here.gradient * scale
         parts = trust_region_step(gradient, hessian, self.radius)
-        return _Step(room, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
+        return _Step(scale, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
 
     def tried(self, here: Balance, step: _Step) -> DescentStatus | Literal["again"]:
         """Try a step: take it where the potential falls about as far as predicted, else shrink the radius."""
-        trial = self.patches.moved(step.parts * step.room)
+        trial = self.patches.moved(step.parts * step.scale)
         if not self._is_free(trial):
             return "not_converged"
         wanted = _at_least(resolve(self.system.elastic, trial, self.accuracy.tolerance), self.resolution)
         if self.resolution is None or not _equal(wanted, self.resolution):
             self.resolution = wanted
-            self.here = self._balance(self.patches, self.penetration, wanted)
-            return "again"
+            again = self._balance(self.patches, self.penetration, wanted)
+            self.here = again or here
+            return "ill_conditioned" if again is None else "again"
         ahead = self._balance(trial, here.state.penetration, wanted)
+        if ahead is None:
+            return "ill_conditioned"
         ratio = self._ratio(here, ahead, step)
-        closing = ahead.state.stress_intensity <= 0
-        if not (ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1] and np.all(step.parts[closing] > 0)):
+        compressed = ahead.state.stress_intensity <= 0
+        if not (ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1] and np.all(step.parts[compressed] > 0)):
             self.radius = min(self.radius, step.size) / 3
             return "again"
         if self.steps.ahead is not None:
@@ -242,13 +250,14 @@ class _Walk:
         noise += energy_noise(self.system, here, ahead, self.accuracy.tolerance)
         actual = here.potential - ahead.potential
         if step.predicted < 100 * noise:
-            actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.room))
+            actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.scale))
         return actual / step.predicted if step.predicted > 0 else -1.0
 
-    def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance:
-        """Forces on some edges, counted."""
-        found = balance(self.system, patches, penetration, self.target, self.accuracy.tolerance, resolution)
-        self.evaluations += 1
+    def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance | None:
+        """Forces on some edges, counted; None where their system is ill-conditioned."""
+        tolerance = self.accuracy.tolerance
+        found = if_solvable(balance, self.system, patches, penetration, self.target, tolerance, resolution)
+        self.evaluations += found is not None
         return found
 
     def _is_free(self, patches: Patches) -> bool:
@@ -257,7 +266,7 @@ class _Walk:
         return others is None or patches.joined(others) is not None
 
     def _stand_at(self, patches: Patches, before: Balance) -> None:
-        """Go on from other edges, on which the forces are not known."""
+        """Continue from other edges, on which the forces are not known."""
         self.patches, self.penetration, self.here = patches, before.state.penetration, None
 
 
@@ -271,91 +280,27 @@ def _equal(first: Resolution, second: Resolution) -> bool:
     return bool(np.all(first.nodes == second.nodes) and np.all(first.modes == second.modes))
 
 
-def _room(system: System, here: Balance, largest_step: float) -> FloatArray:
-    """Length in which each edge may move, (2 L,); more of it is used where a narrow gap closes, whatever happens."""
+def _step_scale(system: System, here: Balance, largest_step: float) -> FloatArray:
+    """Unit of the motion of each edge, (2 L,): the edge scale, at most half the shortest wavelength.
+
+    In a narrow gap that closes whatever happens, enlarged so that the largest step is `CLOSING_STEP` of its width.
+    """
     patches, wavelength = here.state.patches, 2 * np.pi / system.elastic.profile.max_order
-    room = np.minimum(patches.edge_room, LARGEST_ROOM * wavelength)
-    narrow = (patches.gap_after < NARROW_GAP * wavelength) & _pulled_shut(here)
+    scale = np.minimum(patches.edge_scale, LARGEST_STEP_SCALE * wavelength)
+    narrow = (patches.gap_after < NARROW_GAP * wavelength) & pulled_shut(here)
     if narrow.any():
         share = np.where(narrow, max(CLOSING_STEP / largest_step, 1.0), 1.0)
-        room = room * np.concatenate([np.roll(share, 1), share])
-    return room
-
-
-def _pulled_shut(here: Balance) -> NDArray[np.bool_]:
-    """Gaps behind the patches at whose ends adhesion wins over the stiffness, (L,)."""
-    count = here.state.patches.count
-    outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
-    return np.asarray(outward[count:] & np.roll(outward[:count], -1))
+        scale = scale * np.concatenate([np.roll(share, 1), share])
+    return scale
 
 
 def _expanded(system: System, here: Balance) -> Patches | None:
-    """Edges with K < 0 moved outward by Newton towards 0.3 of the critical K; None when no room is left."""
+    """Edges with K below 0.3 of the critical one moved outward by Newton towards that; None where no space is left."""
     state = here.state
-    room = np.minimum(state.patches.edge_room, LARGEST_EXPANSION / 0.3 * 2 * np.pi / system.elastic.profile.max_order)
+    scale = np.minimum(state.patches.edge_scale, LARGEST_EXPANSION / 0.3 * 2 * np.pi / system.elastic.profile.max_order)
     short = state.stress_intensity < 0.3 * 2 * np.sqrt(here.work)
     slope = np.diagonal(here.jacobian)
     wanted = (0.6 * np.sqrt(here.work) - state.stress_intensity) / np.where(slope > 0, slope, np.inf)
-    step = np.where(short, np.clip(wanted, 0.02 * room, 0.3 * room), 0.0)
+    step = np.where(short, np.clip(wanted, 0.02 * scale, 0.3 * scale), 0.0)
     moved = state.patches.moved(step)
     return moved if moved.is_ordered else None
-
-
-def _closing(system: System, here: Balance) -> tuple[tuple[Change, ...], Patches | None] | None:
-    """The gaps about to close, with the patches that remain (None: none do, contact is complete).
-
-    A gap narrower than the limits closes where both its edges move outward; gaps as narrow as that to within
-    `TIED` close with it, so that symmetric states stay symmetric.  At fixed penetration the mean gap is fixed too,
-    and the last gap stays.
-    """
-    patches = here.state.patches
-    count = patches.count
-    gaps = patches.gap_after
-    wavelength = 2 * np.pi / system.elastic.profile.max_order
-    doomed = gaps < min(DOOMED_GAP * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
-    closing = np.flatnonzero((doomed & _pulled_shut(here)) | (gaps < CLOSED_GAP * 2 * np.pi))
-    if closing.size == 0:
-        return None
-    closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min()]
-    positions = patches.right[closing] + gaps[closing] / 2
-    if closing.size == count:
-        if system.control.load_weight == 0:
-            return None
-        return tuple(Change("complete_contact", float(x)) for x in positions), None
-    remaining = patches
-    for x in positions:
-        distance = np.abs((remaining.right + remaining.gap_after / 2 - x + np.pi) % (2 * np.pi) - np.pi)
-        remaining = remaining.merged_after(int(np.argmin(distance)))
-    return tuple(Change("coalescence", float(x)) for x in positions), remaining
-
-
-def _vanishing(system: System, here: Balance) -> tuple[tuple[Change, ...], Patches | None] | None:
-    """The patches about to vanish, with those that remain (None: none do, the surfaces are apart)."""
-    patches = here.state.patches
-    count = patches.count
-    inward = here.gradient > 0
-    shrinking = np.flatnonzero(inward[:count] & inward[count:])
-    if shrinking.size == 0:
-        return None
-    relative = patches.half_width[shrinking] / pull_off_half_width(system, patches.center[shrinking])
-    if relative.min() >= VANISHED_WIDTH:
-        return None
-    gone = shrinking[relative <= (1 + TIED) * relative.min()]
-    changes = tuple(Change("detachment", float(x)) for x in patches.center[gone])
-    if gone.size == count:
-        return changes, None
-    return changes, Patches(np.delete(patches.left, gone), np.delete(patches.right, gone))
-
-
-def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
-    """Half width (2 w R^2 / (pi E*))^(1/3) of a lone JKR line contact at pull-off, per position, dimensionless.
-
-    R is the radius of curvature there, at most that of the rms curvature of the profile.  A crest is no parabola beyond
-    a fraction of the shortest wave, which bounds the width where adhesion is strong.
-    Source: Barquins, J. Adhesion 26 (1988) 1.
-    """
-    profile = system.elastic.profile
-    rms_curvature = float(np.sqrt(np.sum((profile.orders**2 * profile.amplitudes) ** 2) / 2))
-    curvature = np.maximum(-profile.curvature(x), rms_curvature)
-    half_width = np.cbrt(system.law.work_of_adhesion(x) / (np.pi * curvature**2))
-    return np.asarray(np.minimum(half_width, 1 / profile.max_order))

@@ -2,7 +2,7 @@
 
 An equilibrium has G_e = K_e^2/4 = w_e at every edge with K_e > 0, and is stable where the Hessian of the potential
 under control is positive definite.  `correct` is plain Newton, which stays on the branch it starts from or says
-why it cannot; where a branch ends, descent.py goes on.  Dimensionless.  Source: Carbone, Scaraggi, Tartaglino,
+why it cannot; where a branch ends, descent.py continues.  Dimensionless.  Source: Carbone, Scaraggi, Tartaglino,
 Eur. Phys. J. E 30 (2009) 65, section 3.
 """
 
@@ -12,24 +12,22 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, eigh
 
 from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
 from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.control import Control
 from bem.loading.increments import Accuracy
 from bem.loading.interface_law import InterfaceLaw
 
-FloatArray = NDArray[np.float64]
-
 NEWTON_STEPS = 8
-LARGEST_NEWTON_STEP = 0.3  # of the room of an edge
+LARGEST_NEWTON_STEP = 0.3  # of the edge scale
 SHORT_NEWTON_STEP = 1e-3  # the same
 ENERGY_TRUNCATION = 3e-3  # relative error of the energy over the square of the tolerance of the evaluation
-LAYER_TRUNCATION = 5e-3  # the same over the tolerance itself, where a layer adds to the kernel; measured 5e-3
+KERNEL_TRUNCATION = 5e-3  # the same over the tolerance itself, where an effect adds to the kernel; measured on layers
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +80,7 @@ class Balance:
     rounding: FloatArray
 
     @property
-    def closure(self) -> float:
+    def residual(self) -> float:
         """max |G/w - 1| over the edges."""
         return float(np.max(np.abs(self.gradient / self.work)))
 
@@ -92,15 +90,15 @@ class Balance:
         return bool(np.all(np.abs(self.gradient / self.work) <= np.maximum(limit, rounding)))
 
     @property
-    def opening(self) -> bool:
-        """Whether K > 0 at every edge."""
+    def all_tensile(self) -> bool:
+        """Whether K > 0 at every edge, as at the tip of a crack."""
         return bool(np.all(self.state.stress_intensity > 0))
 
     @property
-    def hessian_by_room(self) -> FloatArray:
-        """Symmetric part of the Hessian with every edge in units of its room, (2 L, 2 L)."""
-        room = self.state.patches.edge_room
-        return np.asarray((self.hessian + self.hessian.T) / 2 * np.outer(room, room))
+    def hessian_by_edge_scale(self) -> FloatArray:
+        """Symmetric part of the Hessian with every edge in units of its edge scale, (2 L, 2 L)."""
+        scale = self.state.patches.edge_scale
+        return np.asarray((self.hessian + self.hessian.T) / 2 * np.outer(scale, scale))
 
     @property
     def stable_at_fixed_load(self) -> bool:
@@ -116,7 +114,7 @@ class Balance:
 
     @property
     def smallest_eigenvalue(self) -> float:
-        """Smallest eigenvalue of the Hessian scaled by work of adhesion and room of the edges."""
+        """Smallest eigenvalue of the Hessian scaled by work of adhesion and edge scale."""
         return float(eigh(self.scaled_hessian, eigvals_only=True, subset_by_index=[0, 0])[0])
 
     @property
@@ -132,8 +130,8 @@ class Balance:
 
     @property
     def scale(self) -> FloatArray:
-        """Root of room over work of adhesion of each edge, (2 L,)."""
-        return np.asarray(np.sqrt(self.state.patches.edge_room / self.work))
+        """Root of edge scale over work of adhesion of each edge, (2 L,)."""
+        return np.asarray(np.sqrt(self.state.patches.edge_scale / self.work))
 
     def _scaled(self, hessian: FloatArray) -> FloatArray:
         return np.asarray((hessian + hessian.T) / 2 * np.outer(self.scale, self.scale))
@@ -187,7 +185,7 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
 
 def energy_noise(system: System, first: Balance, last: Balance, tolerance: float) -> float:
     """Error of the difference in elastic energy of two states evaluated to `tolerance`, dimensionless."""
-    share = ENERGY_TRUNCATION * tolerance**2 if system.elastic.kernel is None else LAYER_TRUNCATION * tolerance
+    share = ENERGY_TRUNCATION * tolerance**2 if system.elastic.kernel is None else KERNEL_TRUNCATION * tolerance
     return share * (first.state.elastic_energy + last.state.elastic_energy)
 
 
@@ -207,23 +205,23 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
     """Newton iteration on K = 2 sqrt(w) from edges close to an equilibrium.
 
     K is closer to a linear function of the edges than G = K^2/4, above all where w is small and K changes sign on
-    the way.  Steps must shrink by half each time and stay below 0.3 of the room of an edge, the end must have K > 0,
+    the way.  Steps must halve each time, until the residual is within a hundredfold of its limit, and stay below 0.3 of
+    the edge scale, the end must have K > 0,
     and once all K > 0 the Hessian must be positive definite; anything else ends the iteration with its reason.
     The Hessian is diag(K/2) times the Jacobian that Newton inverts (exactly so at equilibrium, or where w is uniform):
     an indefinite one lies beyond a fold.  Short steps keep the resolution: K of one number of modes and of the next
-    differ by more than the closure where adhesion is weak, and between the two Newton would go to and fro.
+    differ by more than the residual where adhesion is weak, and between the two Newton would go to and fro.
     """
     last, kept = np.inf, None
     start = patches
     for count in range(1, NEWTON_STEPS + 1):
-        try:
-            here = balance(system, patches, penetration, target, accuracy.tolerance, kept)
-        except IllConditionedSystemError:
+        here = if_solvable(balance, system, patches, penetration, target, accuracy.tolerance, kept)
+        if here is None:
             return Corrected("ill_conditioned", None, count)
-        room = patches.edge_room
-        if here.opening:
+        scale = patches.edge_scale
+        if here.all_tensile:
             try:
-                cho_factor(here.hessian_by_room, check_finite=False)
+                cho_factor(here.hessian_by_edge_scale, check_finite=False)
             except LinAlgError:
                 return Corrected("indefinite", None, count)
             if here.closed(accuracy.residual):
@@ -232,19 +230,19 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
         size = float(np.abs(step).max())
         if not size <= LARGEST_NEWTON_STEP:
             return Corrected("long_step", None, count)
-        if size > last / 2 and here.closure > 100 * accuracy.residual:
+        if size > last / 2 and here.residual > 100 * accuracy.residual:
             return Corrected("stalled", None, count)
         last, kept = size, here.state.resolution if size < SHORT_NEWTON_STEP else None
         penetration = here.state.penetration
-        patches = patches.moved(step * room)
-        travelled = np.abs(edge_positions(patches) - edge_positions(start)) / start.edge_room
+        patches = patches.moved(step * scale)
+        travelled = np.abs(edge_positions(patches) - edge_positions(start)) / start.edge_scale
         if not patches.is_ordered or travelled.max() > LARGEST_NEWTON_STEP:
             return Corrected("long_step", None, count)
     return Corrected("stalled", None, NEWTON_STEPS)
 
 
 def _newton_step(system: System, here: Balance) -> FloatArray:
-    """Newton step on K = 2 sqrt(w) in units of the room of each edge, (2 L,); infinite where there is none."""
+    """Newton step on K = 2 sqrt(w) in units of the edge scale, (2 L,); infinite where it does not exist."""
     state, control = here.state, system.control
     jacobian = here.jacobian.copy()
     if control.load_weight > 0:
@@ -255,6 +253,6 @@ def _newton_step(system: System, here: Balance) -> FloatArray:
     jacobian[diagonal, diagonal] -= here.work_gradient / np.sqrt(here.work)
     try:
         missing = 2 * np.sqrt(here.work) - state.stress_intensity
-        return np.asarray(np.linalg.solve(jacobian * state.patches.edge_room, missing))
+        return np.asarray(np.linalg.solve(jacobian * state.patches.edge_scale, missing))
     except np.linalg.LinAlgError:
         return np.full(here.work.size, np.inf)

@@ -1,6 +1,7 @@
-"""Stability, stiffness and estimated errors of an adhesive equilibrium (assessment.py).
+"""Stability, stiffness and corrections of an adhesive equilibrium (assessment.py).
 
-The corrected edges are evaluated once more, because the stiffness has third derivatives of the energy in it.
+The edges are evaluated with more nodes and modes, moved by -H^-1 g, and evaluated there once more: without that second
+evaluation the correction of the stiffness would take third derivatives of the energy.
 Dimensionless.
 """
 
@@ -25,7 +26,7 @@ def assess_equilibrium(system: System, here: Balance, value: float, tolerance: f
     value : float
         Of the control.
     tolerance : float
-        Finer than that of `here`.
+        Finer than that of `here`; the nodes and modes being given, it sets the accuracy between clusters of patches.
     """
     state, resolution = here.state, finer(here.state.resolution)
     system = replace(system, elastic=with_left_out(system.elastic, state))

@@ -1,10 +1,10 @@
 """What happens where a branch ends: new contacts, coalescence, detachment, and the jump to the nearest minimum.
 
-An event is resolved at fixed target, first where it happens and then everywhere: the patches concerned and four
-neighbours each side move in the frozen field of all others (small trust-region steps, cheap evaluations), then all
-edges descend together.  A crest that touches ahead of a moving edge is a new contact at once (touching.py),
-interpenetration elsewhere is one in the equilibrium, and the loop goes on until none is left.  The energy that the
-avalanche releases is the difference of the potential.  Dimensionless.
+An event is resolved first where it happens and then everywhere: of more than 18 patches, those concerned and four
+neighbours each side move at fixed penetration in the frozen field of all others (small trust-region steps, cheap
+evaluations); then all edges descend together at fixed target.  A crest that touches ahead of a moving edge is a new
+contact at once (touching.py), interpenetration elsewhere is one in the equilibrium, and the loop continues until none
+is left.  The energy that the avalanche releases is the difference of the potential.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -13,22 +13,20 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bem.adhesive.descent import DescentStatus, Steps, descend, pull_off_half_width
+from bem.adhesive.descent import DescentStatus, Steps, descend
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.touching import CrestsAhead
+from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Evaluation, Resolution, resolve
 from bem.elastic.gap import GapMinima, gap_field, low_minima
 from bem.elastic.logarithmic_potential import LogarithmicPotential
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import DisplacementControl
 from bem.loading.increments import Accuracy
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-LOCAL_STEP, LOCAL_CLOSURE = 0.2, 1e-4
+LOCAL_STEP, LOCAL_RESIDUAL = 0.2, 1e-4
 GLOBAL_STEP = 0.4
 NEIGHBOURS = 4
 AVALANCHE_ROUNDS = 200  # besides one for every touch of a crest
@@ -36,7 +34,7 @@ TIED = 1e-3  # relative difference in depth of contacts that form at the same in
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class Relaxed:
     """Outcome of an event.
 
     Attributes
@@ -90,14 +88,14 @@ class Cause:
 UNKNOWN = Cause()
 
 
-def settle(
+def relax(
     system: System,
     patches: Patches,
     penetration: float,
     target: float,
     accuracy: Accuracy,
     cause: Cause = UNKNOWN,
-) -> Settled:
+) -> Relaxed:
     """Resolve an event at fixed target, starting from the given edges.
 
     Parameters
@@ -117,26 +115,26 @@ def settle(
     steps = Steps(GLOBAL_STEP, ahead=CrestsAhead(system, accuracy.allowed))
     for _ in range(_most_rounds(system)):
         if active is not None and state is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
-            patches, local, count = _settled_locally(system, patches, state, target, accuracy, active)
+            patches, local, count = _relaxed_locally(system, patches, state, target, accuracy, active)
             changes += local
             local_evaluations += count
         end = descend(system, patches, penetration, target, accuracy, steps)
         evaluations += end.evaluations
         changes += [(change.kind, change.position) for change in end.changes]
         if end.balance is None or end.status not in ("converged", "touched"):
-            return Settled(end.status, target, end.balance, tuple(changes), evaluations, local_evaluations)
+            return Relaxed(end.status, target, end.balance, tuple(changes), evaluations, local_evaluations)
         patches, state = end.patches, end.balance.state
         penetration = state.penetration
         found = interpenetration(system, state, accuracy.allowed) if end.touching is None else end.touching
         if found.position.size == 0:
-            return Settled("converged", target, end.balance, tuple(changes), evaluations, local_evaluations)
+            return Relaxed("converged", target, end.balance, tuple(changes), evaluations, local_evaluations)
         patches, active, formed = _with_new_contacts(system, patches, found)
         changes += formed
-    return Settled("not_converged", target, None, tuple(changes), evaluations, local_evaluations)
+    return Relaxed("not_converged", target, None, tuple(changes), evaluations, local_evaluations)
 
 
 def _most_rounds(system: System) -> int:
-    """How often an avalanche may go on: beside equilibria that interpenetrate, every crest may touch, and again."""
+    """How often an avalanche may continue: beside equilibria that interpenetrate, every crest may touch, and again."""
     return AVALANCHE_ROUNDS + 2 * int(system.elastic.profile.crests[0].size)
 
 
@@ -179,10 +177,10 @@ def _nearest(patches: Patches, position: float) -> int:
     return int(np.argmin(np.abs((patches.center - position + np.pi) % TWO_PI - np.pi)))
 
 
-def _settled_locally(
+def _relaxed_locally(
     system: System, patches: Patches, state: Evaluation, target: float, accuracy: Accuracy, active: IntArray
 ) -> tuple[Patches, list[tuple[str, float]], int]:
-    """Descend near the active patches in the frozen field of the others, touch by touch.
+    """Descend near the active patches at fixed penetration, in the frozen field of the others, touch by touch.
 
     Returns
     -------
@@ -211,7 +209,7 @@ def _settled_locally(
     changes: list[tuple[str, float]] = []
     evaluations = 0
     for _ in range(_most_rounds(system)):
-        end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_CLOSURE), steps)
+        end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_RESIDUAL), steps)
         evaluations += end.evaluations
         changes += [(change.kind, change.position) for change in end.changes]
         if end.touching is None:
@@ -227,7 +225,7 @@ def _settled_locally(
 def _frozen_field(
     system: System, patches: Patches, members: IntArray, state: Evaluation, penetration: float
 ) -> Callable[[FloatArray], FloatArray]:
-    """What the patches of a state that are none of some members do to these, at a penetration."""
+    """The displacement (as a function of x) by the patches of a state apart from some members, at a penetration."""
     apart = np.subtract.outer(state.patches.center, patches.center[members])
     frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
     keep = np.repeat(frozen, state.resolution.modes)

@@ -2,7 +2,7 @@
 
 Whether a jump ends beyond a crest or on it, what the contact becomes depends on when the crest touches; and near the
 end of a branch several jumps lie so close together that their order is a matter of the smallest increment.  A jump
-therefore stops where a crest ahead of one of its edges touches, and goes on with the new contact.  The gap is
+therefore stops where a crest ahead of one of its edges touches, and continues with the new contact.  The gap is
 evaluated at the crests within a few of the shortest wavelengths ahead; those farther away wait for the equilibrium at
 the end of the jump, in which every gap is looked at (gap.py).  Dimensionless.  Limits: minima of the gap beside a
 crest wait as well; beside an edge with K <= 0 the surfaces interpenetrate whatever the crests are, and nothing is
@@ -15,14 +15,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.elastic.gap import GapMinima, gap_field
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 REACH = 4.0  # shortest wavelengths ahead of an edge
 MOVED = 1e-2  # of the shortest wavelength, by which an edge must have moved to be looked ahead of again

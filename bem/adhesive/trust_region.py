@@ -6,10 +6,9 @@ Source: Conn, Gould, Toint, Trust-Region Methods (2000), section 7.3.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 
 def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:
@@ -44,7 +43,7 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
 
 
 def _shift(values: FloatArray, force: FloatArray, radius: float) -> float:
-    """The shift of the eigenvalues above the most negative one at which the step is as long as the radius.
+    """The shift of all eigenvalues, >= max(0, -the smallest), at which the step is as long as the radius.
 
     The length falls as the shift grows, and its inverse is nearly linear: Newton on that, within bounds that close in.
     Where every step is shorter (the hard case) the bounds close in on the most negative eigenvalue.

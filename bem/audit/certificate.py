@@ -17,26 +17,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.fft import dct, idct
 
-from bem.audit.displacement import ComplianceRatio, DisplacementField, GapPoints, regular_part
+from bem.audit.displacement import ComplianceRatio, DisplacementField, regular_part
+from bem.audit.gap_depths import gap_depths
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SMALLEST_VARIATION = 1e-5  # rms heights; rounding of u (5e-14, measured with 155 patches) over 1e-8, margin 2
 SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
 RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
-ROUNDING = 5e-13  # rms heights; of the displacement on a patch, over the largest charge where that exceeds 1
-GAP_POINTS_PER_WAVELENGTH = 16
-MAX_GAP_SAMPLES = 8192
-REFINEMENTS, NARROWER = 6, 3  # of a minimum: the last points are 1/243 as far apart as the first
+ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
 ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
 
 
@@ -49,13 +43,13 @@ class Demands:
     closure : float
         max|G/w - 1|, or without adhesion max|K| over that of a flat punch with the load of the patch.
     interpenetration : float
-        Largest depth, in rms heights.
+        Largest depth, in rms heights; states.py allows a thousandth of accuracy.tolerance where that is more.
     contact_residual : float
         max|u - (h - h_max + Delta)| on a patch, over the variation of h on that patch.
     truncation : float
         Last three coefficients of a patch over its largest.
     hessian_asymmetry : float
-        As the solver defines it.
+        max|H - H^T| over max|H|.
     mean_gap_error : float
         |mean gap - separation| in rms heights.
     """
@@ -103,8 +97,10 @@ class AdhesiveEdges:
     ----------
     work : (2 L,) array
         w at all left edges, then all right ones.
-    min_eigenvalue, hessian_asymmetry : float or None
-        Of the Hessian of the energy; a state without them is not ok.
+    min_eigenvalue : float or None
+        Of the Hessian of the potential under control, scaled; a state without it is not ok.
+    hessian_asymmetry : float or None
+        Of the Hessian of the energy at fixed penetration; a state without it is not ok.
     intensity_rounding : (2 L,) array or None
         Accuracy of K in double precision: an edge is not asked for more than three times that.
     """
@@ -163,6 +159,7 @@ def certify(
     --------
     Half a period of a sinusoid in contact (Westergaard), and the same pressure with a wrong penetration:
 
+    >>> from scipy.fft import dct
     >>> from bem.geometry.profile import Profile
     >>> wave = Profile.from_harmonics(2 * np.pi, [1], [1.0])
     >>> t = np.cos((np.arange(40) + 0.5) * np.pi / 40)
@@ -195,7 +192,7 @@ def certify(
     magnitude = max(1.0, max(float(np.max(np.abs(q))) for q in pressure.charges))
     misfit, least = _contact_residuals(profile, displacement, penetration), ROUNDING * magnitude
     residual = verdict.judge("contact residual", misfit, max(demands.contact_residual, least), "on patch")
-    depth, gap_integrals, unresolved = _gaps(profile, displacement, penetration, behind, RESOLVED * magnitude)
+    depth, gap_integrals, unresolved = gap_depths(profile, displacement, penetration, behind, RESOLVED * magnitude)
     min_gap = -verdict.judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
     error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - (profile.max_height - penetration))
@@ -295,113 +292,3 @@ def _contact_residuals(profile: Profile, field: DisplacementField, penetration: 
     miss = np.abs(field.in_contact(x, owner) - (height - profile.max_height + penetration))
     variation = np.maximum.reduceat(height, first) - np.minimum.reduceat(height, first)
     return np.asarray(np.maximum.reduceat(miss, first) / np.maximum(variation, SMALLEST_VARIATION))
-
-
-def _gaps(
-    profile: Profile, field: DisplacementField, penetration: float, width: FloatArray, resolved: float
-) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Depth of interpenetration (minus the smallest gap) and integral of each gap, (L,), and gaps not resolved.
-
-    Near an edge u is a power series in the root of the distance, so with x = b + g (1 - cos theta)/2 it is analytic
-    in theta on [0, pi], though not even.  Its Chebyshev series in theta, sampled until it has decayed, gives it on a
-    grid that resolves the profile.
-    """
-    contact_level = penetration - profile.max_height
-    waves = width * (profile.max_order / (2 * np.pi))
-    series = _displacement_series(field, width, _rounded(16 + 6 * np.sqrt(waves)), resolved)
-    unresolved = np.flatnonzero([not np.max(np.abs(part[-3:])) <= resolved for part in series])
-    lengths = np.array([part.size for part in series])
-    grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 2 * lengths))
-    integrals, lowest_at = np.empty(field.count), np.empty(field.count)
-    suspects = [(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))]
-    for size in np.unique(grid):
-        who = np.flatnonzero(grid == size)
-        padded = np.zeros((who.size, size))
-        for row, i in zip(padded, who, strict=True):
-            row[: lengths[i]] = series[i] * size
-        u = idct(padded, type=2, axis=1)
-        integrals[who] = _integrals_over_gaps(u, width[who]) - contact_level * width[who]
-        contact = profile.height(field.positions(_clustered(width, who, size))) + contact_level
-        gap = u - contact.reshape(u.shape)
-        lowest = gap.min(axis=1)
-        lowest_at[who] = (gap.argmin(axis=1) + 0.5) * (np.pi / size)
-        before, inner, after = gap[:, :-2], gap[:, 1:-1], gap[:, 2:]
-        bend = before - 2 * inner + after  # more than what a minimum between the points may lie lower
-        row, column = np.nonzero((inner <= before) & (inner < after) & (inner - bend < lowest[:, None]))
-        suspects.append((who[row], (column + 1.5) * (np.pi / size), np.full(row.size, np.pi / size)))
-    integrals -= _height_integrals(profile, field.pressure.right, field.pressure.right + width)
-
-    def gap_at(points: GapPoints) -> FloatArray:
-        return field.in_gaps(points) - profile.height(field.positions(points)) - contact_level
-
-    depth = -gap_at(_at_angles(width, np.arange(field.count), lowest_at))
-    owner, angle, step = (np.concatenate(parts) for parts in zip(*suspects, strict=True))
-    for _ in range(REFINEMENTS):  # a parabola through three points, then a narrower one about its vertex
-        around = _at_angles(width, np.tile(owner, 3), np.ravel(angle + np.array([[-1.0], [0.0], [1.0]]) * step))
-        before, here, after = gap_at(around).reshape(3, -1)
-        np.maximum.at(depth, owner, -np.minimum(np.minimum(before, here), after))
-        bend, rise = before - 2 * here + after, (after - before) / 2
-        vertex = np.where(bend > 0, np.clip(-rise / np.where(bend > 0, bend, 1.0), -1.0, 1.0), 0.0)
-        angle, step = angle + vertex * step, step / NARROWER
-    return depth, integrals, unresolved
-
-
-def _displacement_series(
-    field: DisplacementField, width: FloatArray, samples: IntArray, resolved: float
-) -> list[FloatArray]:
-    """Chebyshev coefficients of u in every gap, doubled in number until they have decayed or are too many."""
-    series: list[FloatArray] = [np.empty(0)] * field.count
-    pending = np.arange(field.count)
-    while pending.size:
-        classes = [(size, pending[samples[pending] == size]) for size in np.unique(samples[pending])]
-        points = [_clustered(width, who, size) for size, who in classes]
-        u = field.in_gaps(GapPoints(*(np.concatenate([getattr(p, f.name) for p in points]) for f in fields(GapPoints))))
-        unresolved = []
-        for (size, who), part in zip(classes, np.split(u, np.cumsum([p.gap.size for p in points])[:-1]), strict=True):
-            rows = dct(part.reshape(who.size, size), type=2, axis=1) / size
-            for i, row in zip(who, rows, strict=True):
-                series[i] = row
-            unresolved.append(who[(np.abs(rows[:, -3:]).max(axis=1) > resolved) & (2 * size <= MAX_GAP_SAMPLES)])
-        pending = np.sort(np.concatenate(unresolved))
-        samples[pending] *= 2
-    return series
-
-
-def _rounded(number: FloatArray) -> IntArray:
-    """Sizes rounded up in steps of at most a quarter, so that equal ones can be treated together."""
-    step = 2 ** np.maximum(np.ceil(np.log2(number)).astype(np.int64) - 3, 0)
-    return np.asarray(np.ceil(number / step) * step, dtype=np.int64)
-
-
-def _clustered(width: FloatArray, gaps: IntArray, number: int) -> GapPoints:
-    """The points phi = (k + 1/2) pi / n of `_at_angles` for some gaps, one after the other."""
-    angle = (np.arange(number) + 0.5) * (np.pi / number)
-    return _at_angles(width, np.repeat(gaps, number), np.tile(angle, gaps.size))
-
-
-def _at_angles(width: FloatArray, gap: IntArray, angle: FloatArray) -> GapPoints:
-    """Points b + g (1 - cos theta)/2, theta = pi (1 - cos phi)/2, phi in (0, pi): dense at both edges."""
-    from_left = np.sin(np.pi / 2 * np.sin(angle / 2) ** 2)
-    from_right = np.sin(np.pi / 2 * np.cos(angle / 2) ** 2)
-    return GapPoints(gap, width[gap] * from_left**2, width[gap] * from_right**2)
-
-
-def _integrals_over_gaps(u: FloatArray, width: FloatArray) -> FloatArray:
-    """int u dx = int u (g/2) sin(theta) dtheta from values at the points of `_clustered`, by Fejer's rule, (n,)."""
-    size = u.shape[1]
-    theta = np.pi * np.sin((np.arange(size) + 0.5) * (np.pi / 2 / size)) ** 2
-    series = dct(u * np.sin(theta), type=2, axis=1)[:, ::2] / size
-    even = np.arange(0, size, 2)
-    weight = np.where(even == 0, 0.5, 1.0) * 2 / (1.0 - even**2)
-    return np.asarray(width * (np.pi / 4) * (series @ weight))
-
-
-def _height_integrals(profile: Profile, start: FloatArray, stop: FloatArray) -> FloatArray:
-    """int h dx from start to stop, term by term, (L,): exp(imx) is a product from two tables with sqrt(M) entries."""
-    size = int(np.sqrt(profile.max_order)) + 1
-    antiderivative = np.zeros(size * size, dtype=np.complex128)
-    antiderivative[profile.orders] = profile.amplitudes / profile.orders * np.exp(1j * profile.phases)
-    x, order = np.concatenate([stop, start]), np.arange(size)
-    fine, coarse = np.exp(1j * np.multiply.outer(x, order)), np.exp(1j * np.multiply.outer(x, size * order))
-    sums = np.einsum("ij,ij->i", fine @ antiderivative.reshape(size, size).T, coarse).imag
-    return np.asarray(sums[: stop.size] - sums[stop.size :])

@@ -25,11 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dct
 
+from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-ComplexArray = NDArray[np.complex128]
 ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 ROUNDING = 1e-16

@@ -26,15 +26,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.audit.certificate import Certificate, Demands, Verdict
 from bem.audit.displacement import ComplianceRatio
+from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.profile import Profile
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-ComplexArray = NDArray[np.complex128]
 
 ROUNDING = 5e-15  # of pressures, over the sum of the mean and the rms pressure of complete contact; measured 1e-15
 SUMMED = 4.0  # of that, in sums over the terms of a series; measured 1

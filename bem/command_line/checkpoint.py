@@ -1,4 +1,4 @@
-"""What converged is kept: results written while a run goes on, and the stored result a run resumes.
+"""What converged is kept: results written during a run, and the stored result a run resumes.
 
 States are written at once while writing takes little of the time: the pause between two writes is at least
 `PAUSE` times the last one took, and never longer than the next increment.  A run that is killed so loses
@@ -20,7 +20,7 @@ from bem.scene.result import FINAL_STATUSES, CorruptResultError, Result, digest,
 from bem.scene.scene import Scene
 
 PAUSE = 10.0
-SECONDS_BETWEEN_INCREMENTS = 2.0  # between writes of states that are no targets
+SECONDS_BETWEEN_INCREMENTS = 2.0  # between writes of states that are not targets
 
 
 class OutputFolderError(ValueError):
@@ -28,7 +28,7 @@ class OutputFolderError(ValueError):
 
 
 def usable(folder: Path) -> None:
-    """Refuse what exists and is no folder.
+    """Refuse what exists and is not a folder.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def usable(folder: Path) -> None:
 
 
 def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> Result | None:
-    """The result of an existing folder to go on from, None to begin; nothing is written.
+    """The result of an existing folder to continue from, None to begin; nothing is written.
 
     Raises
     ------
@@ -49,13 +49,13 @@ def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> 
     if overwrite:
         return None
     if not resume:
-        raise OutputFolderError(f"{folder}: exists; --resume goes on from what it holds, --overwrite replaces it")
+        raise OutputFolderError(f"{folder}: exists; --resume continues from what it holds, --overwrite replaces it")
     try:
         stored = read_result(folder)
     except FileNotFoundError:
         return None
     except CorruptResultError as error:
-        raise OutputFolderError(f"{error}; nothing to go on from, --overwrite computes it again") from error
+        raise OutputFolderError(f"{error}; nothing to continue from, --overwrite computes it again") from error
     resolved = scene.resolved()
     if digest(stored.scene) != digest(resolved):
         differing = [name for name in resolved if stored.scene.get(name) != resolved[name]]

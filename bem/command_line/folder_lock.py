@@ -1,7 +1,7 @@
 """One writer for an output folder: a lock file in it, held while a command writes there.
 
 The lock is the operating system's (flock through `filelock`), so that it ends with the process that holds it, also when
-that is killed; the file `.lock` tells who that is and is removed at the end.  Limits: file systems without flock, where
+that is killed; the file `.lock` names the holder and is removed at the end.  Limits: file systems without flock, where
 `filelock` says so.
 """
 
@@ -40,7 +40,7 @@ def locked(folder: Path) -> Iterator[bool]:
     FolderInUseError
         Another process holds it; who, where and since when.
     FileExistsError
-        It is no folder.
+        It is not a folder.
 
     Examples
     --------

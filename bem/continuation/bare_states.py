@@ -9,11 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System
-from bem.adhesive.events import Settled, first_contact, settle
+from bem.adhesive.events import Relaxed, first_contact, relax
 from bem.continuation.jumps import Jumps
 from bem.continuation.opening import (
     Flaw,
@@ -23,14 +22,14 @@ from bem.continuation.opening import (
     lowest_pressure,
     opened_gap,
     opening_load,
+    opening_rounding,
 )
 from bem.continuation.path_point import BranchEnd, Equilibrium, Point
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact, closing_place
-from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, Exact, path_events
+from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, path_events
 from bem.loading.path_point import Complete, Failed, Separated
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,9 +84,9 @@ class BareStates:
 
     def _touched(self, value: float) -> Point:
         """The state into which the highest crests jump where they touch."""
-        settled = self._settled(first_contact(self.system, self.crests), value, value)
-        changes = (*(("first_touch", float(crest)) for crest in self.crests), *settled.changes)
-        return self.jumps.behind(FIRST_TOUCH, NO_ERROR, settled, changes) or Failed(value, "not_converged")
+        relaxed = self._relaxed(first_contact(self.system, self.crests), value, value)
+        changes = (*(("first_touch", float(crest)) for crest in self.crests), *relaxed.changes)
+        return self.jumps.behind(FIRST_TOUCH, NO_ERROR, relaxed, changes) or Failed(value, "not_converged")
 
     def _opened(self, point: Complete, goal: float) -> Point:
         """Complete contact at the goal, or the equilibrium into which it opens on the way there."""
@@ -97,12 +96,12 @@ class BareStates:
             return Complete(goal)
         system, highest = self.system, self.system.elastic.profile.max_height
         value = max(goal, highest - self.jumps.increments.smallest)
-        settled = self._settled(first_gap(system, self.complete, highest - value), value, value)
-        if settled.balance is None or settled.changes:
+        relaxed = self._relaxed(first_gap(system, self.complete, highest - value), value, value)
+        if relaxed.balance is None or relaxed.changes:
             return Failed(value, "not_converged")
         opening = ("opening", lowest_pressure(self.complete))
         events = path_events((opening,), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
-        return Equilibrium(value, settled.balance, tangent(system.control, settled.balance), events=events)
+        return Equilibrium(value, relaxed.balance, tangent(system.control, relaxed.balance), events=events)
 
     def _opened_at_flaw(self, point: Complete, goal: float) -> Point:
         """The same where the load takes part in the control: without a flaw complete contact stays."""
@@ -115,20 +114,22 @@ class BareStates:
         if goal > value:
             return Complete(goal)
         joined = self._fully_joined(value)
-        settled = self._settled(opened_gap(system, complete, flaw, joined.load), highest, value)
+        relaxed = self._relaxed(opened_gap(system, complete, flaw, joined.load), highest, value)
         joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, fine.tolerance))
-        behind = self.jumps.behind(joined, NO_ERROR, settled, (("opening", flaw.center), *settled.changes))
+        rounding = opening_rounding(system, flaw, fine.tolerance)
+        error = replace(NO_ERROR, value=system.control.load_weight * rounding, load=rounding)
+        behind = self.jumps.behind(joined, error, relaxed, (("opening", flaw.center), *relaxed.changes))
         return behind or Failed(value, "not_converged")
 
-    def _fully_joined(self, value: float) -> Exact:
+    def _fully_joined(self, value: float) -> EventNumbers:
         """Complete contact at a value of the control; the tension under which the last gap closes has no bound."""
         control, highest = self.system.control, self.system.elastic.profile.max_height
         value = value if control.load_weight else highest
         potential = complete_potential(self.system, self.complete, value)
-        return Exact(value, highest, control.load(highest, value), potential)
+        return EventNumbers(value, highest, control.load(highest, value), potential)
 
-    def _settled(self, start: Patches, penetration: float, value: float) -> Settled:
+    def _relaxed(self, start: Patches, penetration: float, value: float) -> Relaxed:
         """Where the forces lead from edges that touch or open."""
-        settled = settle(self.system, start, penetration, value, self.jumps.increments.coarse)
-        self.jumps.effort.book(settled.evaluations, settled.local_evaluations)
-        return settled
+        relaxed = relax(self.system, start, penetration, value, self.jumps.increments.coarse)
+        self.jumps.effort.book(relaxed.evaluations, relaxed.local_evaluations)
+        return relaxed

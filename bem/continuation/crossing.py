@@ -33,10 +33,11 @@ SECANT_STEPS = 30
 NEWTON_STEPS = 6
 LOAD_ACCURACY = 1e-11
 STIFF = 100.0  # times the accuracy: what one digit of the control changes in the load of a narrow gap
+DIGITS = 64  # spacings of the control that Newton may still go to and fro there; measured 26
 COARSE_LOAD_ACCURACY = 1e-5  # from where Newton needs one or two steps
 REFINEMENTS, REFINEMENT = 3, 16  # finer paths where Newton does not reach the load, and how much finer each is
-REFINED_TOLERANCE, REFINED_CLOSURE = 1e-6, 1e-7  # of evaluations in finer increments
-COARSE_CLOSURE = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
+REFINED_TOLERANCE, REFINED_RESIDUAL = 1e-6, 1e-7  # of evaluations in finer increments
+COARSE_RESIDUAL = 0.1  # of that between targets, so that the coarse load is as smooth as its accuracy asks
 
 
 class Branches(Protocol):
@@ -79,7 +80,7 @@ class Branches(Protocol):
 
 
 def at_load(path: Branches, before: Point, after: Point, load: float) -> Equilibrium | None:
-    """The refined point between two points at which the load is `load`; None where there is none.
+    """The refined point between two points at which the load is `load`; None where it does not exist.
 
     Parameters
     ----------
@@ -141,7 +142,7 @@ def _refined(path: Branches, reach: float) -> Branches:
     accuracy = replace(
         inc.coarse,
         tolerance=min(inc.coarse.tolerance, REFINED_TOLERANCE),
-        residual=min(inc.coarse.residual, REFINED_CLOSURE),
+        residual=min(inc.coarse.residual, REFINED_RESIDUAL),
     )
     return path.with_increments(
         Increments(reach / REFINEMENT, min(reach, inc.smallest) / REFINEMENT, accuracy, inc.fine)
@@ -171,7 +172,7 @@ def may_meet(path: Branches, before: WithEdges, after: WithEdges, load: float) -
 def _tracking(path: Branches) -> Branches:
     """The same path, whose points are only as accurate as between targets; it books its effort on the same account."""
     inc = path.increments
-    accuracy = Accuracy(inc.coarse.tolerance, COARSE_CLOSURE * inc.coarse.residual, inc.fine.allowed)
+    accuracy = Accuracy(inc.coarse.tolerance, COARSE_RESIDUAL * inc.coarse.residual, inc.fine.allowed)
     return path.with_increments(replace(inc, fine=accuracy))
 
 
@@ -225,7 +226,7 @@ def _newton(
 
     Points are as accurate as between targets: a finer root next to one of them may lie beyond it.
     """
-    nearest = None
+    nearest, least = None, STIFF * accuracy
     for _ in range(NEWTON_STEPS):
         found = path.refined_at(point, value) if ends[0] <= value <= ends[1] else None
         if found is None:
@@ -234,8 +235,8 @@ def _newton(
         miss = abs(found.state.load - load) / max(abs(load), 1e-3)
         if miss <= accuracy:
             return found
-        if miss <= STIFF * accuracy and abs(ahead - value) <= 4 * np.spacing(abs(value)):
-            nearest = found  # in narrow gaps the control may have no number between
+        if miss <= least and abs(ahead - value) <= DIGITS * np.spacing(abs(value)):
+            nearest, least = found, miss  # in narrow gaps the control may have no number between
         value = ahead
     return nearest
 

@@ -7,16 +7,14 @@ and several modes may be soft together: among equal patches one shrinks.  The wa
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import System, balance
 from bem.continuation.limit_points import LimitPoint, is_pushed
+from bem.geometry.arrays import FloatArray
 from bem.loading.increments import Accuracy
 
-FloatArray = NDArray[np.float64]
-
-DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the room
-LEAST_FORCE = 3.0  # times the closure between targets
+DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the edge scale
+LEAST_FORCE = 3.0  # times the residual between targets
 TIED = 1e-6  # relative difference of patches that are equal
 
 
@@ -39,7 +37,7 @@ def departure(system: System, limit: LimitPoint, accuracy: Accuracy) -> tuple[Fl
     evaluations : int
     """
     state, direction = limit.balance.state, _direction(limit)
-    motion = direction / np.max(np.abs(direction) / state.patches.edge_room)
+    motion = direction / np.max(np.abs(direction) / state.patches.edge_scale)
     force, outward, evaluations = -np.inf, motion, 0
     for part in DEPARTURES:
         for sign in (1.0,) if limit.kind == "fold" else (1.0, -1.0):
@@ -51,7 +49,7 @@ def departure(system: System, limit: LimitPoint, accuracy: Accuracy) -> tuple[Fl
                 force, outward = along, sign * part * motion
         if force > LEAST_FORCE * accuracy.residual:
             return outward, True, evaluations
-    return outward * (DEPARTURES[-1] / float(np.max(np.abs(outward) / state.patches.edge_room))), False, evaluations
+    return outward * (DEPARTURES[-1] / float(np.max(np.abs(outward) / state.patches.edge_scale))), False, evaluations
 
 
 def _direction(limit: LimitPoint) -> FloatArray:

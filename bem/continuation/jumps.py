@@ -13,31 +13,31 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.branch import misses_energy, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
-from bem.adhesive.events import Cause, Settled, interpenetration, settle
+from bem.adhesive.events import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import LimitPoint, at_rest, locate_limit_point
+from bem.continuation.limit_points import LimitPoint, locate_limit_point
 from bem.continuation.opening import complete_potential
 from bem.continuation.path_point import BranchEnd, Equilibrium, Point
+from bem.continuation.rest import at_rest
 from bem.continuation.touch_points import Bracket, locate_touch
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import Exact, PathEvent, path_events
+from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
+OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
+DEEPER = 1e-8  # rms heights, by which a gap beside the one that touches is closed before
 DOUBT = 3.0  # times its error: less energy is not released
 TIED = 1e-6  # relative difference of patches that move alike
-MOVING = 0.3  # of the largest motion in units of room: patches that move with a mode
+MOVING = 0.3  # of the largest motion in units of the edge scale: patches that move with a mode
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +72,12 @@ class Jumps:
         if not np.all(inside):
             return []
         gaps = gap_field(self.system.elastic, before)(found.position, found.gap), found.depth
+        width = abs(ahead.value - point.value)
         touch = locate_touch(
             self.system,
             lambda value: _interpolated(point, ahead, value),
             before.penetration,
-            Bracket((point.value, ahead.value), gaps, found),
+            Bracket((point.value, ahead.value), gaps, found, self.increments.smallest),
             self._fine,
         )
         if touch is None:
@@ -84,14 +85,20 @@ class Jumps:
         self.effort.evaluations += touch.evaluations
         end = self._equilibrium(touch.exact.value, touch.balance, last=True)
         state = touch.balance.state
-        settled = self._settled(state, state.patches, touch.exact.value, found=touch.touching)
-        after = self.behind(touch.exact, touch.error, settled, settled.changes)
+        deeper = interpenetration(self.system, state, DEEPER)
+        if deeper.position.size:  # another minimum of the gap closed before, which at `ahead` there was none of
+            return self.from_touch(point, end, deeper) if abs(end.value - point.value) < width else []
+        relaxed = self._relaxed(state, state.patches, touch.exact.value, found=touch.touching)
+        after = self.behind(touch.exact, touch.error, relaxed, relaxed.changes)
         return [] if after is None else [end, after]
 
     def limit_point(self, point: Equilibrium, reach: float, thorough: bool) -> LimitPoint | None:
         """The limit point that ends the branch of a point within about `reach` of the control, if there is one."""
-        coarse = self.increments.coarse.tolerance
-        limit = locate_limit_point(self.system, point.balance, point.value, reach, (coarse, *self._fine), thorough)
+        coarse, (fine, finest) = self.increments.coarse.tolerance, self._fine
+        limit = locate_limit_point(self.system, point.balance, point.value, reach, (coarse, fine, finest), thorough)
+        if limit is None and thorough:  # coarse states may end farther from it than `reach`
+            near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(point.value)), reach))
+            limit = locate_limit_point(self.system, point.balance, point.value, near, (fine, fine, finest), thorough)
         if limit is None:
             return None
         self.effort.evaluations += limit.evaluations
@@ -101,56 +108,67 @@ class Jumps:
     def from_limit(self, limit: LimitPoint, reach: float) -> list[Point]:
         """A limit point and the state behind its jump; nothing where the forces lead to no other state.
 
-        Where the branch turns unstable and others leave it continuously, one of these goes on a smallest increment
-        behind, in the direction of `reach`.
+        ===============  ======================================  ===================================================
+        limit point      edges pushed along its mode             what follows
+        ===============  ======================================  ===================================================
+        fold             feel no force that leads on             nothing: the branch does not end there
+        fold             feel one                                a jump at the same value of the control
+        broken symmetry  feel one, or do not fall back           the event that the symmetry breaks, and such a jump
+        broken symmetry  fall back: another branch begins here   that event, and the other branch, taken up a smallest
+                                                                 increment behind in the direction of `reach`; from
+                                                                 there forces may still lead to a jump
+        ===============  ======================================  ===================================================
         """
-        inc, value, patches = self.increments, limit.exact.value, limit.balance.state.patches
-        outward, leads_on, evaluations = departure(self.system, limit, inc.coarse)
+        outward, leads_on, evaluations = departure(self.system, limit, self.increments.coarse)
         self.effort.evaluations += evaluations
-        size = np.abs(outward) / patches.edge_room
-        moving = np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)
-        growth = (outward / patches.edge_room).reshape(2, -1).sum(axis=0)
-        leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))  # of two alike, what shrinks
-        place = ("bifurcation", float(patches.center[leading]))
-        broken = limit.kind == "bifurcation"
-        if not leads_on and not broken:
+        if limit.kind == "fold" and not leads_on:
             return []
-        state, away = limit.balance.state, patches.moved(outward)
-        settled = self._settled(state, away, value, moving, fine=not leads_on)
-        if not leads_on:
-            leads_on = bool(settled.changes) or _departed(patches, settled, float(size.max()))
-        if not leads_on:
-            value += float(np.copysign(inc.smallest, reach))
-            settled = self._settled(state, away, value, moving)
-        changes = (place, *settled.changes) if broken or not settled.changes else settled.changes
-        if settled.balance is None and not settled.changes:
-            return []
-        behind = self.behind(limit.exact, limit.error, settled, changes, leads_on or bool(settled.changes))
-        if behind is not None:
-            return [BranchEnd(limit.exact.value, limit), behind]
-        if not broken or settled.balance is None:
-            return []
-        return [self._equilibrium(value, settled.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
+        state, value = limit.balance.state, limit.exact.value
+        pushed, moving = state.patches.moved(outward), _moving(state.patches, outward)
+        place = ("bifurcation", _leading(state.patches, outward))
+        relaxed = self._relaxed(state, pushed, value, moving, fine=not leads_on)
+        if leads_on or relaxed.changes or _departed(state.patches, relaxed, outward):
+            named = limit.kind == "broken_symmetry" or not relaxed.changes
+            return self._jumped(limit, relaxed, (place, *relaxed.changes) if named else relaxed.changes)
+        value += float(np.copysign(self.increments.smallest, reach))
+        relaxed = self._relaxed(state, pushed, value, moving)
+        points = self._jumped(limit, relaxed, (place, *relaxed.changes), bool(relaxed.changes))
+        if points or relaxed.balance is None:
+            return points
+        return [self._equilibrium(value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
 
-    def unlocated(self, start: Equilibrium, value: float, found: GapMinima | None, fine: bool = False) -> Point:
+    def _jumped(
+        self, limit: LimitPoint, relaxed: Relaxed, changes: tuple[tuple[str, float], ...], moved: bool = True
+    ) -> list[Point]:
+        """A limit point and the point behind the jump from it; nothing where none was found, or nothing happened."""
+        if relaxed.balance is None and not relaxed.changes:
+            return []
+        behind = self.behind(limit.exact, limit.error, relaxed, changes, moved)
+        return [] if behind is None else [BranchEnd(limit.exact.value, limit), behind]
+
+    def unlocated(
+        self, start: Equilibrium, value: float, found: GapMinima | None, width: float, fine: bool = False
+    ) -> Point:
         """The state at `value` behind an end of the branch that was not located, from the last good edges.
 
+        The end lies within `width`, over which the numbers of a branch change by up to twice what its tangent says:
+        before a fold as the root of the distance.
         What the accuracy between targets leaves undecided (a shallow minimum, or none) that of targets decides.
-        A jump of the edges that releases no energy is none: Newton only did not reach that far.
+        Edges that leap without a release of energy have not jumped: Newton only did not reach that far.
         """
         here, state = start.balance, start.state
         unstable = unstable_patches(here) if found is None else None
-        settled = self._settled(state, state.patches, value, unstable, found, fine)
+        relaxed = self._relaxed(state, state.patches, value, unstable, found, fine)
         pushed = self._exact(here, start.value, value)
-        if settled.balance is not None and not settled.changes:
-            ahead = self._equilibrium(value, settled.balance)
+        if relaxed.balance is not None and not relaxed.changes:
+            ahead = self._equilibrium(value, relaxed.balance)
             if not self.misses_energy(start, ahead):
-                return self._resting(settled)
-        width, control, stiffness = abs(value - start.value), self.system.control, here.stiffness
-        deeper = abs(width / (control.penetration_weight + control.load_weight * stiffness))
-        error = Exact(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
-        changes = settled.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
-        return self.behind(pushed, error, settled, changes, bool(settled.changes)) or self._resting(settled)
+                return self._resting(relaxed)
+        control, stiffness = self.system.control, here.stiffness
+        deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
+        error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
+        changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
+        return self.behind(pushed, error, relaxed, changes, bool(relaxed.changes)) or self._resting(relaxed)
 
     def misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether more energy went missing between two points than the forces along one branch account for.
@@ -166,9 +184,9 @@ class Jumps:
 
     def behind(
         self,
-        at: Exact,
-        error: Exact,
-        settled: Settled,
+        at: EventNumbers,
+        error: EventNumbers,
+        relaxed: Relaxed,
         changes: tuple[tuple[str, float], ...],
         moved: bool = True,
     ) -> Point | None:
@@ -176,51 +194,57 @@ class Jumps:
 
         Parameters
         ----------
-        at, error : Exact
+        at, error : EventNumbers
             The state from which the contact jumps, and its errors.
-        settled : Settled
+        relaxed : Relaxed
             Where the jump ended.
         changes : tuple of (kind, position)
             What happened, in order.
         moved : bool
             Whether something surely did; else the energy released must exceed its error.
         """
-        if settled.balance is None:
-            return self._without_edges(at, error, settled, changes)
-        system, value = self.system, settled.target
-        found = at_rest(system, settled.balance, value, self._fine)
+        if relaxed.balance is None:
+            return self._without_edges(at, error, relaxed, changes)
+        system, value = self.system, relaxed.target
+        found = at_rest(system, relaxed.balance, value, self._fine)
         self.effort.evaluations += 2
-        here, after, uncertain = (settled.balance, self._exact(settled.balance, value, value), np.inf)
+        here, after, uncertain = (relaxed.balance, self._exact(relaxed.balance, value, value), np.inf)
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
-        released = at.potential - self._led_back(here, after, at.value)
-        works = system.control.penetration_weight > 0  # the load does work, or the penetration
-        eased = abs(at.load - after.load) if works else abs(at.penetration - after.penetration)
-        doubt = error.potential + uncertain + error.value * eased  # of a jump elsewhere
+        released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
+        doubt = error.potential + uncertain + self._elsewhere(at, error, after.penetration, after.load)
         if not moved and released <= DOUBT * doubt:
             return None
         events = path_events(changes, at, error, released, doubt)
-        return self._equilibrium(value, here, events) if settled.status == "converged" else _failed(settled, events)
+        return self._equilibrium(value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
 
     def _without_edges(
-        self, at: Exact, error: Exact, settled: Settled, changes: tuple[tuple[str, float], ...]
+        self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
     ) -> Separated | Complete | Failed:
         """The point behind a jump that leaves no edges, or did not end."""
-        released = np.nan
-        if settled.status == "separated":
+        released, doubt = np.nan, error.potential
+        if relaxed.status == "separated":
             changes = (*changes[:-1], ("pull_off", changes[-1][1]))
             if self.system.control.penetration_weight:  # a dead tension falls for ever
                 released = at.potential
-        elif settled.status == "complete_contact":
-            released = at.potential - complete_potential(self.system, self.complete, settled.target)
-        events = path_events(changes, at, error, released, error.potential)
-        if settled.status == "separated":
-            return Separated(settled.target, events=events)
-        if settled.status == "complete_contact":
-            return Complete(settled.target, events=events)
-        return _failed(settled, events)
+                doubt += self._elsewhere(at, error, at.penetration, 0.0)
+        elif relaxed.status == "complete_contact":
+            released = at.potential - complete_potential(self.system, self.complete, relaxed.target)
+            highest = self.system.elastic.profile.max_height
+            doubt += self._elsewhere(at, error, highest, self.system.control.load(highest, relaxed.target))
+        events = path_events(changes, at, error, released, doubt)
+        if relaxed.status == "separated":
+            return Separated(relaxed.target, events=events)
+        if relaxed.status == "complete_contact":
+            return Complete(relaxed.target, events=events)
+        return _failed(relaxed, events)
 
-    def _settled(
+    def _elsewhere(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
+        """Change of the energy released where the jump to this penetration and load lies elsewhere within its error."""
+        works = self.system.control.penetration_weight > 0  # the load does work, or the penetration
+        return error.value * (abs(at.load - load) if works else abs(at.penetration - penetration))
+
+    def _relaxed(
         self,
         before: Evaluation,
         patches: Patches,
@@ -228,21 +252,21 @@ class Jumps:
         unstable: IntArray | None = None,
         found: GapMinima | None = None,
         fine: bool = False,
-    ) -> Settled:
+    ) -> Relaxed:
         """Where the forces lead; what the accuracy between targets leaves open that of targets decides."""
         cause = Cause(unstable, found, before)
         for accuracy in (self.increments.coarse, self.increments.fine)[int(fine) :]:
-            settled = settle(self.system, patches, before.penetration, value, accuracy, cause)
-            self.effort.book(settled.evaluations, settled.local_evaluations)
-            if settled.status != "not_converged":
+            relaxed = relax(self.system, patches, before.penetration, value, accuracy, cause)
+            self.effort.book(relaxed.evaluations, relaxed.local_evaluations)
+            if relaxed.status != "not_converged":
                 break
-        return settled
+        return relaxed
 
-    def _resting(self, settled: Settled) -> Equilibrium | Failed:
+    def _resting(self, relaxed: Relaxed) -> Equilibrium | Failed:
         """The state that forces led to, as a point of the branch that went there."""
-        if settled.balance is None or settled.status != "converged":
-            return _failed(settled)
-        return self._equilibrium(settled.target, settled.balance)
+        if relaxed.balance is None or relaxed.status != "converged":
+            return _failed(relaxed)
+        return self._equilibrium(relaxed.target, relaxed.balance)
 
     def _equilibrium(
         self, value: float, here: Balance, events: tuple[PathEvent, ...] = (), last: bool = False
@@ -250,18 +274,18 @@ class Jumps:
         """A point with its tangent."""
         return Equilibrium(value, here, tangent(self.system.control, here), events=events, last=last)
 
-    def _exact(self, here: Balance, start: float, value: float) -> Exact:
+    def _exact(self, here: Balance, start: float, value: float) -> EventNumbers:
         """Numbers of a state after a change of the control at fixed edges."""
         control, change = self.system.control, value - start
         state = here.state
         deeper = change * control.rate(state)
-        potential = here.potential + change * (control.force(state) + change / 2 * control.force_rate(state))
-        return Exact(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
+        potential = self._led_to(state, here.potential, change)
+        return EventNumbers(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
 
-    def _led_back(self, here: Balance, exact: Exact, value: float) -> float:
-        """The potential that a state next to the value of a limit point has at that value."""
-        control, change = self.system.control, value - exact.value
-        return exact.potential + change * (control.force(here.state) + change / 2 * control.force_rate(here.state))
+    def _led_to(self, state: Evaluation, potential: float, change: float) -> float:
+        """The potential of a state after a change of the control at fixed edges."""
+        control = self.system.control
+        return potential + change * (control.force(state) + change / 2 * control.force_rate(state))
 
     def _finer(self, here: Balance, value: float) -> Balance:
         """The forces on the same edges at the accuracy of a target."""
@@ -270,20 +294,33 @@ class Jumps:
         return balance(self.system, state.patches, state.penetration, value, self.increments.fine.tolerance)
 
 
-def _failed(settled: Settled, events: tuple[PathEvent, ...] = ()) -> Failed:
+def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
     """An event that does not end in a state, with what happened until then."""
     status: Literal["not_converged", "ill_conditioned"] = "not_converged"
-    if settled.status == "ill_conditioned":
+    if relaxed.status == "ill_conditioned":
         status = "ill_conditioned"
-    return Failed(settled.target, status, events=events)
+    return Failed(relaxed.target, status, events=events)
 
 
-def _departed(start: Patches, settled: Settled, pushed: float) -> bool:
-    """Whether edges that were pushed from an equilibrium, in units of their room, did not fall back to it."""
-    if settled.balance is None:
+def _moving(patches: Patches, outward: FloatArray) -> IntArray:
+    """Patches that move with a motion of the edges."""
+    size = np.abs(outward) / patches.edge_scale
+    return np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)
+
+
+def _leading(patches: Patches, outward: FloatArray) -> float:
+    """Centre of the patch that grows or shrinks most in a motion of the edges; of two alike, that which shrinks."""
+    growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
+    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))
+    return float(patches.center[leading])
+
+
+def _departed(start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
+    """Whether edges that were pushed outward from an equilibrium did not fall back to it."""
+    if relaxed.balance is None:
         return False
-    moved = np.abs(edge_positions(settled.balance.state.patches) - edge_positions(start)) / start.edge_room
-    return float(moved.max()) > 2 * pushed
+    moved = np.abs(edge_positions(relaxed.balance.state.patches) - edge_positions(start)) / start.edge_scale
+    return float(moved.max()) > 2 * float(np.max(np.abs(outward) / start.edge_scale))
 
 
 def _interpolated(first: Equilibrium, last: Equilibrium, value: float) -> Patches:

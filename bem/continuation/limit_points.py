@@ -2,13 +2,15 @@
 
 At a limit point the equilibrium is neutral: with the gradient g of the potential, its Hessian H and the control tau
 
-    g(x, tau) = 0,   mu(x, tau) = 0,   mu the smallest eigenvalue of H, v its mode.
+    g(x, tau) = 0,   mu(x, tau) = 0,   mu the smallest eigenvalue of H, v its mode,
+
+motions of the edges being in units of the root of edge scale over work of adhesion (softness.py).
 
 At a fold the load works on the mode (v . dg/dtau != 0): Newton on both equations at once, the last row of which is
 d mu = D_v H v . dx + v . dH/dtau v dtau (Seydel, Practical Bifurcation and Stability Analysis, 2010, section 5.4).
 D_v H is a difference of exact Hessians, dH/dtau is exact: K is linear in tau at fixed edges.  Where the mode breaks a
-symmetry that loading keeps, the load does no work on it, and the branch continues unstable: mu changes sign along it
-(a bifurcation), which the secant finds, with the modes that break the symmetry at rest.  Coarse evaluations lead to
+symmetry that loading keeps, the load does no work on it, and the branch continues unstable: mu changes sign along it.
+Newton on the same equations finds that, with the modes that break the symmetry at rest.  Coarse evaluations lead to
 the point, finer ones improve it, and what the last of these changes, with another resolution, is its error.
 Dimensionless.  Limits: at a fold one mode alone is neutral.
 """
@@ -32,17 +34,17 @@ from bem.continuation.softness import (
     softness,
     to_rest,
 )
-from bem.elastic.collocation import finer, resolve
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.collocation import resolve
+from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-from bem.loading.path_events import Exact
-
-FloatArray = NDArray[np.float64]
+from bem.loading.path_events import EventNumbers
 
 STEPS = 8  # of Newton; it takes two to four, more where a fold is about to vanish (a cusp)
-LONGEST_STEP = 0.2  # of the room of an edge
-NEAR = 1e-3  # of the room: the rest of a step is left to finer evaluations
+LONGEST_STEP = 0.2  # of the edge scale
+NEAR = 1e-3  # of the edge scale: the rest of a step is left to finer evaluations
 CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
+NEUTRAL = 1e-4  # eigenvalue, of order 1: the same where edges hardly move on the way to the end of their branch
 CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
@@ -56,10 +58,10 @@ class LimitPoint:
 
     Attributes
     ----------
-    kind : {"fold", "bifurcation"}
+    kind : {"fold", "broken_symmetry"}
     balance : Balance
         Forces next to it.
-    exact, error : Exact
+    exact, error : EventNumbers
         Its numbers, and what the last refinement changed.
     modes : (2 L, n) array
         Outward motions of the edges without resistance; one at a fold, to the side on which the potential falls.
@@ -68,10 +70,10 @@ class LimitPoint:
     evaluations : int
     """
 
-    kind: Literal["fold", "bifurcation"]
+    kind: Literal["fold", "broken_symmetry"]
     balance: Balance
-    exact: Exact
-    error: Exact
+    exact: EventNumbers
+    error: EventNumbers
     modes: FloatArray
     bend: float
     evaluations: int
@@ -100,25 +102,32 @@ def locate_limit_point(
         Whether the branch is followed around its fold where Newton fails: almost symmetric profiles turn sharply.
     """
     try:
-        soft, broken = softness(system, start, value, start.scale), None
-        if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
-            soft = softness(system, start, value, start.scale, every=True)
-            for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
-                here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
-                soft = softness(system, here, value, start.scale, every=True)
-            broken = _neutral(system, soft, reach, tolerances, breaking=True)
-            if broken is not None and not is_pushed(broken):
-                return broken
-            tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
-            found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
-            if found is not None:
-                return found
-        found = _neutral(system, soft, reach, tolerances, breaking=False)
-        if found is None and (thorough or broken is not None):
-            found = _around(system, soft, reach, tolerances)
-        return found or (broken if thorough else None)
-    except (LostError, IllConditionedSystemError, np.linalg.LinAlgError):
+        return if_solvable(_located, system, start, value, reach, tolerances, thorough)
+    except (LostError, np.linalg.LinAlgError):
         return None
+
+
+def _located(
+    system: System, start: Balance, value: float, reach: float, tolerances: tuple[float, float, float], thorough: bool
+) -> LimitPoint | None:
+    """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
+    soft, broken = softness(system, start, value, start.scale), None
+    if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
+        soft = softness(system, start, value, start.scale, every=True)
+        for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
+            here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
+            soft = softness(system, here, value, start.scale, every=True)
+        broken = _neutral(system, soft, reach, tolerances, breaking=True)
+        if broken is not None and not is_pushed(broken):
+            return broken
+        tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
+        found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
+        if found is not None:
+            return found
+    found = _neutral(system, soft, reach, tolerances, breaking=False)
+    if found is None and (thorough or broken is not None):
+        found = _around(system, soft, reach, tolerances)
+    return found or (broken if thorough else None)
 
 
 def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, float]:
@@ -155,8 +164,13 @@ class _Newton:
 
     @property
     def size(self) -> float:
-        """Of the step, in parts of the room of an edge."""
+        """Of the step, in parts of the edge scale."""
         return self.soft.size(self.step)
+
+    @property
+    def close(self) -> bool:
+        """Whether one more step reaches the limit point."""
+        return self.size <= CLOSE and abs(float(self.soft.eigenvalues[0])) <= NEUTRAL
 
 
 def _neutral(
@@ -177,7 +191,7 @@ def _neutral(
         pushed = _push(soft.here, modes) ** (2 / 3)
         shift = pushed / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
         error = replace(error, value=error.value + shift)
-        return LimitPoint("bifurcation", soft.here, found[-1], error, modes, 0.0, at.evaluations)
+        return LimitPoint("broken_symmetry", soft.here, found[-1], error, modes, 0.0, at.evaluations)
     cubic, work = float(at.gradient @ soft.mode), float(soft.pull @ soft.mode)
     if soft.eigenvalues[1:2].min(initial=1.0) <= 0 or cubic * work * reach <= 0:
         return None  # another limit point lies before this one, or this one begins a branch
@@ -210,25 +224,23 @@ def _approached(system: System, soft: Soft, reach: float, tolerance: float, brea
 
 def _improved(
     system: System, at: _Newton, tolerances: tuple[float, ...], breaking: bool
-) -> tuple[_Newton, list[Exact]] | None:
+) -> tuple[_Newton, list[EventNumbers]] | None:
     """Finer steps until they are close, and a last one with another resolution; the numbers after each."""
     fine, finest = tolerances
-    found: list[Exact] = []
+    found: list[EventNumbers] = []
     for last, tolerance in (*(((False, fine),) * STEPS), (True, finest)):
-        if found and not last and at.size <= CLOSE:
+        if found and not last and at.close:
             continue
         value, gradient, evaluations = at.soft.value + at.change, at.gradient, at.evaluations + 1
         here = refined(system, at.soft, at.step, value, tolerance, last)
         soft = softness(system, here, value, at.soft.scale, at.soft.mode, breaking)
-        step, change = _step(soft, gradient, breaking)
-        if not last and soft.size(step) > CLOSE:
+        at = _Newton(soft, gradient, *_step(soft, gradient, breaking), evaluations)
+        if not last and not at.close:
             gradient = eigenvalue_gradient(system, soft, tolerance)
-            evaluations += 1
-            step, change = _step(soft, gradient, breaking)
-        at = _Newton(soft, gradient, step, change, evaluations)
+            at = _Newton(soft, gradient, *_step(soft, gradient, breaking), evaluations + 1)
         if at.size > 10 * NEAR:
             return None
-        found.append(after_step(system, here, value, step * soft.scale, change))
+        found.append(after_step(system, here, value, at.step * soft.scale, at.change))
     return at, found
 
 
@@ -236,40 +248,6 @@ def before_fold(limit: LimitPoint, value: float) -> Patches:
     """Edges on the branch that a fold ends, at a value of the control close before it."""
     back = np.sqrt(max((limit.exact.value - value) / limit.bend, 0.0))
     return limit.balance.state.patches.moved(-back * limit.modes[:, 0])
-
-
-def at_rest(
-    system: System, here: Balance, value: float, tolerances: tuple[float, float]
-) -> tuple[Balance, Exact, Exact] | None:
-    """A coarse equilibrium improved: forces, numbers, and what the last refinement changed; None where it moves far.
-
-    Parameters
-    ----------
-    system : System
-    here : Balance
-        At `value` of the control.
-    value : float
-    tolerances : (float, float)
-        Of the two evaluations.
-    """
-    outward: FloatArray = np.zeros(here.work.size)
-    size = np.inf
-    found: list[Exact] = []
-    for tolerance in (tolerances[0], *tolerances):
-        if len(found) == 1 and tolerance == tolerances[0] and size <= CLOSE:
-            continue
-        patches = here.state.patches.moved(outward)
-        if not patches.is_ordered:
-            return None
-        wanted = resolve(system.elastic, patches, tolerance)
-        resolution = finer(wanted) if tolerance == tolerances[1] else wanted
-        here = balance(system, patches, here.state.penetration, value, tolerance, resolution)
-        outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
-        size = float(np.max(np.abs(outward) / here.state.patches.edge_room))
-        if size > LONGEST_STEP:
-            return None
-        found.append(after_step(system, here, value, outward, 0.0))
-    return here, found[-1], found[-1].apart(found[-2], 0.0)
 
 
 def _beside(
@@ -281,7 +259,7 @@ def _beside(
     """
     state, value = broken.balance.state, broken.exact.value
     way = -broken.modes @ (broken.modes.T @ broken.balance.gradient)
-    way /= float(np.max(np.abs(way) / state.patches.edge_room))
+    way /= float(np.max(np.abs(way) / state.patches.edge_scale))
     middle = float(np.cbrt(_push(broken.balance, broken.modes)))
     for side in SIDES:
         here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, tolerances[0])
@@ -324,7 +302,7 @@ def _along(soft: Soft) -> FloatArray:
 
 
 def _tangent(soft: Soft, along: FloatArray) -> tuple[FloatArray, float]:
-    """Motion of edges and control along a branch, on the side of a given motion, as long as the room of an edge."""
+    """Motion of edges and control along a branch, on the side of a given motion, as long as the edge scale."""
     step = np.linalg.solve(_bordered(soft, along), np.append(np.zeros(along.size), 1.0))
     size = soft.size(step[:-1]) * float(np.sign(along @ step[:-1]))
     return np.asarray(step[:-1] / size), float(step[-1]) / size

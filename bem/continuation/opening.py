@@ -4,9 +4,9 @@ Under the JKR model a gap of zero width needs infinite tension, so that complete
 
 - at a flaw: a gap of given width near the lowest pressure of complete contact, where both its edges open at one load
   (beside it one edge would open while the other heals).  Its K is a linear function of the load; it opens when K
-  reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no
-  adhesion: what the opening releases is counted from the flawed state, which lies above complete contact by w g / 2
-  for a narrow flaw of width g.  Nobody pays for that: a path through an opening gains it;
+  reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no adhesion: what the opening releases is counted
+  from the flawed state, which lies above complete contact by w g / 2 for a narrow flaw of width g.  The control does
+  no work for that energy: a path through an opening gains it;
 - or because the separation is prescribed: s > 0 is the mean gap, so that there is one.  It begins at the same
   place with zero width, and the branch is continuous there (Johnson, Int. J. Solids Struct. 32 (1995) 423).
 
@@ -35,14 +35,17 @@ from scipy.optimize import brentq
 
 from bem.adhesive.equilibrium import System, balance
 from bem.elastic.collocation import Evaluation, evaluate
+from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.complete_contact import CompleteContact
+from bem.loading.control import LoadControl
 
 FloatArray = NDArray[np.float64]
 
 RESOLVED_GAP = 1e-4 * TWO_PI  # evaluated as it is in a tenth of a second
 EVEN_GAP = 1e-6 * TWO_PI  # narrower flaws open at both edges at once to a part of 1e-11, where rounding takes over
 CENTERED = 1e-4  # of the width of a flaw: its middle
+SHUT = 1e-8  # rms heights of overlap
 FINEST_GAP = 1e-5 * TWO_PI  # the same in seconds; narrower ones do not feel a layer but by the square of their width
 
 
@@ -77,6 +80,7 @@ def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: 
 
     Beside that place one edge would open while the other heals.  Where work of adhesion that varies lets no such place
     be near the lowest pressure (narrow flaws, which open more easily the wider they are), it is at the lowest pressure.
+    A flaw is shut at an edge, where K < 0, or on a crest in between.
     """
     lowest = lowest_pressure(complete)
     if width < EVEN_GAP:
@@ -86,13 +90,14 @@ def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: 
         behind, before = _critical_loads(system, complete, Flaw(center, width), tolerance)
         return float(behind - before)
 
-    ends = lowest - width / 2, lowest + width / 2
+    ends, flaw = (lowest - width / 2, lowest + width / 2), Flaw(lowest, width)
     if uneven(ends[0]) * uneven(ends[1]) < 0:
-        return Flaw(float(brentq(uneven, *ends, xtol=CENTERED * width)), width)
-    flaw = Flaw(lowest, width)
+        flaw = Flaw(float(brentq(uneven, *ends, xtol=CENTERED * width)), width)
     if width >= RESOLVED_GAP:
-        state, load = _gap_at(system, flaw, tolerance), opening_load(system, complete, flaw, tolerance)
-        if np.any(state.stress_intensity + (load - state.load) * state.stress_intensity_rate / state.load_rate < 0):
+        load = opening_load(system, complete, flaw, tolerance)
+        state = LoadControl().reach(_gap_at(system, flaw, tolerance), load)
+        shut = low_minima(gap_field(system.elastic, state)).depth < -SHUT
+        if np.any(shut) or np.any(state.stress_intensity < 0):
             return None
     return flaw
 
@@ -112,6 +117,15 @@ def _critical_loads(system: System, complete: CompleteContact, flaw: Flaw, toler
     at_zero_load, slope = _crack(complete, flaw)
     stiffened = _layer_share(system, complete, flaw, tolerance)
     return np.asarray((critical / stiffened - at_zero_load) / slope)
+
+
+def opening_rounding(system: System, flaw: Flaw, tolerance: float) -> float:
+    """What double precision leaves uncertain of the load at which a flaw opens; 0 where that is a closed form."""
+    if flaw.width < RESOLVED_GAP:
+        return 0.0
+    state = _gap_at(system, flaw, tolerance)
+    slope = state.stress_intensity_rate / state.load_rate
+    return float(np.max(state.rounding(0.0) / np.abs(slope)))
 
 
 def opened_gap(system: System, complete: CompleteContact, flaw: Flaw, load: float) -> Patches:

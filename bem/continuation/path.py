@@ -8,8 +8,9 @@ limit point (touch_points.py, limit_points.py), from which the contact jumps (ju
 state of a branch and the first one behind the jump.  That neither depends on the increments is a property that tests
 show; where no end is located, increments shrink until the jump begins from the last good edges.
 
-A point carries all that the path needs to go on from it, the next increment among it: a path holds no state of its
-own besides counts of its work.  Dimensionless.
+A point carries what the path needs to go on from it, the next increment among it; a path holds no state of its own
+besides counts of its work.  What `advance` knows besides, a value of the control that Newton did not reach, it forgets
+at its goal.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -19,7 +20,6 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.branch import strays, tangent
 from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
@@ -32,13 +32,12 @@ from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import Flaw
 from bem.continuation.path_point import Equilibrium, Point, WithEdges
 from bem.elastic.gap import GapMinima, gap_field
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
-
-FloatArray = NDArray[np.float64]
 
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
 CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
@@ -46,7 +45,7 @@ CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left clo
 
 @dataclass(frozen=True)
 class Pace:
-    """How the path goes on: its next increment, and a value of the control that Newton did not reach."""
+    """How the path continues: its next increment, and a value of the control that Newton did not reach."""
 
     increment: float
     blocked: float | None = None
@@ -109,7 +108,7 @@ class Path:
         return replace(self, increments=increments)
 
     def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
-        """Sign of the motion of the control from a point to a goal, which `separation` only repeats."""
+        """Sign of the motion of the control from a point to a goal; `separation` is the goal again, not needed here."""
         return float(np.sign(goal - point.value))
 
     def advance(self, point: Point, goal: float, separation: float | None = None) -> Iterator[Point]:
@@ -153,7 +152,10 @@ class Path:
                 return
 
     def refine(self, point: Point, direction: float) -> Point:
-        """The point at the accuracy of a target; a branch that ends within the coarse accuracy is left here.
+        """The point at the accuracy of a target.
+
+        Where the fine state interpenetrates, or there is none, the branch ended within the coarse accuracy: at a touch,
+        or at a limit point.  The path then jumps from there, returns to the value, and refines what it finds.
 
         Parameters
         ----------
@@ -177,16 +179,17 @@ class Path:
         else:
             points = self._past_event(point, Attempt(), (value + direction * inc.smallest / 8, value), True)
         if not points:
-            return _with_increment(self.jumps.unlocated(point, value, found, fine=True), point.increment)
+            unlocated = self.jumps.unlocated(point, value, found, inc.smallest / 8, fine=True)
+            return _with_increment(unlocated, point.increment)
         points = [*points[:-1], _with_increment(points[-1], point.increment)]
         if points[-1].value != value and points[-1].state is not None:
             points += self.advance(points[-1], value)
-        events = [event for behind in points for event in behind.events]
+        events = [event for passed in points for event in passed.events]
         final = self.refine(points[-1], direction)
         return replace(final, events=(*events, *final.events))
 
     def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> Point:
-        """The point at given equilibrium edges, from which the path goes on as if it began there."""
+        """The point at given equilibrium edges, from which the path continues as if it began there."""
         return self.corrected(patches, penetration, value) or Failed(value, "not_converged")
 
     def corrected(self, patches: Patches, penetration: float, value: float) -> Equilibrium | None:
@@ -202,7 +205,7 @@ class Path:
     def refined_at(self, point: WithEdges, value: float) -> Equilibrium | None:
         """The point of the same branch at another value of the control, at the accuracy of a target, or None.
 
-        The branch goes on where contact forms beside it.
+        The branch continues where contact forms beside it.
         """
         return self.corrected(point.predicted(value), point.state.penetration, value)
 
@@ -236,12 +239,16 @@ class Path:
         return crossing.at_load(self, before, after, load)
 
     def _pace(self, point: Point) -> Pace:
-        """How a path goes on from a point: as the point says, or as from a beginning."""
+        """How a path continues from a point: as the point says, or as from a beginning."""
         known = point.increment if isinstance(point, Equilibrium) else None
         return Pace(known or self.increments.largest / 4)
 
     def _trial(self, point: Equilibrium, goal: float, direction: float, pace: Pace) -> Trial | None:
-        """The increment to try: within reach of Newton, halfway to what it did not reach; None where the gaps close."""
+        """The increment to try; None where the gaps close.
+
+        As long as the pace allows and Newton reaches, but not shorter than `BRACKET` times the shortest; before a value
+        that Newton did not reach, halfway to it, down to the shortest.  The last one ends at the goal.
+        """
         closing = self.bare.closing_value
         last = self._last_increment(point, closing)
         if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
@@ -281,7 +288,7 @@ class Path:
         if points or not thorough:
             return points, shorter
         start = point if attempt.ahead is None else attempt.ahead
-        return [self.jumps.unlocated(start, trial.value, attempt.found)], shorter
+        return [self.jumps.unlocated(start, trial.value, attempt.found, trial.step)], shorter
 
     def _past_event(
         self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool
@@ -294,19 +301,20 @@ class Path:
         attempt : Attempt
             To follow the branch.
         ends : (float, float)
-            Where it was to lead, and how far the path goes.
+            Where the attempt was to lead, and how far the path goes: a fold beyond that does not end this path, and
+            the point at its end, just before the fold, is found from there.
         thorough : bool
-            Whether shorter increments are no alternative.
+            Whether shorter increments would not help.
         """
         if attempt.ahead is not None and attempt.found is not None:
             return self.jumps.from_touch(point, attempt.ahead, attempt.found)
         reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
         limit = self.jumps.limit_point(point, reach, thorough)
-        if limit is None:  # it may lie behind the point: coarse evaluations lead a little farther than the branch
+        if limit is None:
             return []
-        if direction * (limit.exact.value - ends[1]) <= 0:
+        if direction * (limit.exact.value - ends[1]) <= 0:  # also behind the point: coarse states go a little too far
             return self.jumps.from_limit(limit, reach)
-        if limit.kind == "bifurcation":
+        if limit.kind == "broken_symmetry":
             return []
         near = self.corrected(before_fold(limit, ends[1]), limit.balance.state.penetration, ends[1])
         return [] if near is None or self.interpenetrates(near) else [near]
@@ -346,10 +354,10 @@ class Path:
 
 def _within_reach(point: Equilibrium) -> float:
     """The increment whose predicted motion uses half of what Newton may travel."""
-    speed = float(np.max(np.abs(point.rate) / point.state.patches.edge_room))
+    speed = float(np.max(np.abs(point.rate) / point.state.patches.edge_scale))
     return 0.5 * LARGEST_NEWTON_STEP / speed if speed > 0 else np.inf
 
 
 def _with_increment(point: Point, increment: float | None) -> Point:
-    """The point with the increment with which the path goes on from there, where it has edges."""
+    """The point with the increment with which the path continues from there, where it has edges."""
     return replace(point, increment=increment) if isinstance(point, Equilibrium) else point

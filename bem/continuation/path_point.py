@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bem.adhesive.equilibrium import Balance
 from bem.continuation.limit_points import LimitPoint, before_fold
 from bem.elastic.collocation import Evaluation
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.path_events import PathStatus
 from bem.loading.path_point import Complete, Failed, PathPoint, Separated
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +27,7 @@ class Equilibrium(PathPoint):
     curvature : (2 L,) array or None
         Half its second derivative, where the point before on the same branch is known.
     increment : float or None
-        With which the path goes on from here; None for that of a beginning.
+        With which the path continues from here; None for that of a beginning.
     last : bool
         Whether the branch ends here, where a crest touches.
     """

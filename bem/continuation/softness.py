@@ -14,11 +14,11 @@ from scipy.linalg import eigh
 
 from bem.adhesive.equilibrium import Balance, System, balance, forces
 from bem.elastic.collocation import Resolution, finer, resolve
-from bem.loading.path_events import Exact
+from bem.loading.path_events import EventNumbers
 
 FloatArray = NDArray[np.float64]
 
-SIDEWAYS = 1e-4  # of the room, over which D_v H is a difference
+SIDEWAYS = 1e-4  # of the edge scale, over which D_v H is a difference
 
 
 class LostError(Exception):
@@ -45,13 +45,13 @@ class Soft:
         return np.asarray(self.modes[:, 0])
 
     @property
-    def room(self) -> FloatArray:
-        """Room of the edges, (2 L,)."""
-        return np.asarray(self.here.state.patches.edge_room / self.scale)
+    def edge_scale(self) -> FloatArray:
+        """Edge scale, (2 L,)."""
+        return np.asarray(self.here.state.patches.edge_scale / self.scale)
 
     def size(self, step: FloatArray) -> float:
-        """Largest part of its room by which an edge moves in a step."""
-        return float(np.max(np.abs(step) / self.room))
+        """Largest part of its edge scale by which an edge moves in a step."""
+        return float(np.max(np.abs(step) / self.edge_scale))
 
 
 def softness(
@@ -95,7 +95,7 @@ def forces_at(
     if not patches.is_ordered:
         raise LostError
     here = balance(system, patches, state.penetration, value, tolerance, like)
-    if not here.opening:
+    if not here.all_tensile:
         raise LostError
     return here
 
@@ -118,7 +118,7 @@ def to_rest(soft: Soft) -> FloatArray:
     return np.asarray(-np.linalg.solve(soft.hessian, soft.gradient))
 
 
-def after_step(system: System, here: Balance, value: float, outward: FloatArray, change: float) -> Exact:
+def after_step(system: System, here: Balance, value: float, outward: FloatArray, change: float) -> EventNumbers:
     """Numbers of the state to which short motions of the edges and of the control lead, to second order."""
     state, control = here.state, system.control
     rate = control.rate(state)
@@ -126,7 +126,7 @@ def after_step(system: System, here: Balance, value: float, outward: FloatArray,
     deeper = rate * (change - control.load_weight * carried)
     work = float(here.gradient @ outward + outward @ here.hessian @ outward / 2) + change * rate * carried
     work += change * (control.force(state) + change / 2 * control.force_rate(state))
-    return Exact(
+    return EventNumbers(
         value + change,
         state.penetration + deeper,
         state.load + carried + state.load_rate * deeper,

@@ -12,23 +12,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import Balance, System, correct
 from bem.elastic.gap import GapMinima, gap_field, minima_near
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
-from bem.loading.path_events import Exact
-
-FloatArray = NDArray[np.float64]
+from bem.loading.path_events import EventNumbers
 
 STEPS = 20
 TOUCHED = 1e-10  # of the rms height: a gap that is closed
 NEARLY = 1e-6  # the same for the evaluations that are not the last
 TIED = 1e-9  # of the rms height: gaps that close together
 DISTINCT = (1e-7, 1e-10)  # of the rms height: gaps farther apart give a slope, in the first evaluations and the last
-CLOSURE = 0.1  # of |G/w - 1| over the tolerance of the evaluation
+RESIDUAL = 0.1  # of |G/w - 1| over the tolerance of the evaluation
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +36,7 @@ class TouchPoint:
     Attributes
     ----------
     balance : Balance
-    exact, error : Exact
+    exact, error : EventNumbers
         Its numbers, and what the last refinement changed.
     touching : GapMinima
         The crests in contact.
@@ -46,8 +44,8 @@ class TouchPoint:
     """
 
     balance: Balance
-    exact: Exact
-    error: Exact
+    exact: EventNumbers
+    error: EventNumbers
     touching: GapMinima
     evaluations: int
 
@@ -64,20 +62,18 @@ class Bracket:
         The gaps in question there; some of the first may, all of the second must be negative.
     found : GapMinima
         Where these gaps are.
+    beside : float
+        How far from the ends the touch may be: they are states of less accuracy, beside a fold of much less.
     """
 
     ends: tuple[float, float]
     gaps: tuple[FloatArray, FloatArray]
     found: GapMinima
-
-    @property
-    def width(self) -> float:
-        """Distance of the ends."""
-        return abs(self.ends[1] - self.ends[0])
+    beside: float
 
     def reaches(self, value: float) -> bool:
-        """Whether a value of the control lies between the ends, or hardly beside them."""
-        return min(self.ends) - self.width / 10 <= value <= max(self.ends) + self.width / 10
+        """Whether a value of the control lies between the ends, or not far from them."""
+        return min(self.ends) - self.beside <= value <= max(self.ends) + self.beside
 
 
 def locate_touch(
@@ -103,7 +99,7 @@ def locate_touch(
     first, last = bracket.ends
     crossing = bracket.gaps[0] / (bracket.gaps[0] - bracket.gaps[1])
     value = first + (last - first) * float(np.clip(crossing.min(), 0.0, 1.0))
-    before: Exact | None = None
+    before: EventNumbers | None = None
     slope = float(bracket.gaps[1].min() - bracket.gaps[0].min()) / (last - first)
     near, patches, evaluations = bracket.found, branch(value), 0
     known: list[tuple[float, float]] = []  # of one accuracy: gaps at the ends may be off by what they are apart
@@ -111,10 +107,12 @@ def locate_touch(
         tolerance = tolerances[int(before is not None)]
         if not patches.is_ordered:
             return None
-        corrected = correct(system, patches, penetration, value, Accuracy(tolerance, CLOSURE * tolerance))
+        corrected = correct(system, patches, penetration, value, Accuracy(tolerance, RESIDUAL * tolerance))
         evaluations += corrected.evaluations
-        if corrected.balance is None:
-            return None
+        if corrected.balance is None:  # beyond a fold: halfway back to the branch
+            value = (value + (known[-1][0] if known else first)) / 2
+            patches = branch(value)
+            continue
         here, at = corrected.balance, value
         rate = tangent(system.control, here)
         near = minima_near(gap_field(system.elastic, here.state), near.position, bracket.found.gap)
@@ -140,11 +138,11 @@ def locate_touch(
     return None
 
 
-def _at_touch(system: System, here: Balance, value: float, change: float) -> Exact:
+def _at_touch(system: System, here: Balance, value: float, change: float) -> EventNumbers:
     """Numbers of the state on the branch a small change of the control away."""
     control = system.control
     deeper = change / (control.penetration_weight + control.load_weight * here.stiffness)
-    return Exact(
+    return EventNumbers(
         value + change,
         here.state.penetration + deeper,
         here.state.load + deeper * here.stiffness,

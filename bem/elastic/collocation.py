@@ -23,11 +23,11 @@ from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic import half_space
 from bem.elastic.hierarchical import IllConditionedSystemError, Skeleton, solve
 from bem.geometry import chebyshev
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches, PatchPressure
 from bem.geometry.profile import Profile
 
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from bem.elastic.compliance import Compliance
     from bem.elastic.kernel_series import KernelSeries
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Field = Callable[[FloatArray], FloatArray]
 
 MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes

@@ -18,12 +18,11 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.kernel_series import ElasticEffect, KernelSeries, kernel_series
-
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 TRUNCATION = 1e-14  # of the series of a kernel; its terms are cheap
 

@@ -27,11 +27,10 @@ from numpy.typing import NDArray
 from bem.elastic.collocation import Elastic, Evaluation
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Points = tuple[IntArray, IntArray, FloatArray, FloatArray]  # gap, column in its grid, place in it, and u, (n,) each
 Sampled = tuple[int, IntArray, FloatArray, FloatArray]  # size of the grid, gaps, u at the samples and at the edges
 
@@ -200,19 +199,20 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
 
 
 def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMinima:
-    """Minima of the gap near given places in it, (n,) each, downhill from there and then by the same parabolas."""
+    """Minima of the gap near given places in it, (n,) each: downhill on a wide base and a short one, then as above."""
     patches, owner = field.state.patches, np.tile(gap, 3)
     width = patches.gap_after[gap]
     reach = np.minimum(TWO_PI / (POINTS_PER_WAVELENGTH * field.elastic.profile.max_order), width / 4)
     first, last = patches.right[gap] + 1.01 * reach, patches.right[gap] + width - 1.01 * reach
-    for _ in range(DOWNHILL):
-        position = np.clip(position, first, last)
-        x = position + reach * np.array([[-1.0], [0.0], [1.0]])
-        vertex, _ = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
-        shift, position = np.max(np.abs(vertex - position) / reach, initial=0.0), np.clip(vertex, first, last)
-        if shift < 0.5:
-            break
-    vertex, depth = _lowest(field, position + reach * np.array([[-1.0], [0.0], [1.0]]), owner)
+    for base in (reach, reach / REFINEMENT_RATIO):
+        for _ in range(DOWNHILL):
+            position = np.clip(position, first, last)
+            x = position + base * np.array([[-1.0], [0.0], [1.0]])
+            vertex, _ = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
+            shift, position = np.max(np.abs(vertex - position) / base, initial=0.0), np.clip(vertex, first, last)
+            if shift < 0.5:
+                break
+    vertex, depth = _lowest(field, position + base * np.array([[-1.0], [0.0], [1.0]]), owner)
     return GapMinima(vertex, depth, gap)
 
 

@@ -25,9 +25,10 @@ additions to the kernel need a single leaf.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ParamSpec, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+Inputs = ParamSpec("Inputs")
+Output = TypeVar("Output")
 
 UNIFORM = 0.03  # alpha; the kernel of a whole period has the eigenvalues 0 and 1 / (2 n)
 LARGEST_LEAF = 250  # unknowns, above which a cluster of several patches is split (measured)
@@ -50,6 +53,14 @@ FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by
 
 class IllConditionedSystemError(ArithmeticError):
     """The skeleton matrix is too large, or not positive definite to rounding: contact almost complete."""
+
+
+def if_solvable(evaluation: Callable[Inputs, Output], *inputs: Inputs.args, **options: Inputs.kwargs) -> Output | None:
+    """The result of an evaluation; None where its system is ill-conditioned, a status to those who can go elsewhere."""
+    try:
+        return evaluation(*inputs, **options)
+    except IllConditionedSystemError:
+        return None
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,10 +15,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from bem.geometry.arrays import ComplexArray, FloatArray
 
 _BLOCK = 2_000_000  # complex numbers held at a time
 

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bem.elastic.kernel_series import KernelSeries, kernel_series
+from bem.geometry.ranges import check
 from bem.geometry.scaling import Solid
 
 FloatArray = NDArray[np.float64]
@@ -121,8 +122,7 @@ class Layer:
     thickness: float
 
     def __post_init__(self) -> None:
-        if not (self.thickness > 0 and np.isfinite(self.thickness)):
-            raise ValueError(f"thickness: {self.thickness} must be finite and > 0 (m)")
+        check(layer__thickness=self.thickness)
 
     def mean_compliance(self, solid: Solid) -> float:
         """c(0), mean displacement of the face per mean pressure, m/Pa."""

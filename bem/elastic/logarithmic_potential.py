@@ -23,9 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry import chebyshev
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from bem.geometry.arrays import FloatArray, IntArray
 
 TWO_PI = 2 * np.pi
 LARGEST_BLOCK = 1 << 16  # chords at a time, half a megabyte

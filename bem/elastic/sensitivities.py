@@ -1,10 +1,10 @@
 """Exact derivatives of the stress intensities with respect to outward motion of the edges.
 
 An edge moved outward by delta adds the homogeneous solution whose singularity there is -K_e / (2 r^(3/2)); its
-values at the other edges are the edge compliance G_ee of the skeleton (collocation.py), completed by the modes
+values at the other edges i are the edge compliance G_ie of the skeleton (collocation.py), completed by the modes
 that the skeleton does not carry:
 
-    Z = -pi^2 G_ee + p (p - 1) [same edge] + (2 sum_{1 <= n < p} n (-1)^n + 1/2) [other edge of the same patch],
+    Z_ie = -pi^2 G_ie + p (p - 1) [same edge] + (2 sum_{1 <= n < p} n (-1)^n + 1/2) [other edge of the same patch],
     dK_i/d out_e = -Z_ie K_e / (2 sqrt(r_i r_e)) - delta_ie (K_e / (4 r) + sqrt(pi/r) f'_e / 2),
 
 f' = sum n^2 (+-1)^n Q_n / r the outward derivative by t of f = q / r at the edge.  The last term is the regular
@@ -17,11 +17,9 @@ which is symmetric and, at an equilibrium, positive definite exactly where it is
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Evaluation
-
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 
 def stress_intensity_jacobian(state: Evaluation) -> FloatArray:

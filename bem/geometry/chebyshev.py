@@ -17,11 +17,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dct
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from bem.geometry.arrays import FloatArray, IntArray
 
 _SMALL_TRANSFORM = 128  # nodes up to which a matrix is the faster transform (measured)
 
@@ -100,13 +98,6 @@ def _transform(n: int) -> FloatArray:
     matrix: FloatArray = dct(np.eye(n), type=2, axis=-1) / n
     matrix[:, 0] /= 2
     return matrix
-
-
-def coefficient_tail(series: FloatArray, last: int = 3) -> float:
-    """Largest of the last coefficients relative to the largest of all: an estimate of the truncation."""
-    size = np.abs(series)
-    top = size.max()
-    return float(size[-last:].max() / top) if top > 0 else 0.0
 
 
 def profile_nodes(width: FloatArray, max_order: int) -> FloatArray:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
+
 TWO_PI = 2 * np.pi
 
 
@@ -66,7 +66,7 @@ class Patches:
         return float(np.sum(self.width)) / TWO_PI
 
     @cached_property
-    def edge_room(self) -> FloatArray:
+    def edge_scale(self) -> FloatArray:
         """min(patch width, adjacent gap) of each edge, (2 L,): the length in which an edge may move."""
         return np.concatenate([np.minimum(self.width, self.gap_before), np.minimum(self.width, self.gap_after)])
 

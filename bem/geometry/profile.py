@@ -17,6 +17,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bem.geometry.ranges import check, check_harmonics
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -40,6 +42,11 @@ class Profile:
     amplitudes, phases : (n_harmonics,) float arrays
         h_m in m (or any unit of height) and phi_m in radians.
 
+    Raises
+    ------
+    ValueError
+        What a scene refuses too, in the same words (ranges.py).
+
     Examples
     --------
     >>> wave = Profile(1.0, np.array([1]), np.array([2.0]), np.array([0.0]))
@@ -52,19 +59,20 @@ class Profile:
     amplitudes: FloatArray
     phases: FloatArray
 
+    def __post_init__(self) -> None:
+        check(profile__period=self.period)
+        check_harmonics(self.orders, self.amplitudes, self.phases)
+
     @classmethod
     def from_harmonics(
         cls, period: float, orders: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None = None
     ) -> Profile:
         """Profile from lists of orders, amplitudes and phases (default 0)."""
+        h = np.asarray(amplitudes)
+        phi = np.zeros(h.shape) if phases is None else np.asarray(phases)
+        check_harmonics(orders, h, phi)
         m = np.asarray(orders, dtype=np.int64)
-        h = np.asarray(amplitudes, dtype=np.float64)
-        phi = np.zeros_like(h) if phases is None else np.asarray(phases, dtype=np.float64)
-        if not m.shape == h.shape == phi.shape or m.ndim != 1:
-            raise ValueError(f"orders, amplitudes, phases: shapes {m.shape}, {h.shape}, {phi.shape} must agree")
-        if m.size == 0 or m.min() < 1 or np.unique(m).size != m.size:
-            raise ValueError(f"orders: {m.tolist()[:8]} must be distinct integers >= 1")
-        return cls(float(period), m, h, phi)
+        return cls(float(period), m, h.astype(np.float64), phi.astype(np.float64))
 
     @classmethod
     def self_affine(cls, period: float, hurst: float, rms_height: float, harmonics: int, seed: int) -> Profile:
@@ -79,6 +87,8 @@ class Profile:
         harmonics, seed : int
             Number of harmonics; phases are `default_rng(seed).uniform(-pi, pi, harmonics)`.
         """
+        check(profile__period=period, profile__hurst=hurst, profile__rms_height=rms_height)
+        check(profile__harmonics=harmonics, profile__seed=seed)
         m = np.arange(1, harmonics + 1)
         h: FloatArray = np.asarray(m ** -(hurst + 0.5), dtype=np.float64)
         h *= rms_height / np.sqrt(np.sum(h**2) / 2)

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bem.geometry.ranges import check
+
 
 @dataclass(frozen=True)
 class Solid:
@@ -24,7 +26,7 @@ class Solid:
     Parameters
     ----------
     youngs_modulus : float
-        E in Pa, > 0.
+        E in Pa, 1e-60 to 1e60.
     poisson_ratio : float
         nu in (-1, 0.5].
 
@@ -38,10 +40,7 @@ class Solid:
     poisson_ratio: float
 
     def __post_init__(self) -> None:
-        if not (self.youngs_modulus > 0 and np.isfinite(self.youngs_modulus)):
-            raise ValueError(f"youngs_modulus: {self.youngs_modulus} must be finite and > 0 (Pa)")
-        if not -1 < self.poisson_ratio <= 0.5:
-            raise ValueError(f"poisson_ratio: {self.poisson_ratio} must lie in (-1, 0.5]")
+        check(solid__youngs_modulus=self.youngs_modulus, solid__poisson_ratio=self.poisson_ratio)
 
     @property
     def plane_strain_modulus(self) -> float:

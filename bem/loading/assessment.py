@@ -1,10 +1,11 @@
-"""Stability, stiffness and estimated errors of a state, from a finer evaluation of the same edges.
+"""What an assessment says of a state: stability, stiffness, and what a finer evaluation changes of each number.
 
-The finer evaluation (a third more nodes, half as many modes again) leaves forces on the edges; one Newton step on them
-leads to corrected edges: equilibrium_assessment.py with adhesion, contact_assessment.py without.  What a reported
-quantity changes by is its estimated error: it holds the error of the edges, that of the quadrature, and what the one
-does to the other.  Dimensionless.  Limits: errors so large that the corrected edges overlap are reported as infinite;
-an event missed on the way is no error of a state (certificate.py looks for those).
+The finer evaluation is made by equilibrium_assessment.py with adhesion and by contact_assessment.py without: a third
+more nodes and half as many modes again leave forces on the edges, and one Newton step on them leads to corrected
+edges.  What a reported quantity changes by is its correction, which holds the error of the edges and that of the
+quadrature; its estimated error is three times that (states.py).  Dimensionless.  Limits: where the corrected edges
+overlap, corrections are infinite; an event missed on the way is no error of a state (certificate.py refuses the state
+where the missed event leaves interpenetration or an indefinite Hessian).
 
 An elastic effect that is left out of the equations acts on the finer evaluation as the field of the pressure found
 without it, which is its effect to first order; on the energy twice that, its work being half.
@@ -15,11 +16,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic, Evaluation
-
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -21,8 +20,6 @@ from bem.loading.interface_law import InterfaceLaw
 if TYPE_CHECKING:
     from bem.elastic.compliance import Compliance
     from bem.elastic.kernel_series import KernelSeries
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,10 +1,10 @@
 """What is held fixed while the edges move: displacement, or mean pressure.
 
-Every control is a linear condition alpha Delta + beta load = target, and both load and Delta are linear in each
-other at given edges, so a state solved at any Delta is carried to the condition exactly, without a second
-factorisation.  With g_Delta = d(load)/d(edges) = K K_Delta / 2 the second derivative of the potential under
-control is H - beta / (alpha + beta dload/dDelta) g_Delta g_Delta^T: penetration control leaves H alone, load
-control borders it fully, and a layer driven by u_tot = Delta + c(0) sigma_0 lies in between.
+Every control is a linear condition alpha Delta + beta load = target, and at given edges the state is affine in Delta,
+so that one solved at any Delta is carried to the condition exactly, without a second factorisation.  With
+g_Delta = d(load)/d(edges) = K K_Delta / 2 the second derivative of the potential under control is
+H - beta / (alpha + beta dload/dDelta) g_Delta g_Delta^T: penetration control leaves H alone, load control borders it
+fully, and a layer driven by u_tot = Delta + c(0) sigma_0 lies in between.
 
 The potential is U + beta load^2 / 2 for alpha = 1 (the layer as a spring in series: a sum of squares, in which no
 stiffness of the spring can cancel), and U - load Delta for alpha = 0.  Dimensionless.
@@ -16,11 +16,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Evaluation
-
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-
-FloatArray = NDArray[np.float64]
 
 
 class InterfaceLaw(Protocol):

@@ -11,7 +11,7 @@ PathStatus = Literal["converged", "separated", "complete_contact", "not_converge
 
 
 @dataclass(frozen=True)
-class Exact:
+class EventNumbers:
     """Numbers of a state, or their errors, dimensionless: value of the control, Delta, load and potential."""
 
     value: float
@@ -19,10 +19,10 @@ class Exact:
     load: float
     potential: float
 
-    def apart(self, other: Exact, force: float) -> Exact:
+    def apart(self, other: EventNumbers, force: float) -> EventNumbers:
         """Sizes of the differences; potentials are compared at the same value of the control, on which `force` acts."""
         value = self.value - other.value
-        return Exact(
+        return EventNumbers(
             abs(value),
             abs(self.penetration - other.penetration),
             abs(self.load - other.load),
@@ -30,27 +30,31 @@ class Exact:
         )
 
 
-NO_ERROR = Exact(0.0, 0.0, 0.0, 0.0)
-FIRST_TOUCH = Exact(0.0, 0.0, 0.0, 0.0)  # where any control starts to feel the contact
+NO_ERROR = EventNumbers(0.0, 0.0, 0.0, 0.0)
+FIRST_TOUCH = EventNumbers(0.0, 0.0, 0.0, 0.0)  # where any control starts to feel the contact
 
 
 @dataclass(frozen=True)
 class PathEvent:
     """A discontinuity of the path, in the state from which it jumps, with the errors of its numbers.
 
-    The energy of an avalanche is booked on its first event.
+    Kinds: bem/README.md, section 5.  The energy of an avalanche is booked on its first event.
     """
 
     kind: str
     position: float
-    at: Exact
-    error: Exact
+    at: EventNumbers
+    error: EventNumbers
     energy_released: float
     energy_error: float
 
 
 def path_events(
-    changes: tuple[tuple[str, float], ...], at: Exact, error: Exact, released: float, released_error: float
+    changes: tuple[tuple[str, float], ...],
+    at: EventNumbers,
+    error: EventNumbers,
+    released: float,
+    released_error: float,
 ) -> tuple[PathEvent, ...]:
     """Events of an avalanche that starts at a state."""
     return tuple(

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bem.geometry.arrays import FloatArray
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact
-
-FloatArray = NDArray[np.float64]
 
 EXACT_PHASE = float(1 << 24)  # positions are multiples of its inverse and a rest: order times the first is exact
 STIFFENING, MOST_TERMS = 1e-16, 1 << 16  # of a layer: relative size of the terms left out, and number of the others

@@ -1,6 +1,6 @@
-"""Stiffness and estimated errors of a contact without adhesion (assessment.py).
+"""Stiffness and corrections of a contact without adhesion (assessment.py).
 
-The corrected edges are so close to K = 0 that the exact derivatives there do,
+The corrected edges are so close to K = 0 that the derivatives there stand for a second evaluation,
 
     d(load)/d(out) = K K_Delta / 2,   dU_el/d(out) = K^2 / 4,   d^2(load)/dDelta d(out) = K_Delta^2 / 2,
 
@@ -12,14 +12,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate, finer
 from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.geometry.arrays import FloatArray
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 from bem.loading.control import Control
-
-FloatArray = NDArray[np.float64]
 
 
 def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value: float, tolerance: float) -> Assessment:

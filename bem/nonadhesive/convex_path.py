@@ -14,14 +14,14 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic, Evaluation
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.control import Control, LoadControl
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, Exact, PathEvent, PathStatus, path_events
+from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, PathEvent, PathStatus, path_events
 from bem.loading.path_point import Complete, Failed, PathPoint, Separated
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.contact_assessment import assess_contact
@@ -30,8 +30,6 @@ from bem.nonadhesive.gaps import Gaps, gaps_of
 from bem.nonadhesive.grid_contact import GridProblem, grid_problem
 from bem.nonadhesive.last_gaps import Condition, assess_gaps, condition_of, lone_cracks, solve_gaps
 from bem.nonadhesive.nonadhesive import solve_contact
-
-FloatArray = NDArray[np.float64]
 
 LOAD_CONTROL = LoadControl()
 ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
@@ -114,11 +112,13 @@ class ConvexPath:
         return events
 
     @cached_property
-    def _joined(self) -> Exact:
+    def _joined(self) -> EventNumbers:
         """Where the last gap closes: where the pressure of complete contact is lowest, which vanishes there."""
         highest, load = self.body.max_height, self.body.complete.least_load
         value = self.control.value(highest, load)
-        return Exact(value, highest, load, self.control.potential(highest, load, self.body.complete.elastic_energy))
+        return EventNumbers(
+            value, highest, load, self.control.potential(highest, load, self.body.complete.elastic_energy)
+        )
 
     def at(self, value: float, separation: float | None = None) -> ConvexPoint:
         """The point at a value of the control, at this separation where that is what is controlled."""

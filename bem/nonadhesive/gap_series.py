@@ -33,12 +33,10 @@ from scipy.special import zeta
 
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.geometry import chebyshev
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gaps import Gaps
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 COUPLING = 1e-15  # accuracy of the coupling of gaps
 MOST_UNKNOWNS = 6000

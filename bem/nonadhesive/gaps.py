@@ -12,9 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

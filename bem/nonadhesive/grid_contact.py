@@ -22,14 +22,12 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from bem.elastic.collocation import Elastic
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import Control
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 ITERATIONS = 300
-SETTLED = 5e-3  # what the preconditioner would still change of the unknown, relative: four times its error (measured)
+CONVERGED = 5e-3  # what the preconditioner would still change of the unknown, relative: four times its error (measured)
 NESTED, COARSER = 1024, 4  # points of grids on which the start is found on every fourth point
 DENSE = 0.5  # contact fraction above which gaps are the unknown
 SOFTEST = 1e-12  # least compliance of a mode over that of the first: below is rounding of a layer's series
@@ -164,7 +162,7 @@ def _descent(operator: FloatArray, drive: FloatArray, mean: float | None, z: Flo
         free = (z > 0) | (slope < 0)
         before, force = force, np.where(free, slope, 0.0)
         miss = _within(free, _filtered(force, inverse), mean)
-        if float(np.abs(miss).sum()) <= SETTLED * float(z.sum()):
+        if float(np.abs(miss).sum()) <= CONVERGED * float(z.sum()):
             break
         size = float(force @ miss)
         conjugate = max(0.0, (size - float(before @ miss)) / last)

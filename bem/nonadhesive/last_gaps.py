@@ -19,10 +19,10 @@ from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.control import Control
@@ -30,12 +30,10 @@ from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gap_series import GapEvaluation, end_values, evaluate_gaps
 from bem.nonadhesive.gaps import Gaps
 
-FloatArray = NDArray[np.float64]
-
 ITERATIONS = 100
 FINER, EPS = 1.5, float(np.finfo(float).eps)  # nodes of the evaluation that assesses; double precision
-UNDERFLOW = 1e-70  # of the lowest pressure of complete contact: tension on gaps whose volume is no number any more
-CLOSURE = 1e-10  # of |k| over g_0, where rounding does not limit it; Newton's last step leaves 1e-13
+UNDERFLOW = 1e-70  # of the lowest pressure of complete contact: tension on gaps whose volume underflows
+RESIDUAL = 1e-10  # of |k| over g_0, where rounding does not limit it; Newton's last step leaves 1e-13
 UNCERTAIN = 20.0  # roundings of the pressure times the half width, below which k is noise; measured 4
 STEP, INTO_CONTACT = 0.5, 0.35  # largest steps of an end, in half widths of its gap and in patches
 USED_UP, SHRINKING = 1e-2, 0.1  # of the narrower gap beside: contact narrower, and by how much it shrinks in a step
@@ -131,15 +129,15 @@ def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps, deficit: f
             gaps, deficit = lone_cracks(body, condition)
         if gaps.count == 0:
             return LastGaps("closed", None, count)
-        try:
-            state = condition.reach(evaluate_gaps(body, gaps, deficit))
-        except IllConditionedSystemError:
+        evaluated = if_solvable(evaluate_gaps, body, gaps, deficit)
+        if evaluated is None:
             return LastGaps("ill_conditioned", None, count)
+        state = condition.reach(evaluated)
         deficit = state.deficit
         changed = _without_overlap(state)
         if changed is None:
             noise = UNCERTAIN * body.rounding * gaps.half_width
-            wanted = np.maximum([CLOSURE * series[0] for series in state.opening], noise)
+            wanted = np.maximum([RESIDUAL * series[0] for series in state.opening], noise)
             measure = float(np.max(np.abs(state.end_values) / np.tile(wanted, 2)))
             if measure <= 1 and measure > 0.1 * last:
                 changed = _with_gaps_under_tension(state)

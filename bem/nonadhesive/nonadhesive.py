@@ -17,30 +17,27 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import if_solvable
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry import chebyshev
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
 from bem.loading.increments import Accuracy
 from bem.nonadhesive.tension import dips, minimum, nodes, under_tension
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 ITERATIONS = 400
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
 COARSEST, COARSE = 1e-2, 1e-4  # accuracies of the evaluation until the edges are near, and until they are close
-NEAR, CLOSE = 0.1, 1e-3  # closures that mean near and close
+NEAR, CLOSE = 0.1, 1e-3  # residuals that mean near and close
 CLOSED_GAP = 1e-4  # of the shortest wavelength, or of NARROW times the narrower neighbour
 NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs thousands of modes
 COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too early is opened then
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
-LEFT_OVER = 0.01  # of the closure and the contact: what the edges may still have to move, for invariances to 1e-10
+LEFT_OVER = 0.01  # of the residual and the contact: what the edges may still have to move, for invariances to 1e-10
 ROUNDED = 1e-13  # of the highest crest: charges known no better, measured 1e-14
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
@@ -61,12 +58,12 @@ class Contact:
 
     status: ContactStatus
     state: Evaluation | None
-    closure: float
+    residual: float
     evaluations: int
     patches: Patches | None = None
 
 
-def edge_closure(state: Evaluation) -> float:
+def edge_residual(state: Evaluation) -> float:
     """Largest |K| sqrt(r/pi) relative to the load of its patch: the singular part over the mean charge."""
     return float(np.max(np.abs(state.stress_intensity) / _mean_intensity(state)))
 
@@ -125,7 +122,7 @@ def solve_contact(
     penetration, target : float
         Start of Delta under load control, and value of the control.
     accuracy : Accuracy
-        Of the evaluation; its residual is that of `edge_closure` and of the contact fraction, where rounding does not
+        Of the evaluation; its residual is that of `edge_residual` and of the contact fraction, where rounding does not
         limit them.
     """
     search = _Search(elastic, control, target, accuracy, patches, penetration)
@@ -133,9 +130,8 @@ def solve_contact(
     for count in range(1, ITERATIONS + 1):
         if _modes_beside_gaps(search.patches, search.tolerance) > MOST_MODES:
             return Contact("narrow_gaps", None, search.measure, count - 1, search.patches)
-        try:
-            state = search.evaluated()
-        except IllConditionedSystemError:
+        state = if_solvable(search.evaluated)
+        if state is None:
             return Contact("ill_conditioned", None, search.measure, count)
         pressure = state.pressure()
         tensile = under_tension(pressure, rounded)
@@ -190,7 +186,7 @@ class _Search:
         """The state of the patches at the target."""
         at = self.control.guess(self.penetration, self.target)
         state = self.control.reach(evaluate(self.elastic, self.patches, at, self.tolerance), self.target)
-        self.penetration, self.measure = state.penetration, edge_closure(state)
+        self.penetration, self.measure = state.penetration, edge_residual(state)
         return state
 
     def is_closed(self, state: Evaluation) -> bool:

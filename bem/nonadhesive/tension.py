@@ -7,14 +7,11 @@ which is sampled at twice as many nodes as it has coefficients.  Dimensionless.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
 from bem.geometry import chebyshev
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
 

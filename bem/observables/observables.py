@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from bem.observables.spectra import Spectra
 
 Fields = dict[str, NDArray[Any]]
-FloatArray = NDArray[np.float64]
 
 
 class Posed(Protocol):

@@ -23,20 +23,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dct, dst
 
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SAMPLES_PER_COEFFICIENT = 16
 LEAST_SAMPLES = 128
 SAMPLES_PER_WAVELENGTH = 64  # complete contact
 TAIL_REACH = 100.0  # lowest level with adhesion, in units of the largest |extremum|
-NEGLIGIBLE_SHARE = 1e-12  # of the period below minus that pressure: closures are met to rounding only
+NEGLIGIBLE_SHARE = 1e-12  # of the period below minus that pressure: edges close to rounding only
 LINEAR_SHARE = 0.1  # levels are equidistant up to this share of the highest pressure, geometric beyond
 
 
@@ -142,17 +139,13 @@ def pressure_distribution(
     return _distribution(branches, levels, width, tail)
 
 
-def complete_contact_distribution(
-    pressure: Profile, mean_pressure: float, levels: FloatArray | None = None, bins: int = 400
-) -> PressureDistribution:
+def complete_contact_distribution(pressure: Profile, mean_pressure: float) -> PressureDistribution:
     """Distribution of sigma_0 + the zero-mean harmonics `pressure` of complete contact, dimensionless."""
     branches = profile_branches(pressure, mean_pressure)
-    if levels is None:
-        levels = pressure_levels(branches, bins)
-    return _distribution(branches, levels, 2 * np.pi, 0.0)
+    return _distribution(branches, pressure_levels(branches), 2 * np.pi, 0.0)
 
 
-def pressure_levels(branches: Branches, bins: int, tail_coefficient: float = 0.0) -> FloatArray:
+def pressure_levels(branches: Branches, bins: int = 400, tail_coefficient: float = 0.0) -> FloatArray:
     """Levels from the lowest to the highest pressure, (bins + 1,): sinh-spaced, finest at zero.
 
     With a tail the lowest level is -100 times the largest extremum, far into |sigma|^-3; patches without one reach
@@ -383,7 +376,7 @@ def _bracketed(
         newton = here - step
         inside = (newton > low[active]) & (newton < high[active])
         root[active] = np.where(inside, newton, (low[active] + high[active]) / 2)
-        settled = (np.abs(root[active] - here) <= resolution[active]) | (value == 0)
+        found = (np.abs(root[active] - here) <= resolution[active]) | (value == 0)
         root[active] = np.where(value == 0, here, root[active])
-        active = active[~settled]
+        active = active[~found]
     raise ArithmeticError(f"{active.size} crossings of the pressure were not located in 100 steps")

@@ -14,15 +14,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dct
 
 from bem.audit.displacement import ComplianceRatio, DisplacementField, GapPoints
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 POINTS_PER_WAVELENGTH = 16
 LEAST_POINTS = 24

@@ -21,14 +21,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dct
 
+from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 LEAST_ORDERS = 128

@@ -1,40 +1,30 @@
 """The physical and numerical effects a scene calls for, each with its reason and its predicted cost.
 
-An effect that is not active is a code path never entered.
-
-An elastic effect is a table of the scene and the module in bem/elastic that says what it changes of the compliance,
-imported only when the scene names it.  One that changes no mode by more than a tenth of accuracy.tolerance is left out.
+An effect that is not active is a code path never entered.  What changes the compliance: elastic_tables.py.
 
 Predicted costs are power laws in the highest harmonic M, measured on one core on the self-affine profile with H = 0.7
 and 1000 harmonics: seconds = constant (M / 1000)^exponent for each sweep in one direction, each target, each output.
-They are meant to tell seconds from hours, within a factor of 3.
+They are meant to distinguish seconds from hours, within a factor of 3.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from importlib import import_module
-from typing import TYPE_CHECKING
 
-from bem.geometry.scaling import Solid
+from bem.scene.elastic_tables import ELASTIC, elastic_effects, negligible
 from bem.scene.result import Effect
 from bem.scene.scene import Scene
 from bem.scene.targets import unloads
 
-if TYPE_CHECKING:
-    from bem.elastic.kernel_series import ElasticEffect
-
-ELASTIC = {"layer": "thickness = {thickness:g} m"}  # tables that change the compliance, and what is said of them
 EFFECTS = (
     *("half_space", *ELASTIC, "adhesion", "slope_term", "unloading", "load_control"),
     *("shapes", "spectra", "pressure_distribution", "width_distributions"),
 )
 
-NEGLIGIBLE = 0.1  # of accuracy.tolerance: elastic effects that change no mode by more are left out
 SWEEP = 10.0, 1.4  # s at 1000 harmonics and exponent: one sweep in one direction, without adhesion
 ADHESIVE_SWEEP = 28.0, 1.15  # the same with adhesion
 KERNEL_SHARE = 0.5  # of the sweeps, in addition: what adds to the kernel of the half-space
-TARGET = 0.5, 1.2  # one target: polish, certificate, error estimate
+TARGET = 0.5, 1.2  # one target: refinement, certificate, error estimate
 OUTPUT = 0.1, 1.0  # fields, spectra or a distribution at one target
 
 
@@ -48,20 +38,6 @@ def effects_of(scene: Scene) -> tuple[Effect, ...]:
 def predicted_seconds(scene: Scene) -> float:
     """Predicted cost of the scene on one core, s."""
     return sum(effect.seconds for effect in effects_of(scene))
-
-
-def elastic_effects(scene: Scene) -> dict[str, ElasticEffect]:
-    """What each table of `ELASTIC` that the scene has changes of the half-space."""
-    solid, period = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio), scene.profile.period
-    found: dict[str, ElasticEffect] = {}
-    if scene.layer is not None:
-        found["layer"] = import_module("bem.elastic.layer").Layer(scene.layer.thickness).effect(solid, period)
-    return found
-
-
-def negligible(scene: Scene) -> float:
-    """Largest change of the compliance of any mode that is left out."""
-    return NEGLIGIBLE * scene.accuracy.tolerance
 
 
 def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:

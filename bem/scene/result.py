@@ -28,6 +28,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.scene.result_views import Views
+
 SCHEMA = "linecontact-result/1"
 RESULT_FILE, FIELDS_FILE = "result.json", "fields.npz"
 FINAL_STATUSES = ("converged", "separated", "complete_contact")
@@ -72,7 +74,7 @@ class ErrorEstimate:
 class Certificate:
     """A-posteriori checks of a state; `min_gap` in m, the rest dimensionless, None where it has no meaning.
 
-    `reasons` tells each demand that is not met, with its limit and place.
+    `reasons` names each demand that is not met, with its limit and place.
     """
 
     closure: float | None
@@ -88,7 +90,7 @@ class Certificate:
 class State:
     """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
 
-    Every number is finite.  Two may say that there is none: an estimated error is infinite where the corrected edges
+    Every number is finite.  Two may say that none exists: an estimated error is infinite where the corrected edges
     overlap; `mean_pressure` is NaN (null in the file) where any would do, in complete contact under a prescribed
     separation, and where the state asked for does not exist.  `total_displacement` is None there on a compressible
     layer.  `events` is the number of events up to this state; None in results that did not store it.  The status is
@@ -148,7 +150,7 @@ class EventError:
 
 @dataclass(frozen=True)
 class Event:
-    """A change of topology or stability; `position` in m, `energy_released` in J/m^2.
+    """A change of topology or stability; `position` in m, `energy_released` in J/m^2; kinds: bem/README.md, section 5.
 
     Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is NaN (null
     in the file) where the last gap closes, or the first opens, under a given separation: the tension there has no
@@ -177,8 +179,8 @@ class Progress:
     n_targets: int
 
 
-@dataclass(frozen=True, eq=False)
-class Result:
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Views):
     """All states and events of a path.
 
     Parameters
@@ -225,14 +227,18 @@ def digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
+def installed_version() -> str:
+    """Version of the installed package, `bem.__version__`."""
+    try:
+        return metadata.version("linecontact")
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
 def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
     """Versions, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
-    try:
-        version = metadata.version("linecontact")
-    except metadata.PackageNotFoundError:
-        version = "not installed"
     return {
-        "linecontact": version,
+        "linecontact": installed_version(),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
         "numpy": np.__version__,
@@ -276,7 +282,7 @@ def write_result(result: Result, folder: Path) -> None:
         (folder / FIELDS_FILE).unlink(missing_ok=True)
 
 
-def read_result(folder: Path) -> Result:
+def read_result(folder: Path | str) -> Result:
     """Read what `write_result` wrote, and verify it.
 
     Raises
@@ -286,6 +292,7 @@ def read_result(folder: Path) -> Result:
     CorruptResultError
         Not JSON, another schema, wrong checksum, fields.npz missing or not the one written with it.
     """
+    folder = Path(folder)
     path = folder / RESULT_FILE
     try:
         content = json.loads(path.read_bytes())

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from bem.geometry.arrays import FloatArray
 
 UNIFORMITY = 1e-3  # admitted deviation of a position, in sample distances
 SHOWN = 3  # mistakes of one sort that are spelt out
@@ -81,7 +80,7 @@ def read_scan(path: Path) -> Scan:
     Raises
     ------
     ScanFileError
-        Missing or unreadable file, ragged rows, text that is no number, NaN or infinity, fewer than three samples,
+        Missing or unreadable file, ragged rows, text that is not a number, NaN or infinity, fewer than three samples,
         positions that do not increase or are not uniform.
     """
     try:
@@ -104,7 +103,7 @@ def read_scan(path: Path) -> Scan:
 
 
 def _rows(lines: list[str]) -> tuple[list[tuple[float, float]], list[str]]:
-    """Samples, and what is wrong with the lines that are none."""
+    """The samples, and what is wrong with the lines that hold none."""
     rows: list[tuple[float, float]] = []
     ragged: list[str] = []
     invalid: list[str] = []

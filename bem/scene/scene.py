@@ -22,19 +22,18 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from bem.geometry.profile import Profile
+from bem.geometry.ranges import LEAST, MOST, MOST_HARMONICS, RANGES, Mistake, shown
 from bem.scene.result import State
 from bem.scene.scan_file import Scan, ScanFileError, read_scan
 from bem.scene.scene_rules import (
     QUESTIONS,
     RANGE,
     SAMPLED_HARMONICS,
-    Mistake,
     SceneError,
     loading_mistakes,
     magnitude_mistakes,
     profile_mistakes,
     scan_mistakes,
-    shown,
     surface_of,
     unknown_key,
 )
@@ -43,14 +42,20 @@ from bem.scene.targets import expanded, found, merged, origin
 
 __all__ = ["Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
-MOST_HARMONICS = 1_000_000  # 4 GB of tables
-LEAST, MOST = 1e-60, 1e60  # of magnitudes in SI units: no product of them leaves double precision
-
 Number = Annotated[float, Field(ge=-MOST, le=MOST)]
 Numbers = Annotated[tuple[Number, ...], Field(strict=False)]
 Order = Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
 Length = Annotated[float, Field(ge=LEAST, le=MOST)]
-POSITIVE = f"a finite number > 0, from {LEAST:g} to {MOST:g}"
+
+
+def _range(path: str) -> Any:
+    """The field of a number, of the range and in the words of `RANGES`."""
+    return Field(**RANGES[path].limits, description=RANGES[path].words)
+
+
+def _words(path: str) -> str:
+    """What is said of a list; its items have ranges of their own."""
+    return RANGES[path].words
 
 
 class _Table(BaseModel):
@@ -60,24 +65,24 @@ class _Table(BaseModel):
 class SolidTable(_Table):
     """[solid]."""
 
-    youngs_modulus: float = Field(ge=LEAST, le=MOST, description=f"{POSITIVE} (Pa)")
-    poisson_ratio: float = Field(gt=-1, le=0.5, description="a number > -1 and <= 0.5")
+    youngs_modulus: Annotated[float, _range("solid.youngs_modulus")]
+    poisson_ratio: Annotated[float, _range("solid.poisson_ratio")]
 
 
 class ProfileTable(_Table):
     """[profile]; keys the kind does not use are None."""
 
     kind: Literal["self_affine", "harmonics", "samples"] = Field(description='"self_affine", "harmonics" or "samples"')
-    period: Length | None = Field(None, description=f"{POSITIVE} (m)")
-    hurst: float | None = Field(None, gt=0, lt=1, description="a number > 0 and < 1")
-    rms_height: Length | None = Field(None, description=f"{POSITIVE} (m)")
-    harmonics: Order | None = Field(None, description=f"an integer from 1 to {MOST_HARMONICS}")
-    seed: int | None = Field(None, ge=0, description="an integer >= 0")
+    period: Annotated[float | None, _range("profile.period")] = None
+    hurst: Annotated[float | None, _range("profile.hurst")] = None
+    rms_height: Annotated[float | None, _range("profile.rms_height")] = None
+    harmonics: Annotated[int | None, _range("profile.harmonics")] = None
+    seed: Annotated[int | None, _range("profile.seed")] = None
     orders: Annotated[tuple[Order, ...], Field(strict=False, min_length=1)] | None = Field(
-        None, description=f"a list of distinct integers from 1 to {MOST_HARMONICS}"
+        None, description=_words("profile.orders")
     )
-    amplitudes: Numbers | None = Field(None, description="a list of finite numbers (m), as many as orders")
-    phases: Numbers | None = Field(None, description="a list of finite numbers (radians), as many as orders")
+    amplitudes: Numbers | None = Field(None, description=_words("profile.amplitudes"))
+    phases: Numbers | None = Field(None, description=_words("profile.phases"))
     file: str | None = Field(None, min_length=1, description="the name of a text file with two columns x, h (m)")
     detrend: Literal["mean", "line"] | None = Field(None, description='"mean" or "line"')
 
@@ -85,13 +90,13 @@ class ProfileTable(_Table):
 class LayerTable(_Table):
     """[layer]."""
 
-    thickness: Length = Field(description=f"{POSITIVE} (m)")
+    thickness: Annotated[float, _range("layer.thickness")]
 
 
 class AdhesionTable(_Table):
     """[adhesion]."""
 
-    work_of_adhesion: float = Field(ge=LEAST, le=MOST, description=f"{POSITIVE} (J/m^2)")
+    work_of_adhesion: Annotated[float, _range("adhesion.work_of_adhesion")]
     slope_term: bool = Field(False, description="true or false")
 
 
@@ -193,7 +198,7 @@ class Scene:
         return surface_of(self.profile.model_dump(), self.scan)
 
     def physics(self) -> dict[str, Any]:
-        """The tables that say what is in contact, those absent left out; other codes ask whether they know them all."""
+        """The tables that say what is in contact, those absent left out; other codes check that they provide all."""
         tables = {name: getattr(self, name) for name in TABLES if name not in QUESTIONS}
         return {name: table for name, table in tables.items() if table is not None}
 
@@ -203,7 +208,7 @@ class Scene:
         return asked if isinstance(asked, bool) else found(target, asked) is not None
 
     def resolved(self) -> dict[str, Any]:
-        """Everything as plain values, defaults included; a file is told by its name and digest."""
+        """Everything as plain values, defaults included; a file is given by its name and digest."""
         content: dict[str, Any] = {"title": self.title}
         for name in TABLES:
             table = getattr(self, name)
@@ -393,7 +398,7 @@ def _profile(values: Mapping[str, Any], scan: Scan | None) -> ProfileTable:
 
 
 def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[float, ...]) -> Iterator[Mistake]:
-    """Shapes the path never meets, spectra and distributions at what is no target."""
+    """Shapes the path never meets, spectra and distributions at other values than targets."""
     for k, shape in enumerate(shapes):
         if shape in missed:
             value = scene.output.shapes[k]
@@ -402,4 +407,4 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):
             if found(value, scene.loading.targets) is None:
-                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is no target", "true, false or a list of targets")
+                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is not a target", "true, false or a list of targets")

@@ -7,14 +7,15 @@ Works on plain values of the keys that are valid by themselves (`values`), and o
 from __future__ import annotations
 
 import difflib
-import json
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from bem.geometry.profile import Profile
+from bem.geometry.ranges import Mistake as Mistake
+from bem.geometry.ranges import harmonic_mistakes
+from bem.geometry.ranges import shown as shown
 from bem.scene.scan_file import Scan
 
 SAMPLED_HARMONICS = 1000  # default cut of a scan
@@ -31,24 +32,6 @@ RANGE = ("start", "stop", "count")
 QUESTIONS = ("title", "loading", "accuracy", "output")  # of a scene; all other tables say what is in contact
 
 
-@dataclass(frozen=True)
-class Mistake:
-    """One mistake: where, what was found, what is allowed.
-
-    Examples
-    --------
-    >>> print(Mistake("layer.thickness", "= -1.0", "a finite number > 0 (m)"))
-    layer.thickness = -1.0; allowed: a finite number > 0 (m)
-    """
-
-    path: str
-    found: str
-    allowed: str
-
-    def __str__(self) -> str:
-        return f"{self.path} {self.found}; allowed: {self.allowed}"
-
-
 class SceneError(ValueError):
     """A scene that cannot be solved; `mistakes` lists all that is wrong with it."""
 
@@ -60,15 +43,6 @@ class SceneError(ValueError):
     def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[Mistake, ...]]]:
         """What a worker process hands back is the same error."""
         return SceneError, (self.mistakes,)
-
-
-def shown(value: Any) -> str:
-    """A value as in the scene file, shortened."""
-    try:
-        text = json.dumps(value, default=str, ensure_ascii=False)
-    except ValueError:
-        text = "a value too long to show"
-    return text if len(text) <= 60 else f"{text[:56]} ..."
 
 
 def unknown_key(name: str, known: Collection[str]) -> str:
@@ -91,13 +65,7 @@ def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Itera
             yield Mistake(f"profile.{key}", f"= {shown(values[key])}", f'kind = "{kind}" uses {", ".join(used)} only')
     if kind != "harmonics":
         return
-    lengths = {key: len(values[key]) for key in ("orders", "amplitudes", "phases") if key in values}
-    if len(set(lengths.values())) > 1:
-        counted = ", ".join(f"{count} {key}" for key, count in lengths.items())
-        yield Mistake("profile.orders", f"and its companions differ in length ({counted})", "lists of equal length")
-    repeated = [order for order, count in _counts(values.get("orders", ())).items() if count > 1]
-    if repeated:
-        yield Mistake("profile.orders", f"repeats {shown(repeated)}", "distinct integers >= 1")
+    yield from harmonic_mistakes(values)
 
 
 def scan_mistakes(values: Mapping[str, Any], scan: Scan) -> Iterator[Mistake]:
@@ -165,13 +133,13 @@ def loading_mistakes(
 
 
 def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[Mistake]:
-    """Ratios of magnitudes in a resolved scene that the solver's numbers or memory do not hold, each with its key.
+    """Ratios of magnitudes in the tables that the solver's numbers or memory do not hold, each with its key.
 
     The scales are those of scaling.py; a flat profile has none.
     """
     largest = float(np.max(np.abs(profile.amplitudes)))
     period = profile.period
-    layer, adhesion, loading = tables["layer"], tables["adhesion"], tables["loading"]
+    layer, adhesion, loading = (tables.get(name) for name in ("layer", "adhesion", "loading"))
     if layer is not None and not THICKNESSES[0] * period <= layer["thickness"] <= THICKNESSES[1] * period:
         lowest, highest = (share * period for share in THICKNESSES)
         allowed = f"a number from {lowest:g} to {highest:g} (m), {THICKNESSES[0]:g} to {THICKNESSES[1]:g} periods"
@@ -179,7 +147,7 @@ def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[
     if largest == 0:
         return
     if not LARGEST_RATIO**-1 <= largest / period <= LARGEST_RATIO:
-        name = "rms_height" if "rms_height" in tables["profile"] else "amplitudes"
+        name = "rms_height" if "rms_height" in tables.get("profile", ()) else "amplitudes"
         allowed = f"from {1 / LARGEST_RATIO:g} to {LARGEST_RATIO:g} periods"
         yield Mistake(f"profile.{name}", f"reach {largest / period:.2g} periods", allowed)
         return
@@ -190,6 +158,8 @@ def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[
         if not LARGEST_RATIO**-1 <= share <= LARGEST_RATIO:
             allowed = f"from {1 / LARGEST_RATIO:g} to {LARGEST_RATIO:g} times E* h^2 / period = {scale:g} J/m^2"
             yield Mistake("adhesion.work_of_adhesion", f"= {adhesion['work_of_adhesion']:g}", allowed)
+    if loading is None:
+        return
     pressed = loading["control"] == "mean_pressure"
     unit = modulus * largest / period if pressed else largest
     for k, target in enumerate(loading["targets"]):
@@ -228,13 +198,6 @@ def _negative(path: str, value: float | Sequence[float] | None) -> Iterator[Mist
                 yield Mistake(f"{path}[{k}]", f"= {item:g}", allowed)
     elif isinstance(value, int | float) and value < 0:
         yield Mistake(path, f"= {value:g}", allowed)
-
-
-def _counts(items: Iterable[int]) -> dict[int, int]:
-    counts: dict[int, int] = {}
-    for item in items:
-        counts[item] = counts.get(item, 0) + 1
-    return counts
 
 
 def surface_of(values: Mapping[str, Any], scan: Scan | None) -> Profile:

@@ -27,7 +27,7 @@ def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[Sto
     initial
         Valid loading.initial; only a table {result, state} names a state.
     control
-        loading.control: the state must know this quantity.
+        loading.control: the state must provide this quantity.
     base_dir : Path
         Folder relative names start from.
     """

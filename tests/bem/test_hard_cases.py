@@ -27,11 +27,6 @@ MOST_HARMONICS = 125
 ids = [case.id for case in HARD_CASES]
 
 
-@cache
-def outcome(index):
-    return run_case(HARD_CASES[index])
-
-
 def test_ids_are_distinct():
     assert len(set(ids)) == len(ids)
 
@@ -42,21 +37,14 @@ def test_reduced_form_is_small(case):
     assert max(profile.get("orders", [profile.get("harmonics", 0)])) <= MOST_HARMONICS
 
 
-@pytest.mark.parametrize("index", range(len(ids)), ids=ids)
-def test_nothing_is_refused(index):
-    assert outcome(index).refused_reason is None
-
-
-@pytest.mark.parametrize("index", range(len(ids)), ids=ids)
-def test_converges_as_expected(index):
-    assert outcome(index).observed == outcome(index).expected
-    assert outcome(index).converged
-
-
-@pytest.mark.parametrize("index", range(len(ids)), ids=ids)
-def test_is_correct(index):
-    assert outcome(index).findings == ()
-    assert outcome(index).correct
+@pytest.mark.parametrize("case", HARD_CASES, ids=ids)
+def test_reduced_form_converges_as_expected_and_is_correct(case):
+    found = run_case(case)
+    assert found.refused_reason is None
+    assert found.observed == found.expected
+    assert found.converged
+    assert found.findings == ()
+    assert found.correct
 
 
 @pytest.mark.slow
@@ -142,7 +130,7 @@ def test_closed_form_sees_a_wrong_penetration():
 
 
 @pytest.mark.parametrize(
-    ("wanted", "told"),
+    ("wanted", "reported"),
     [
         (Reached(least=1e-3), "contact fraction 0.001 not reached from above"),
         (Reached(largest=0.9), "contact fraction 0.9 not reached from below"),
@@ -151,8 +139,8 @@ def test_closed_form_sees_a_wrong_penetration():
     ],
     ids=["least", "largest", "gap", "patch"],
 )
-def test_a_case_less_hard_than_intended_is_found(wanted, told):
-    assert missed(wanted, small_result(), parse_scene(SMALL)) == [told]
+def test_a_case_less_hard_than_intended_is_found(wanted, reported):
+    assert missed(wanted, small_result(), parse_scene(SMALL)) == [reported]
 
 
 def test_a_case_as_hard_as_intended_is_not():

@@ -37,13 +37,13 @@ def test_numerical_failures_end_the_path_by_name(failure, monkeypatch):
     def failing(*arguments):
         state = described(*arguments)
         if state.separation < 55e-6:
-            raise failure("told here")
+            raise failure("reported here")
         return state
 
     monkeypatch.setattr(record, "equilibrium_state", failing)
     result = solve(rough_scene(TARGETS))
     assert result.status == "not_converged"
-    assert result.failure == f"{failure.__name__}: told here"
+    assert result.failure == f"{failure.__name__}: reported here"
     assert len(result.targets) == 1
     assert result.events
 
@@ -60,14 +60,14 @@ def test_a_fault_of_the_program_is_not_called_a_numerical_failure(monkeypatch):
 @pytest.mark.parametrize("adhesion", [None, 0.03])
 def test_a_failure_before_the_first_state_has_a_name_too(adhesion, monkeypatch):
     def failing(*_):
-        raise IllConditionedSystemError("told here")
+        raise IllConditionedSystemError("reported here")
 
     monkeypatch.setattr(solver, "complete_contact", failing)
     result = solve(rough_scene(TARGETS, adhesion=adhesion))
     assert (result.status, result.states, result.failure) == (
         "not_converged",
         (),
-        "IllConditionedSystemError: told here",
+        "IllConditionedSystemError: reported here",
     )
 
 
@@ -85,7 +85,7 @@ def test_no_state_is_converged_with_nan(monkeypatch):
 
 
 def test_what_is_not_certified_is_not_called_converged(monkeypatch):
-    """The path goes on, its other states are good; who reads any status sees it."""
+    """The path continues, its other states are good; who reads any status sees it."""
     judged = states.certificate.certify
 
     def strict(profile, pressure, penetration, adhesion, **options):

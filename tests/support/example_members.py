@@ -26,7 +26,7 @@ def here(_):
     yield Workers(Here(), lambda: 1)
 
 
-def members(count, harmonics=8, seed=0):
+def members(count, harmonics=3, seed=0):
     return [_member(k, harmonics, seed + k) for k in range(count)]
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bem.geometry.patches import ordered
+from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
 from bem.scene.scene import parse_scene
 
@@ -18,6 +18,30 @@ def bearing_cut(profile, share):
     half = 0.25 * profile.period / x.size
     left, right = x[start] - half, x[stop] + half
     return ordered(left, np.where(right < left, right + profile.period, right)), profile.max_height - level
+
+
+def short_waved(seed=0, first=60, last=250):
+    """Only short waves, so that a cut has many patches."""
+    m = np.arange(first, last + 1)
+    phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, m.size)
+    return Profile.from_harmonics(2 * np.pi, m, m**-1.2, phases).scaled()
+
+
+def cut_edges(profile, share):
+    """Edges of the parts of the profile above a level (any patches test an evaluation), and the penetration there."""
+    x, height = profile.grid
+    level = float(np.quantile(height, 1 - share))
+    above = height > level
+    left = x[np.flatnonzero(above & ~np.roll(above, 1))] - x[1] / 2
+    right = x[np.flatnonzero(above & ~np.roll(above, -1))] + x[1] / 2
+    right = right if right[0] > left[0] else np.append(right[1:], right[0] + 2 * np.pi)
+    return left, right, profile.max_height - level
+
+
+def cut(profile, share):
+    """The patches of `cut_edges`, and the penetration."""
+    left, right, penetration = cut_edges(profile, share)
+    return Patches(left, right), penetration
 
 
 def rough_profile(harmonics=60, seed=4, hurst=0.7):

@@ -24,12 +24,12 @@ def test_a_made_up_table_is_refused(code, monkeypatch):
     allow_coatings(monkeypatch)
     name, take = TAKES[code]
     scene = adapters.scene(name, {"coating": COATING, "adhesion": None})
-    with pytest.raises(ValueError, match=r"does not know \[coating\]"):
+    with pytest.raises(ValueError, match=r"does not provide \[coating\]"):
         take(scene)
 
 
 def test_a_layer_is_no_half_space():
-    with pytest.raises(ValueError, match=r"Persson's theory does not know \[layer\]"):
+    with pytest.raises(ValueError, match=r"Persson's theory does not provide \[layer\]"):
         adapters.persson_spectrum(adapters.scene(LAYER))
 
 

@@ -20,13 +20,13 @@ class Measured:
 
 
 @pytest.fixture
-def told():
+def reported():
     return []
 
 
 @pytest.fixture
-def answers(tmp_path, told):
-    return Answers(tmp_path / "answers", "sources", told.append)
+def answers(tmp_path, reported):
+    return Answers(tmp_path / "answers", "sources", reported.append)
 
 
 FOUND = Found({"gap": 0.1 + 0.2}, 3, {"evaluations": 2}, 0.0, 1e-300, math.inf)
@@ -75,12 +75,12 @@ def test_answer_of_other_sources_is_not_taken(answers):
 
 
 @pytest.mark.parametrize("damage", [lambda text: text.replace("1.5", "1.6"), lambda text: text[:40], lambda text: "[]"])
-def test_damaged_answer_is_told_and_not_taken(answers, told, damage):
+def test_damaged_answer_is_told_and_not_taken(answers, reported, damage):
     answers.keep(Measured, Measured(1.5), "a task")
     (path,) = answers.folder.iterdir()
     path.write_text(damage(path.read_text()))
     assert answers.kept(Measured, "a task") is None
-    assert "is damaged; computed again" in told[-1].text
+    assert "is damaged; computed again" in reported[-1].text
 
 
 def test_nothing_half_written_is_left(answers):

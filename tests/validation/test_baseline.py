@@ -1,4 +1,4 @@
-"""Baselines: what moves is told, by class; nothing becomes a baseline without a reason, a pass and a commit."""
+"""Baselines: what moves is reported, by class; nothing becomes a baseline without a reason, a pass and a commit."""
 
 import json
 import math
@@ -58,7 +58,7 @@ def test_case_whose_extra_is_absent_has_not_left_its_baseline(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("pinned", "change", "told"),
+    ("pinned", "change", "reported"),
     [
         ("exact", 0.0, False),
         ("exact", 1e-15, True),
@@ -70,18 +70,18 @@ def test_case_whose_extra_is_absent_has_not_left_its_baseline(tmp_path):
         ("unconverged", 0.5, False),
     ],
 )
-def test_class_decides_what_may_move(tmp_path, pinned, change, told):
-    assert bool(moved(tmp_path, record(pinned=pinned), record(1.0 + change, pinned=pinned))) is told
+def test_class_decides_what_may_move(tmp_path, pinned, change, reported):
+    assert bool(moved(tmp_path, record(pinned=pinned), record(1.0 + change, pinned=pinned))) is reported
 
 
-@pytest.mark.parametrize(("change", "told"), [(0.019, False), (0.021, True), (-0.021, True)])
-def test_value_with_a_band_may_move_by_two_per_cent(tmp_path, change, told):
-    assert bool(moved(tmp_path, record(1.0, band=BAND), record(1.0 + change, band=BAND))) is told
+@pytest.mark.parametrize(("change", "reported"), [(0.019, False), (0.021, True), (-0.021, True)])
+def test_value_with_a_band_may_move_by_two_per_cent(tmp_path, change, reported):
+    assert bool(moved(tmp_path, record(1.0, band=BAND), record(1.0 + change, band=BAND))) is reported
 
 
-@pytest.mark.parametrize(("count", "told"), [(119, False), (81, False), (121, True), (79, True)])
-def test_counts_gate_on_both_sides(tmp_path, count, told):
-    assert bool(moved(tmp_path, record(), record(count=count))) is told
+@pytest.mark.parametrize(("count", "reported"), [(119, False), (81, False), (121, True), (79, True)])
+def test_counts_gate_on_both_sides(tmp_path, count, reported):
+    assert bool(moved(tmp_path, record(), record(count=count))) is reported
 
 
 def test_seconds_never_gate(tmp_path):
@@ -198,8 +198,8 @@ def several(*values):
 def test_every_value_of_a_row_is_pinned(tmp_path, place):
     values = [1.0, 2.0, 3.0]
     values[place] += 0.1
-    told = moved(tmp_path, several(1.0, 2.0, 3.0), several(*values))
-    assert [f"load [{place}]" in line for line in told] == [True]
+    reported = moved(tmp_path, several(1.0, 2.0, 3.0), several(*values))
+    assert [f"load [{place}]" in line for line in reported] == [True]
 
 
 def test_long_row_is_pinned_by_its_largest_value(tmp_path):

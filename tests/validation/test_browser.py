@@ -7,11 +7,10 @@ the console.  Without Chromium these tests are skipped.
 
 import json
 import re
-import shutil
-import subprocess
 from html import unescape
 
 import pytest
+from browser import BROWSER, browse, console_of
 from report_parts import figure, row
 
 from validation.harness.schema import (
@@ -23,14 +22,7 @@ from validation.harness.schema import (
 )
 from validation.report.render import render
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
-
-QUIET = (
-    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-dev-shm-usage"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-extensions"),
-    *("--host-resolver-rules=MAP * ~NOTFOUND", "--enable-logging=stderr", "--log-level=0"),
-)
 
 LOOK = """
 const found = {};
@@ -94,18 +86,6 @@ def page():
     changes = ["johnson-0.1: load was 1, is 1.01"]
     made = Report(level="quick", command="run", planned=5, provenance=facts, cases=cases, changes=changes)
     return render(with_checksum(made))
-
-
-def browse(folder, text, *options):
-    """Open a page: what the browser printed."""
-    path = folder / "page.html"
-    path.write_text(text, "utf-8")
-    command = [BROWSER, *QUIET, f"--user-data-dir={folder / 'profile'}", *options, path.as_uri()]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-
-
-def console_of(done):
-    return [line for line in done.stderr.splitlines() if "CONSOLE" in line]
 
 
 @pytest.fixture(scope="module")

@@ -33,8 +33,10 @@ def test_of_times_that_differ_by_noise_the_coarsest_setting_is_named():
 def test_words_when_two_curves_cross_twice():
     bent = MethodCurve("bent", "exact", (Mark("", 1e-2, 0.1), Mark("", 1e-4, 9.9), Mark("", 1e-9, 10.0)))
     even = MethodCurve("even", "exact", (Mark("", 1e-2, 1.0), Mark("", 1e-4, 1.0), Mark("", 1e-9, 1e4)))
-    told = "bent is cheaper than even down to an error of 9.9e-04, from there even down to 5.7e-06; then the other way."
-    assert sentences("scene", [bent, even])[5] == f"scene: {told}"
+    reported = (
+        "bent is cheaper than even down to an error of 9.9e-04, from there even down to 5.7e-06; then the other way."
+    )
+    assert sentences("scene", [bent, even])[5] == f"scene: {reported}"
 
 
 def test_no_digits_beyond_the_reference():
@@ -67,22 +69,22 @@ def test_points_that_others_beat_do_not_count():
 
 def test_curves_that_do_not_cross():
     assert crossing(power("a", 1.0, 0.2), power("b", 2.0, 0.2)) == []
-    told = sentences("scene", [power("a", 1.0, 0.2), power("b", 2.0, 0.2)])
-    assert told[-1] == "scene: a is cheaper than b at every error that both reach."
+    reported = sentences("scene", [power("a", 1.0, 0.2), power("b", 2.0, 0.2)])
+    assert reported[-1] == "scene: a is cheaper than b at every error that both reach."
 
 
 def test_words_name_setting_seconds_reference_and_the_others():
-    told = sentences("scene", [FLAT, STEEP])
-    assert told[0] == (
+    reported = sentences("scene", [FLAT, STEEP])
+    assert reported[0] == (
         "scene: 2 digits cost least with steep at steep-2 (0.01 s, error 1.0e-02 against exact); "
         "flat 100.0 times as long."
     )
-    assert told[4] == (
+    assert reported[4] == (
         "scene: 10 digits cost least with flat at flat-12 (1 s, error 1.0e-12 against exact); steep not at all."
     )
-    assert told[5] == "scene: steep is cheaper than flat down to an error of 1.0e-06; then the other way."
+    assert reported[5] == "scene: steep is cheaper than flat down to an error of 1.0e-06; then the other way."
 
 
 def test_words_when_no_method_reaches_the_digits():
-    told = sentences("scene", [power("a", 1.0, 0.2, range(1, 4))])
-    assert told[1] == "scene: no setting reaches 4 digits that its reference can tell."
+    reported = sentences("scene", [power("a", 1.0, 0.2, range(1, 4))])
+    assert reported[1] == "scene: no setting reaches 4 digits that its reference resolves."

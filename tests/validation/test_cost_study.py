@@ -140,7 +140,7 @@ def study(folder, measure, tasks=PAIR, dissect=None):
     return cost.run(folder, True, lambda note: None, tasks, measure, dissect)
 
 
-def test_study_writes_and_prints_its_table(tmp_path, capsys):
+def test_study_writes_and_prints_its_table(here, tmp_path, capsys):
     assert study(tmp_path, examples.converge) == 0
     stored = json.loads((tmp_path / "cost.json").read_text())
     assert stored["schema"] == "linecontact-cost/1"
@@ -148,12 +148,20 @@ def test_study_writes_and_prints_its_table(tmp_path, capsys):
     assert "0       100    0.0125" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(("kind", "message"), [("crash", "ZeroDivisionError: the matrix"), ("die", "WorkerDiedError")])
-def test_run_that_fails_is_a_line_with_its_message(tmp_path, capsys, kind, message):
+def test_run_that_crashes_is_a_line_with_its_message(here, tmp_path, capsys):
+    assert_told(tmp_path, capsys, examples.crash, "ZeroDivisionError: the matrix")
+
+
+def test_run_that_dies_is_a_line_with_its_message(tmp_path, capsys):
+    """In processes of their own, as the study starts them."""
+    assert_told(tmp_path, capsys, examples.die, "WorkerDiedError")
+
+
+def assert_told(tmp_path, capsys, measure, message):
     tasks = (Task(1, 100, 0.05), Task(0, 100, 0.05), Task(0, 100, 0.0125))
-    assert study(tmp_path, getattr(examples, kind), tasks) == 1
-    told = capsys.readouterr().out
-    assert "NOT MET: every load reached: seed 1, 100: " + message in told
+    assert study(tmp_path, measure, tasks) == 1
+    reported = capsys.readouterr().out
+    assert "NOT MET: every load reached: seed 1, 100: " + message in reported
     stored = json.loads((tmp_path / "cost.json").read_text())
     assert [run["status"][:5] for run in stored["runs"]] == [message[:5], "conve", "conve"]
 
@@ -163,9 +171,9 @@ def test_breakdown_is_told_and_stored(here, tmp_path, capsys):
     assert study(tmp_path, examples.converge, tasks, examples.apart) == 0
     stored = json.loads((tmp_path / "cost.json").read_text())
     assert stored["stage_exponents"]["factorisation"] == pytest.approx(3.0, rel=1e-9)
-    told = capsys.readouterr().out
-    assert "200 harmonics, 9.0 s: factorisation 89 %, gap search 11 %" in told
-    assert "seconds of one evaluation grow as patches^2.00 (200 harmonics)" in told
+    reported = capsys.readouterr().out
+    assert "200 harmonics, 9.0 s: factorisation 89 %, gap search 11 %" in reported
+    assert "seconds of one evaluation grow as patches^2.00 (200 harmonics)" in reported
     assert {path.name for path in tmp_path.glob("*.svg")} == {
         "cost-harmonics.svg",
         "cost-patches.svg",

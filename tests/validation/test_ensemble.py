@@ -196,10 +196,10 @@ def test_killed_worker_costs_no_member(tmp_path):
     assert process.stdout is not None
     process.stdout.readline()
     os.kill(first_worker(process), signal.SIGKILL)
-    told, _ = process.communicate()
+    reported, _ = process.communicate()
     assert process.returncode == 0
     assert sorted(written(tmp_path)) == [member.name for member in members(4)]
-    assert told.count("[4/4]") == 1
+    assert reported.count("[4/4]") == 1
 
 
 def test_full_disk_is_an_error_and_corrupts_nothing(tmp_path):
@@ -209,7 +209,7 @@ def test_full_disk_is_an_error_and_corrupts_nothing(tmp_path):
     def small_files():
         resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 
-    command = [sys.executable, str(SCRIPT), str(tmp_path), "2", "8"]
+    command = [sys.executable, str(SCRIPT), str(tmp_path), "2", "3"]
     process = subprocess.run(command, capture_output=True, text=True, preexec_fn=small_files, check=False)
     assert process.returncode != 0
     assert "OSError" in process.stderr

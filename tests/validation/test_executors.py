@@ -1,5 +1,6 @@
 """Executors: opened by a text, one BLAS thread each; a real dask scheduler that loses a worker loses no member."""
 
+import argparse
 import json
 import os
 import signal
@@ -32,7 +33,9 @@ def test_unknown_executor_is_refused(spec):
 
 @pytest.mark.parametrize("words", [["run"], ["replicate"], ["study", "maps"]], ids=["run", "replicate", "maps"])
 def test_processes_of_this_machine_are_the_default(words):
-    options = command_line._parser().parse_args([*words, "--out", "here"])
+    parser = argparse.ArgumentParser()
+    command_line.add_commands(parser.add_subparsers())
+    options = parser.parse_args([*words, "--out", "here"])
     assert opener_of(options.executor) is executors.local_processes
     assert options.jobs == (None if words[0] == "study" else os.cpu_count())  # that of a study is its own
 
@@ -107,10 +110,10 @@ def cluster(tmp_path):
 @needs_dask
 @pytest.mark.filterwarnings(r"ignore:\s*Mismatched versions found:Warning")
 def test_member_of_a_killed_worker_is_neither_lost_nor_counted_twice(cluster, tmp_path):
-    planned, folder, told = members(6, harmonics=16), tmp_path / "members", []
+    planned, folder, reported = members(6, harmonics=16), tmp_path / "members", []
 
     def killing(note):
-        told.append(note.text)
+        reported.append(note.text)
         if note.text.startswith("[1/6]"):
             cluster.workers[0].send_signal(signal.SIGKILL)
 
@@ -120,7 +123,7 @@ def test_member_of_a_killed_worker_is_neither_lost_nor_counted_twice(cluster, tm
     assert cluster.workers[0].wait(10) == -signal.SIGKILL
     assert (sorted(outcome.computed), outcome.failed) == ([member.name for member in planned], {})
     assert sorted(path.parent.name for path in folder.glob(f"*/{RESULT_FILE}")) == [member.name for member in planned]
-    assert [line.split("]")[0] for line in told if line.startswith("[")] == [f"[{k}/6" for k in range(1, 7)]
+    assert [line.split("]")[0] for line in reported if line.startswith("[")] == [f"[{k}/6" for k in range(1, 7)]
     assert all(read_member(member, folder).status == "converged" for member in planned)
 
 

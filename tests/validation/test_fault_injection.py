@@ -76,7 +76,7 @@ def test_nothing_stays_of_a_fault(studied, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         ({"before": "return y\n"}, r"example_faults/sources.py holds 'return y\\n' 0 times, exactly once is needed"),
         ({"before": "return"}, r"holds 'return' \d+ times"),
@@ -85,9 +85,9 @@ def test_nothing_stays_of_a_fault(studied, tmp_path):
     ],
     ids=["gone", "several", "not in a function", "no file"],
 )
-def test_fault_that_does_not_fit_is_refused(studied, change, told):
+def test_fault_that_does_not_fit_is_refused(studied, change, reported):
     unfit = replace(studied.faults[0], **change)
-    with pytest.raises(FaultError, match=f"^off: .*{told}"):
+    with pytest.raises(FaultError, match=f"^off: .*{reported}"):
         replace(studied, faults=(unfit,)).functions()
 
 

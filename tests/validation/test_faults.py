@@ -78,7 +78,7 @@ def test_smallest_size_is_a_decade_that_is_caught_beside_one_that_is_not(studied
 def test_what_fails_by_name_is_noticed_and_not_counted_as_caught(studied, name, message):
     found = fault_of(studied, name)
     assert (found["caught"], found["noticed"]) == (False, True)
-    assert any(message in told for told in found["crashes_and_refusals"].values())
+    assert any(message in reported for reported in found["crashes_and_refusals"].values())
 
 
 def test_study_fails_for_what_its_case_does_not_notice(studied):
@@ -152,18 +152,20 @@ def test_search_ends_at_the_last_decade_that_is_seen(last, predicted):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         ({"before": "return y"}, "off: example_faults/sources.py holds 'return y' 0 times, exactly once is needed"),
-        ({"case": "gone"}, "off: its case is none of uses-function, uses-function-loosely, uses-method"),
+        ({"case": "gone"}, "off: its case is not one of uses-function, uses-function-loosely, uses-method"),
     ],
     ids=["text", "case"],
 )
-def test_fault_that_does_not_fit_is_refused_before_anything_runs(example, tmp_path, monkeypatch, capsys, change, told):
+def test_fault_that_does_not_fit_is_refused_before_anything_runs(
+    example, tmp_path, monkeypatch, capsys, change, reported
+):
     unfit = replace(example.STUDIED, faults=(replace(example.FAULTS[0], **change),))
     monkeypatch.setattr(faults, "Studied", lambda _: unfit)
     assert main(["study", "faults", "--quick", "--out", str(tmp_path)]) == 2
-    assert capsys.readouterr().err == f"error: {told}\n"
+    assert capsys.readouterr().err == f"error: {reported}\n"
     assert not (tmp_path / "answers").exists()
 
 

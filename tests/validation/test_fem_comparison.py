@@ -1,4 +1,4 @@
-"""The comparison with finite elements: raw input only, a wrong constant is told, a failed code is a named row."""
+"""The comparison with finite elements: raw input only, a wrong constant is reported, a failed code is a named row."""
 
 import numpy as np
 import pytest

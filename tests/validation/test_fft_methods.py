@@ -18,10 +18,10 @@ SINUSOID = scenes()["sinusoid"]
 
 
 def point(method, setting, error, seconds, area, scene="rough"):
-    answer, told = {"contact_fraction": area, "mean_pressure": 1.0}, {}
+    answer, reported = {"contact_fraction": area, "mean_pressure": 1.0}, {}
     if method.startswith("fft"):
-        told = {"cohesive range / m": 1e-6}
-    found = Found(answer, setting, {}, 0.0, seconds, 0.0, told)
+        reported = {"cohesive range / m": 1e-6}
+    found = Found(answer, setting, {}, 0.0, seconds, 0.0, reported)
     errors = {"contact_fraction": error, "mean_pressure": error / 10}
     return Point(scene, method, Timed(str(setting), found=found, cpu_seconds=seconds), errors, 1e-9, "bem")
 
@@ -44,14 +44,17 @@ def test_cohesion_acts_along_the_spacings_asked_for(spacings):
 
 
 def test_words_say_who_needs_what_time_for_which_error():
-    told = " ".join(peer_sentences(POINTS))
-    assert "the best of fft, c = 8 is an error of 1.0e-02 at 2048 points, rho = 1 um, in 9 s" in told
-    assert "as small an error takes bem 3 s (error 1.0e-06 at 100), paper's method never" in told
+    reported = " ".join(peer_sentences(POINTS))
+    assert "the best of fft, c = 8 is an error of 1.0e-02 at 2048 points, rho = 1 um, in 9 s" in reported
+    assert "as small an error takes bem 3 s (error 1.0e-06 at 100), paper's method never" in reported
 
 
 def test_words_say_how_much_the_area_depends_on_the_range():
-    told = " ".join(peer_sentences(POINTS))
-    assert "on 2048 points the area changes by 20 % when rho grows by sqrt 2, over all grids and ranges by 20 %" in told
+    reported = " ".join(peer_sentences(POINTS))
+    assert (
+        "on 2048 points the area changes by 20 % when rho grows by sqrt 2, over all grids and ranges by 20 %"
+        in reported
+    )
 
 
 def test_table_lists_the_peers_only():

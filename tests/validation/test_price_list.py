@@ -24,8 +24,8 @@ def test_effect_holds_its_digits_on_the_sinusoid(name):
 
 
 def test_estimated_error_is_above_the_true_one():
-    _, _, told = DIGITS["error estimate"]()
-    estimated, true = (float(part.split()[1].rstrip(";")) for part in told.split(":")[1].split(", "))
+    _, _, reported = DIGITS["error estimate"]()
+    estimated, true = (float(part.split()[1].rstrip(";")) for part in reported.split(":")[1].split(", "))
     assert true < estimated < 1e-13  # at most 2.4e-15 and 2.7e-14, over the kernels of five processors
 
 
@@ -42,15 +42,15 @@ def test_every_effect_is_priced_against_one_before_it():
 
 
 def test_digits_end_where_the_reference_does():
-    assert digits_of(PRICE) == "7.0, all that the reference tells"
+    assert digits_of(PRICE) == "7.0, all that the reference resolves"
     assert digits_of(replace(PRICE, error=1e-3)) == "3.0"
     assert digits_of(replace(PRICE, error=float("nan"))) == "no exact answer"
 
 
 def test_list_in_words():
-    told = sentences([replace(PRICE, effect="bare", on_top_of=""), PRICE], [])
-    assert told == [
-        "layer: 3.00 times the scene without it (bare), +2 s; digits: 7.0, all that the reference tells "
+    reported = sentences([replace(PRICE, effect="bare", on_top_of=""), PRICE], [])
+    assert reported == [
+        "layer: 3.00 times the scene without it (bare), +2 s; digits: 7.0, all that the reference resolves "
         "(finite elements).",
         "Absent effects cost nothing: the bare scene loads no module of theirs.",
     ]

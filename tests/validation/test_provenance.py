@@ -1,4 +1,4 @@
-"""Provenance: it knows the commit, tells changed sources from changed baselines, and names no folder or host."""
+"""Provenance: it holds the commit, changed sources are not changed baselines, and it names no folder or host."""
 
 import getpass
 import json

@@ -1,4 +1,4 @@
-"""Fits of rates: manufactured errors give back their rate, on the right axis, and what cannot be fitted is told."""
+"""Fits of rates: manufactured errors give back their rate, on the right axis, and what cannot be fitted is reported."""
 
 import numpy as np
 import pytest

@@ -75,7 +75,7 @@ def test_pattern_chooses_by_name_or_group_at_any_level(pattern, chosen):
 
 
 def test_pattern_without_a_match_is_refused():
-    with pytest.raises(CaseError, match="matches none of: a"):
+    with pytest.raises(CaseError, match="matches no case of: a"):
         select([case()], "quick", "b*")
 
 

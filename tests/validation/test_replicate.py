@@ -62,7 +62,7 @@ def test_windows_of_a_curved_spectrum_are_told():
     found = exponent_of(np.array([curved, curved]), [(3, 30), (10, 100)])
     assert found.low == pytest.approx(exponent(curved, (10, 100)), rel=1e-12)
     assert found.high - found.low > 0.1
-    assert f"{found.low:.3f} to {found.high:.3f}" in found.told
+    assert f"{found.low:.3f} to {found.high:.3f}" in found.reported
 
 
 def test_jackknife_of_a_mean_is_its_standard_error():
@@ -178,8 +178,8 @@ def test_verdict_of_a_statement(row, verdict):
 
 
 def test_what_is_told_stands_beside_the_verdict():
-    assert claimed(-2.65, told="window moved: 0.04").message == "excludes -2.4, full contact; window moved: 0.04"
-    assert claimed(-2.65, told="window moved: 0.04", shortfall="only 3").message == "only 3"
+    assert claimed(-2.65, reported="window moved: 0.04").message == "excludes -2.4, full contact; window moved: 0.04"
+    assert claimed(-2.65, reported="window moved: 0.04", shortfall="only 3").message == "only 3"
 
 
 def test_tolerance_that_reaches_the_alternative_is_refused():

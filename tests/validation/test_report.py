@@ -8,7 +8,7 @@ import pytest
 from report_parts import figure, row
 
 from validation.__main__ import main, read_report
-from validation.harness.runner import write_atomically
+from validation.harness.kept import write_atomically
 from validation.harness.schema import (
     Band,
     CaseRecord,

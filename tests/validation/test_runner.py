@@ -13,7 +13,8 @@ import pytest
 from validation.harness import runner
 from validation.harness.execution import Running, Started, run_in_processes
 from validation.harness.executors import Workers
-from validation.harness.runner import run_cases, write_atomically
+from validation.harness.kept import write_atomically
+from validation.harness.runner import run_cases
 from validation.harness.verdict import case_verdicts
 
 
@@ -127,7 +128,7 @@ def test_what_a_case_took_before_goes_before_what_is_expected(examples, tmp_path
     for name, seconds in (("a", 1.0), ("b", 100.0)):
         path = tmp_path / "cases" / f"{name}.json"
         content = json.loads(path.read_text()) | {"key": "made by other code"}
-        content["record"]["seconds"] = seconds
+        content["answer"]["seconds"] = seconds
         path.write_text(json.dumps(content))
     notes = []
     run_cases(cases, tmp_path, 1, notes.append, expected={"a": 1000.0, "b": 1.0})
@@ -198,7 +199,7 @@ def test_failed_case_runs_again(examples, tmp_path, kind):
         lambda path: path.write_text("{"),
         lambda path: path.write_text("[]"),
         lambda path: path.write_text(json.dumps(json.loads(path.read_text()) | {"key": "made by other code"})),
-        lambda path: path.write_text(json.dumps({"key": json.loads(path.read_text())["key"], "record": {}})),
+        lambda path: path.write_text(json.dumps({"key": json.loads(path.read_text())["key"], "answer": {}})),
     ],
     ids=["cut off", "other content", "other code", "incomplete"],
 )

@@ -1,4 +1,4 @@
-"""The study of stability: endings and correctness counted apart, nothing lost, an interrupted study goes on."""
+"""The study of stability: endings and correctness counted apart, nothing lost, an interrupted study continues."""
 
 import json
 from dataclasses import replace
@@ -236,9 +236,9 @@ def test_random_scenes_do_not_depend_on_their_number():
 
 def test_findings_are_counted_by_kind_and_scene(here, tmp_path, capsys):
     assert random_study(tmp_path, examples.found) == 1
-    told = capsys.readouterr().out
-    assert "planned 3, reported 3" in told
-    assert "with findings: energy balance 1, shift 1" in told
+    reported = capsys.readouterr().out
+    assert "planned 3, reported 3" in reported
+    assert "with findings: energy balance 1, shift 1" in reported
     stored = random_stored(tmp_path)
     assert stored["findings"] == {"energy balance": 1, "shift": 1}
     assert (stored["counts"]["correct"], stored["counts"]["converged, not correct"]) == (2, 1)

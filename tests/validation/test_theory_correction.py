@@ -1,4 +1,4 @@
-"""Theory correction: the fit finds what made its data, the hold-out stays out, the judge measures, the page tells."""
+"""Theory correction: the fit finds what made its data, the hold-out stays out, the judge measures, the page reports."""
 
 import json
 from dataclasses import replace
@@ -115,8 +115,13 @@ def test_judge_tries_the_corrections_of_the_literature():
     assert set(one.area) == {PLAIN, CALIBRATED, *LITERATURE}
 
 
-def test_page_says_what_was_measured(found):
-    made = judge(ensemble(DRY, 1.1), np.full(6, 0.01), correction_from(TRUTH), lambda _: None, True)
+@pytest.fixture(scope="module")
+def made():
+    """What the judge finds where areas are 1.1 times those of the theory."""
+    return judge(ensemble(DRY, 1.1), np.full(6, 0.01), correction_from(TRUTH), lambda _: None, True)
+
+
+def test_page_says_what_was_measured(found, made):
     facts = provenance()
     content = theory_correction.calibration_content(found, [ensemble(g) for g in fit_groups()], made, facts)
     report = theory_correction.report_of(content, correction_from(TRUTH), made, 6, facts, short=False)
@@ -127,8 +132,7 @@ def test_page_says_what_was_measured(found):
     assert "Must not be used for" in page and "landing-correction-without-adhesion" in page
 
 
-def test_short_form_judges_nothing(found):
-    made = judge(ensemble(DRY), np.full(6, 0.01), correction_from(TRUTH), lambda _: None, True)
+def test_short_form_judges_nothing(found, made):
     facts = provenance()
     content = theory_correction.calibration_content(found, [ensemble(g) for g in fit_groups()], made, facts)
     report = theory_correction.report_of(content, correction_from(TRUTH), made, 6, facts, short=True)

@@ -1,4 +1,4 @@
-"""The command line: exit codes, what stdout and stderr say, bad input told before anything is run."""
+"""The command line: exit codes, what stdout and stderr say, bad input reported before anything is run."""
 
 import json
 import os
@@ -12,6 +12,7 @@ import pytest
 
 from validation import __main__ as command_line
 from validation.__main__ import main
+from validation.command_line import front_door
 from validation.harness import baseline
 from validation.studies import cost
 
@@ -54,11 +55,11 @@ def report_of(out):
 def test_run_that_agrees_ends_with_0_and_one_line(cases, tmp_path, capsys):
     cases(fine="agree")
     assert run(tmp_path / "out") == 0
-    told = capsys.readouterr()
-    assert told.out.count("\n") == 1
-    assert told.out.startswith("1 cases: 1 agrees; ")
-    assert str(tmp_path / "out" / "report.html") in told.out
-    assert "[1/1] fine" in told.err
+    reported = capsys.readouterr()
+    assert reported.out.count("\n") == 1
+    assert reported.out.startswith("1 cases: 1 agrees; ")
+    assert str(tmp_path / "out" / "report.html") in reported.out
+    assert "[1/1] fine" in reported.err
 
 
 def test_run_writes_report_and_page(cases, tmp_path):
@@ -67,6 +68,14 @@ def test_run_writes_report_and_page(cases, tmp_path):
     assert (tmp_path / "report.html").exists()
     written = report_of(tmp_path)
     assert (written["planned"], [case["id"] for case in written["cases"]]) == (1, ["fine"])
+
+
+def test_verify_of_the_front_door_is_run(cases, tmp_path, capsys):
+    cases(fine="deviate")
+    assert front_door.main(["verify", "--jobs", "1", "--out", str(tmp_path)]) == 1
+    assert "FAILED fine" in capsys.readouterr().err
+    assert report_of(tmp_path)["command"].startswith("python -m validation run --level quick")
+    assert front_door.main(["report", str(tmp_path)]) == 1
 
 
 @pytest.mark.parametrize("fact", ["commit", "blas", "date", "seconds", "sources_sha256", "jobs"])
@@ -127,7 +136,7 @@ def test_same_command_does_not_compute_again(examples, monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--only", "other"], "matches none of: fine, bad"),
+        (["--only", "other"], "matches no case of: fine, bad"),
         (["--level", "now"], "quick, standard, full"),
         (["--executor", "cluster"], "neither 'local' nor 'dask://host:port'"),
         (["--jobs", "0"], "an integer >= 1"),
@@ -152,10 +161,10 @@ def exit_code(words):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["cost", "--peers"], "study cost has none"),
+        (["cost", "--peers"], "study cost has no peers"),
         (["work-precision", "--peers"], "not installed: pip install"),
-        (["work-precision", "--executor", "dask://host:1"], "runs here alone"),
-        (["cost", "--jobs", "2"], "study cost does not take it"),
+        (["work-precision", "--executor", "dask://host:1"], "runs on this machine only"),
+        (["cost", "--jobs", "2"], "study cost runs in one process"),
         (["other"], "invalid choice"),
     ],
 )
@@ -258,7 +267,8 @@ def test_baseline_that_no_case_owns_fails_the_check(stored, capsys):
 
 
 @pytest.mark.parametrize(
-    ("case", "reason", "message"), [("other", "why", "case 'other': none of fine"), ("fine", " ", "--reason")]
+    ("case", "reason", "message"),
+    [("other", "why", "case 'other' is not in the report: fine"), ("fine", " ", "--reason")],
 )
 def test_update_of_nothing_or_for_nothing_is_refused(stored, capsys, case, reason, message):
     assert update(stored, case, reason) == 2
@@ -313,8 +323,8 @@ def test_interrupt_ends_with_130_and_keeps_what_was_finished(tmp_path):
             break
     time.sleep(1.0)  # one worker waits for work, the other is at it
     os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C in a terminal: parent and workers
-    _, told = process.communicate(timeout=30)
+    _, reported = process.communicate(timeout=30)
     assert process.returncode == 130
-    assert "interrupted" in told
-    assert "Traceback" not in told
+    assert "interrupted" in reported
+    assert "Traceback" not in reported
     assert sorted(path.name for path in (out / "cases").iterdir()) == ["first.json"]

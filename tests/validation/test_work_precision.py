@@ -31,9 +31,9 @@ def test_study_writes_points_conclusion_and_figure(here, tmp_path, capsys):
     stored = json.loads((tmp_path / "work-precision.json").read_text())
     assert [point["error"] for point in stored["points"]] == pytest.approx([0.1, None, 1e-4, 1e-12], abs=1e-15)
     assert [point["within_uncertainty"] for point in stored["points"]] == [False, False, False, True]
-    told = capsys.readouterr().out
-    assert "sinusoid: 4 digits cost least with halving at 0.0001" in told
-    assert "not run on theory: it is no theory" in told
+    reported = capsys.readouterr().out
+    assert "sinusoid: 4 digits cost least with halving at 0.0001" in reported
+    assert "not run on theory: it is no theory" in reported
     assert (tmp_path / "work-precision-sinusoid.svg").read_text().startswith("<?xml")
 
 

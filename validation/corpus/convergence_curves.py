@@ -175,7 +175,7 @@ def paper_method_curve(cells: Sequence[int]) -> Curve:
     surface = Surface(1e6, 0.5, WAVE.wavelength, [1], [WAVE.amplitude], [0.0], WAVE.work_of_adhesion)
     fraction = 0.6
     depth = float(WAVE.penetration(fraction * np.pi / 2))
-    found = [solve(surface, depth, [[-0.0025, 0.0025]], n, closure=1e-8) for n in cells]
+    found = [solve(surface, depth, [[-0.0025, 0.0025]], n, allowed_residual=1e-8) for n in cells]
     return Curve(
         id="paper-method",
         code="paper's method",

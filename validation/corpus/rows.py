@@ -125,12 +125,18 @@ class _Hard(Protocol):
     """A case whatever its code."""
 
     @property
-    def id(self) -> str: ...
+    def id(self) -> str:
+        """Its name, unique within the cases of its code."""
+        ...
 
     @property
-    def reason(self) -> str: ...
+    def reason(self) -> str:
+        """What makes it hard."""
+        ...
 
-    def expectation(self, full: bool) -> tuple[str, ...]: ...
+    def expectation(self, full: bool) -> tuple[str, ...]:
+        """The statuses that are right, of the full form or of the reduced one."""
+        ...
 
 
 def _corpora() -> dict[Code, dict[str, _Hard]]:

@@ -22,8 +22,8 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from validation.harness.compare import combined_tolerance
+from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance, sources_digest, versions, working_tree
-from validation.harness.runner import write_atomically
 from validation.harness.schema import CaseRecord, Row
 from validation.harness.verdict import case_verdicts
 
@@ -74,7 +74,7 @@ class Baseline(BaseModel):
 
 
 def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
-    """The baseline of a case, None when there is none.
+    """The baseline of a case, None when it does not exist.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
 
 
 def orphans(cases: Iterable[str], folder: Path = FOLDER) -> list[str]:
-    """Baselines that belong to none of the cases of the registry, one sentence each.
+    """Baselines that belong to no case of the registry, one sentence each.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def differences(record: CaseRecord, folder: Path = FOLDER) -> list[str]:
     """
     baseline = read_baseline(record.id, folder)
     if record.status == "not run":
-        return []  # an extra is absent: the report counts the case and tells the reason
+        return []  # an extra is absent: the report counts the case and states the reason
     if baseline is None:
         return [f"{record.id}: no baseline; `baseline update {record.id} --reason TEXT` makes one"]
     if record.status != "run":
@@ -214,7 +214,7 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
     Raises
     ------
     BaselineError
-        No reason, a case that failed, a value that is no number, sources that are not those of a commit.
+        No reason, a case that failed, a value that is not a number, sources that are not those of a commit.
     """
     tree = working_tree()
     if tree is None or tree[1]:

@@ -34,6 +34,11 @@ def shaded(label: str, x: Values, lower: Values, upper: Values, hue: int | None 
     return Series(label=label, x=_numbers(x), y=_numbers(lower), upper=_numbers(upper), style="band", hue=hue)
 
 
+def bars(label: str, x: Values, lower: Values, upper: Values, hue: int | None = None) -> Series:
+    """As `shaded`, each pair joined by a vertical bar with caps: error bars."""
+    return Series(label=label, x=_numbers(x), y=_numbers(lower), upper=_numbers(upper), style="bars", hue=hue)
+
+
 def axes(xlabel: str, ylabel: str, *series: Series) -> Panel:
     """Axes with linear scales and at least one curve."""
     return Panel(xlabel=xlabel, ylabel=ylabel, series=list(series))

@@ -4,7 +4,7 @@ A member is a name and the content of a scene file; its result lies in `folder/N
 result.json with its checksum and fields.npz with its digest, both under temporary names first (result.py of bem).  Only
 the process that hands out the work writes, one member in one piece: whatever is killed, at most the members in flight
 are lost, and a member that two workers computed, because one was given up, is stored once.  A stored member counts
-when its checksums hold and its scene is the one asked for; any other is told, and computed again.
+when its checksums hold and its scene is the one asked for; any other is reported, and computed again.
 
 A member depends on its scene alone, not on the number of workers: phases come from the seed in the scene, and
 `member_seed` gives the seeds of an ensemble independently of one another and of how many there are
@@ -25,7 +25,7 @@ import numpy as np
 import bem
 from bem.scene.result import CorruptResultError, Result, digest, read_result, write_result
 from bem.scene.scene import parse_scene
-from validation.harness.execution import PULSE, Ended, Running, run_in_processes
+from validation.harness.execution import Ended, Running, run_in_processes
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
@@ -90,7 +90,6 @@ def run_ensemble(
     jobs: int,
     report: Report,
     opener: Opener = local_processes,
-    pulse: float = PULSE,
 ) -> Outcome:
     """Compute and store what is missing.
 
@@ -105,15 +104,13 @@ def run_ensemble(
         Gets a `Note` for every step.
     opener : callable
         Opens the executor (executors.py).
-    pulse : float
-        Seconds between signs of life.
 
     Raises
     ------
     ValueError
         Two members of one name.
     SceneError
-        A scene with mistakes: told before anything runs.
+        A scene with mistakes: reported before anything runs.
     OSError
         Disk full, folder not writable: workers are ended, what is stored stays whole.
     KeyboardInterrupt
@@ -128,11 +125,11 @@ def run_ensemble(
     found, damaged, waiting = _sorted_out(planned, wanted, folder, report)
     computed: list[str] = []
     failed: dict[str, str] = {}
-    with closing(run_in_processes(solve_member, waiting, jobs, pulse, opener)) as events:
+    with closing(run_in_processes(solve_member, waiting, jobs, opener=opener)) as events:
         for event in events:
             if isinstance(event, Running):
-                told = zip(event.items, event.seconds, strict=True)
-                running = [f"{member.name} ({seconds:.0f} s)" for member, seconds in told]
+                active = zip(event.items, event.seconds, strict=True)
+                running = [f"{member.name} ({seconds:.0f} s)" for member, seconds in active]
                 left = len(waiting) - len(computed) - len(failed)
                 report(Note(f"{left} of {len(planned)} members left; running: {', '.join(running)}"))
             elif isinstance(event, Ended):

@@ -1,8 +1,8 @@
 """Runs a function over items in worker processes, one BLAS thread each, and loses no item.
 
-Items are handed out one by one, so that what is told as running does run.  A worker that dies (out of memory, a
+Items are handed out one by one, so that what is reported as running does run.  A worker that dies (out of memory, a
 signal) breaks its whole pool: the items that ran there are run again, each alone, so that only the guilty one fails,
-and the rest goes on in a new pool.  An interrupt ends the workers at once; Ctrl-C in a terminal reaches the parent
+and the rest continues in a new pool.  An interrupt ends the workers at once; Ctrl-C in a terminal reaches the parent
 only, which decides.
 """
 
@@ -92,16 +92,16 @@ def run_in_processes(
 
 
 def run_alone(
-    function: Callable[[Item], Answer], item: Item, pulse: float = PULSE
+    function: Callable[[Item], Answer], item: Item
 ) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
     """Events of one item in a process of its own, so that its memory and time are its own.
 
     Parameters
     ----------
-    function, item, pulse
+    function, item
         As of `run_in_processes`, for one item.
     """
-    yield from _one_pool(function, deque([item]), 1, pulse, local_processes)
+    yield from _one_pool(function, deque([item]), 1, PULSE, local_processes)
 
 
 def run_in_turn(

@@ -64,7 +64,7 @@ def select(cases: Iterable[Case], level: str, pattern: str | None = None) -> tup
         case for case in every if any(pattern in name or fnmatch(name, pattern) for name in (case.id, case.group))
     )
     if not chosen:
-        raise CaseError(f"--only {pattern!r} matches none of: {', '.join(case.id for case in every)}")
+        raise CaseError(f"--only {pattern!r} matches no case of: {', '.join(case.id for case in every)}")
     return chosen
 
 
@@ -75,4 +75,4 @@ def _check(case: Case) -> None:
     if not fullmatch(ID, case.id):
         raise CaseError(f"case {case.id!r}: the id names files; letters, digits, dots, hyphens and underscores only")
     if case.level not in LEVELS:
-        raise CaseError(f"case {case.id!r}: level {case.level!r} is none of {', '.join(LEVELS)}")
+        raise CaseError(f"case {case.id!r}: level {case.level!r} is not one of {', '.join(LEVELS)}")

@@ -1,17 +1,16 @@
 """Runs cases in worker processes, keeps every finished one, and accounts for all of them.
 
 Each case is one task on one BLAS thread; those that took longest when they ran before start first.  The worker writes
-the record to OUT/cases/ID.json under a temporary name and renames it, with a key over the case, all sources and the
-versions of what they run on: a run that was interrupted at any moment goes on, and a record that other code made is
-computed again.  A case that crashes is a record with its message (traceback in OUT/cases/ID.log), never a missing one;
-planned and reported cases are counted and compared.
+the record to OUT/cases/ID.json (kept.py) with a key over the case, all sources and the versions of what they run on: a
+run that was interrupted at any moment continues, and a record that other code made is computed again.  A case that
+crashes is a record with its message (traceback in OUT/cases/ID.log), never a missing one; planned and reported cases
+are counted and compared.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
 import time
 import traceback
 from collections.abc import Callable, Iterable, Mapping
@@ -20,11 +19,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from validation.harness.case import Case, Outcome
 from validation.harness.execution import Ended, Running, Started, run_in_processes
 from validation.harness.executors import Opener, local_processes
+from validation.harness.kept import DamagedError, keep, kept
 from validation.harness.provenance import sources_digest, versions
 from validation.harness.schema import CaseRecord
 
@@ -79,7 +77,7 @@ def run_cases(
     store = folder / "cases"
     store.mkdir(parents=True, exist_ok=True)
     code = sources_digest()
-    records = {case.id: found for case in planned if (found := _stored(case, store, code)) is not None}
+    records = {case.id: found for case in planned if (found := _stored(case, store, code, report)) is not None}
     if records:
         report(Note(f"{len(records)} of {len(planned)} cases are there already"))
     waiting = [case for case in planned if case.id not in records]
@@ -104,7 +102,7 @@ def _computed(
     seconds: Mapping[str, float],
     opener: Opener,
 ) -> Iterable[CaseRecord]:
-    """Records as they are finished, told with what is done and what is left."""
+    """Records as they are finished; what is done and what is left is reported."""
     if not cases:
         return
     local = opener is local_processes
@@ -133,9 +131,9 @@ def _computed(
                 elif isinstance(record, Solved):
                     record = _kept(record, event.item, store, code)
                 left.discard(record.id)
-                told = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
+                ending = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
                 done = f"[{planned - len(left)}/{planned}]"
-                report(Note(f"{done} {record.id}: {told}; {_clock(begun, left, seconds, workers)}"))
+                report(Note(f"{done} {record.id}: {ending}; {_clock(begun, left, seconds, workers)}"))
                 yield record
 
 
@@ -150,7 +148,7 @@ def _clock(begun: float, left: Iterable[str], seconds: Mapping[str, float], work
 def _expected_seconds(case: Case, store: Path, expected: Mapping[str, float]) -> float:
     """What the case took here before, also with other code; else what is expected of it; else a guess by level."""
     try:
-        before = json.loads((store / f"{case.id}.json").read_text("utf-8"))["record"]["seconds"]
+        before = json.loads((store / f"{case.id}.json").read_text("utf-8"))["answer"]["seconds"]
     except (OSError, ValueError, KeyError, TypeError):
         before = None
     if isinstance(before, float) and before > 0:
@@ -243,42 +241,15 @@ def _key(case: Case, code: str) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
-def _stored(case: Case, store: Path, code: str) -> CaseRecord | None:
+def _stored(case: Case, store: Path, code: str, report: Report) -> CaseRecord | None:
     """The stored record of a case if the same code made it and it did not crash."""
     try:
-        content = json.loads((store / f"{case.id}.json").read_text("utf-8"))
-        if content["key"] != _key(case, code):
-            return None
-        record = CaseRecord.model_validate(content["record"])
-    except (OSError, ValueError, KeyError, TypeError, ValidationError):
+        record = kept(store / f"{case.id}.json", CaseRecord, _key(case, code))
+    except DamagedError as error:
+        report(Note(f"{error}; computed again"))
         return None
-    return record if record.status == "run" else None
+    return record if record is not None and record.status == "run" else None
 
 
 def _keep(record: CaseRecord, case: Case, store: Path, code: str) -> None:
-    content = {"key": _key(case, code), "record": record.model_dump(mode="json")}
-    write_atomically(store / f"{record.id}.json", json.dumps(content, indent=1))
-
-
-def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write a file under a temporary name, flush it to disk and rename it.
-
-    Parameters
-    ----------
-    path : Path
-    content : str or bytes
-
-    Raises
-    ------
-    OSError
-        The disk is full, or the folder is not there; the old file is left as it was, and nothing beside it.
-    """
-    temporary = path.with_name(path.name + ".part")
-    try:
-        with temporary.open("wb") as stream:
-            stream.write(content.encode() if isinstance(content, str) else content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    keep(store / f"{record.id}.json", CaseRecord, record, _key(case, code))

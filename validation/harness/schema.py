@@ -101,7 +101,7 @@ class Row(_Strict):
 
 
 class Series(_Strict):
-    """One curve or set of points; a `band` lies between `y` and `upper`, `thin` curves stay in the background.
+    """One curve or set of points; a `band` or error `bars` lie between `y` and `upper`, `thin` curves stay behind.
 
     Series of one `hue` share a colour; without it, each takes the next one.
     """
@@ -109,7 +109,7 @@ class Series(_Strict):
     label: str
     x: list[float | None]
     y: list[float | None]
-    style: Literal["line", "points", "dots", "dashed", "band", "thin"] = "line"
+    style: Literal["line", "points", "dots", "dashed", "band", "bars", "thin"] = "line"
     upper: list[float | None] | None = None
     hue: int | None = Field(None, ge=0)
 
@@ -117,8 +117,8 @@ class Series(_Strict):
     def _of_one_length(self) -> Series:
         if len(self.x) != len(self.y) or (self.upper is not None and len(self.upper) != len(self.x)):
             raise ValueError(f"series {self.label!r}: {len(self.x)} values of x for {len(self.y)} of y")
-        if (self.style == "band") != (self.upper is not None):
-            raise ValueError(f"series {self.label!r}: a band has an upper side, and only a band")
+        if (self.style in ("band", "bars")) != (self.upper is not None):
+            raise ValueError(f"series {self.label!r}: a band or bars have an upper side, and nothing else has")
         return self
 
 

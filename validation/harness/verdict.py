@@ -2,7 +2,7 @@
 
 agrees: within the tolerance, or within the combined uncertainty of both sides.  expected deviation: inside the band of
 a known discrepancy.  changed: outside that band, on either side: agreeing too well fails too.  deviates: outside the
-tolerance.  not converged, error: with a message; a value that is no number is an error.  not run: with a reason.
+tolerance.  not converged, error: with a message; a value that is not a number is an error.  not run: with a reason.
 """
 
 from __future__ import annotations

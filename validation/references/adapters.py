@@ -1,6 +1,6 @@
 """From a scene to what each code needs: raw E, nu, harmonics, work of adhesion; each derives the rest on its own.
 
-A code takes the tables that it knows (`taken`), and a scene with any other that says what is in contact is refused.
+A code takes the tables that it provides (`taken`), and a scene with any other that says what is in contact is refused.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def scene(name: str, changes: Mapping[str, Mapping[str, Any] | None] | None = No
 
 
 def taken(posed: Scene, code: str, *names: str) -> list[Any]:
-    """The named tables of a scene, None if absent: all that `code` knows of what is in contact.
+    """The named tables of a scene, None if absent: all that `code` provides of what is in contact.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def taken(posed: Scene, code: str, *names: str) -> list[Any]:
     tables = posed.physics()
     known = [tables.pop(name, None) for name in names]
     if tables:
-        raise ValueError(f"scene: {code} does not know {', '.join(f'[{name}]' for name in tables)}")
+        raise ValueError(f"scene: {code} does not provide {', '.join(f'[{name}]' for name in tables)}")
     return known
 
 

@@ -16,10 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-FloatArray = NDArray[np.float64]
+from validation.harness.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.audit.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
 from bem.contact_state import ContactState
@@ -27,11 +26,9 @@ from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
 from bem.scene.result import State
 from bem.scene.scene import Scene
+from validation.harness.arrays import FloatArray, IntArray
 from validation.references.adapters import taken
 from validation.references.posed_contacts import Found, MethodError, Posed, overlap
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 STEPS, FAR_STEPS = 8, 60
 FARTHEST = 0.3  # of the edge scale, where Newton starts far away
@@ -40,7 +37,7 @@ QUADRATURE = np.polynomial.legendre.leggauss(40)
 
 
 class NoReferenceError(RuntimeError):
-    """Newton did not settle: the state is no equilibrium, or not near one."""
+    """Newton did not converge: the state is not an equilibrium, or not near one."""
 
 
 @dataclass(frozen=True)
@@ -62,11 +59,12 @@ class Interface:
         return 2 * np.sqrt(work), self.gamma**2 * rise / work**1.5
 
     def energy(self, left: FloatArray, right: FloatArray) -> float:
-        """-int w dx by Gauss-Legendre on panels shorter than the shortest wave."""
+        """-int w dx by Gauss-Legendre on panels shorter than the shortest wave, and than kinks of w on steep crests."""
         node, weight = QUADRATURE
+        steepest = self.slope * float(np.abs(self.profile.amplitudes) @ self.profile.orders)
         total = 0.0
         for a, b in zip(left, right, strict=True):
-            ends = np.linspace(a, b, 2 + int(np.ceil((b - a) * self.profile.max_order)))
+            ends = np.linspace(a, b, 2 + int(np.ceil((b - a) * self.profile.max_order * (1 + steepest))))
             middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
             total += float(np.sum(self.work(middle[:, None] + half[:, None] * node) @ weight * half))
         return -total
@@ -85,9 +83,9 @@ def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, floa
     Raises
     ------
     NoReferenceError
-        Newton did not settle.
+        Newton did not converge.
     ValueError
-        The scene has a table that dense algebra does not know.
+        The scene has a table that dense algebra does not provide.
     """
     raw, _, layered, adhesive = taken(scene, "dense algebra", "solid", "profile", "layer", "adhesion")
     surface = scene.surface()
@@ -111,11 +109,11 @@ def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, floa
         compliance = layer.mean_compliance(solid)
     nodes = refinement * np.maximum(dense_nodes(profile, left, right), terms)
     target, weights = _condition(scene, state, compliance, rms, stress)
-    left, right, found, _ = _settled(
+    left, right, found, _ = _converged(
         profile, left, right, state.penetration / rms, nodes, kernel, interface, target, weights
     )
     critical = np.zeros(2 * left.size) if interface is None else interface.critical(np.concatenate([left, right]))[0]
-    jacobian, _ = _closure(found, left, right, interface)
+    jacobian, _ = _residual(found, left, right, interface)
     stiffness = found.load_rate - found.load_jacobian @ np.linalg.solve(jacobian, found.stress_intensity_rate)
     adhesion = 0.0 if interface is None else interface.energy(left, right)
     pressure, penetration = found.load / (2 * np.pi) * stress, found.penetration * rms
@@ -149,7 +147,7 @@ def _condition(
     return state.penetration / rms, (1.0, 0.0)
 
 
-def _closure(
+def _residual(
     here: DenseState, left: FloatArray, right: FloatArray, interface: Interface | None
 ) -> tuple[FloatArray, FloatArray]:
     """d(K - K_c) / d(outward motion), (2 L, 2 L), and K - K_c, (2 L,)."""
@@ -160,7 +158,7 @@ def _closure(
     return here.stress_intensity_jacobian - np.diag(outward * slope), here.stress_intensity - critical
 
 
-def _settled(
+def _converged(
     profile: Profile,
     left: FloatArray,
     right: FloatArray,
@@ -178,7 +176,7 @@ def _settled(
     smallest = np.inf
     for evaluations in range(1, (FAR_STEPS if far else STEPS) + 1):
         here = evaluate_dense(profile, left, right, penetration, nodes, kernel)
-        jacobian, miss = _closure(here, left, right, interface)
+        jacobian, miss = _residual(here, left, right, interface)
         matrix = np.block(
             [
                 [jacobian, here.stress_intensity_rate[:, None]],
@@ -191,7 +189,7 @@ def _settled(
             return left, right, here, evaluations
         smallest = size
         if far:
-            step = _limited(step, here.stress_intensity, Patches(left, right).edge_room)
+            step = _limited(step, here.stress_intensity, Patches(left, right).edge_scale)
         left, right, penetration = left - step[:count], right + step[count:-1], penetration + step[-1]
     raise NoReferenceError(f"the last step of Newton is {smallest:.1e}")
 
@@ -210,7 +208,7 @@ def solve_dense(posed: Posed, nodes: int) -> Found:
     Raises
     ------
     MethodError
-        Newton does not settle, or the scene has the slope term.
+        Newton does not converge, or the scene has the slope term.
     """
     if posed.slope_term:
         raise MethodError("the slope term is not in this route")
@@ -227,7 +225,7 @@ def solve_dense(posed: Posed, nodes: int) -> Found:
     count = np.full(len(start), nodes)
     ready = time.perf_counter()
     try:
-        left, right, state, evaluations = _settled(
+        left, right, state, evaluations = _converged(
             interface.profile, start[:, 0], start[:, 1], depth, count, kernel, interface, depth, (1.0, 0.0), far=True
         )
     except NoReferenceError as error:

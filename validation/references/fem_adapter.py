@@ -8,15 +8,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import bem
 import fem_reference
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
+from validation.harness.arrays import FloatArray
 from validation.references.adapters import taken
-
-FloatArray = NDArray[np.float64]
 
 
 def fem_arguments(posed: Scene) -> dict[str, Any]:

@@ -24,9 +24,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray
 from validation.references.posed_contacts import Found, MethodError, Posed
-
-FloatArray = NDArray[np.float64]
 
 PACKAGES = ("Adhesion", "ContactMechanics", "NuMPI", "SurfaceTopography")
 TOLERANCE = 1e-4  # of the gradient, in the largest cohesive force on a point; 1e-6 changes no error on the sinusoid
@@ -72,7 +71,7 @@ def solve_fft(posed: Posed, points: int, spacings: int) -> Found:
     gap, iterations = np.zeros(0), 0
     for depth in np.linspace(0.0, posed.penetration, steps + 1)[1:]:
         start = gap if gap.size else np.maximum(top - depth - height, 0.0)
-        with redirect_stdout(io.StringIO()):  # it tells of each direction of negative curvature
+        with redirect_stdout(io.StringIO()):  # it reports every direction of negative curvature
             found = minimise(
                 system.primal_objective(0.0, gradient=True),
                 system.primal_hessian_product,
@@ -94,8 +93,8 @@ def solve_fft(posed: Posed, points: int, spacings: int) -> Found:
         "gap": float(np.interp(posed.trough, x, gap, period=posed.period)),
     }
     post = time.perf_counter() - solved
-    told = {"cohesive range / m": rho}
-    return Found(answer, points, {"iterations": iterations}, ready - begun, solved - ready, post, told)
+    extra = {"cohesive range / m": rho}
+    return Found(answer, points, {"iterations": iterations}, ready - begun, solved - ready, post, extra)
 
 
 def _profile(posed: Posed, x: NDArray[Any]) -> tuple[FloatArray, FloatArray]:

@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.scene.scene import Scene
+from validation.harness.arrays import FloatArray
 from validation.references.adapters import taken
-
-FloatArray = NDArray[np.float64]
 
 PACKAGES = ("ContactMechanics", "SurfaceTopography")
 LARGEST_OVERLAP = 1e-12  # m

@@ -28,9 +28,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legval
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from validation.harness.arrays import FloatArray
 
 POINTS = 6.0  # of a Gauss rule, in a wavelength of the shortest wave, besides LEAST_POINTS
 LEAST_POINTS = 40

@@ -111,7 +111,7 @@ class Found:
     setup, solve, post : float
         Wall seconds of posing, solving and evaluating the answer.
     details : dict of str to float
-        What else is to be told of the setting.
+        What else is to be said of the setting.
     """
 
     answer: Answer

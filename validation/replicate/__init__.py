@@ -1,8 +1,8 @@
 """`python -m validation replicate`: the results section of the paper from an ensemble of our own, as a report.
 
 The realisations (members.py) are computed on any executor and kept in `folder/members`; the figures and the paper's
-statements follow from what is stored there, so that an interrupted replication goes on, and a finished one is
-reported again in seconds.  A realisation that is missing is told in the report; statements that rest on an ensemble
+statements follow from what is stored there, so that an interrupted replication continues, and a finished one is
+reported again in seconds.  A realisation that is missing is named in the report; statements that rest on an ensemble
 other than the paper's are `not run`.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.

@@ -14,16 +14,15 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import axes, drawn, marks, shaded, trace
 from validation.harness.schema import Figure, Table
 from validation.replicate.evidence import Evidence, jackknife, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS
 from validation.replicate.statements import Alternative, disagreement, statement
-
-FloatArray = NDArray[np.float64]
 
 FITTED = tuple(load for load in LOADS if load >= 0.005)
 COMPARED = (0.005, 0.01, 0.015, 0.02, 0.025)
@@ -34,8 +33,8 @@ CAUSE = (
 )
 
 GAIN = (
-    "the theory of this code gains a sixth of its area from adhesion, at every load; the paper shows two curves that it "
-    "calls hardly different, without numbers"
+    "the theory of this code gains a sixth of its area from adhesion, at every load; the paper shows two curves that "
+    "it calls hardly different, without numbers"
 )
 
 

@@ -20,15 +20,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from persson import DoubleGaussian, fit_double_gaussian
+from validation.harness.arrays import FloatArray
 from validation.harness.drawings import axes, drawn, shaded, trace
 from validation.harness.schema import Figure, Row, Series, Table
 from validation.replicate.evidence import jackknife
 from validation.replicate.statements import Alternative, statement
-
-FloatArray = NDArray[np.float64]
 
 FACTOR = 1.4  # of the paper, on the theory's sigma_a
 NEARER = (1 + 2**0.5) / 2  # above it sqrt 2 is nearer to the fit than 1
@@ -98,7 +96,7 @@ class Sample:
             f"sigma_a of the double Gaussian fitted as printed, ln P from {START:g} E*, over the theory's, "
             f"{self.load:g} E*", ratio, error, 2**0.5, NEARER - 1, Alternative(1.0, "the theory's own sigma_a"),
             measured=MEASURED[self.load], where="section 5: they differ, a factor of about 1.4 brings it closer",
-            told="the window is ours: the paper does not state its own", shortfall=short)  # fmt: skip
+            reported="the window is ours: the paper does not state its own", shortfall=short)  # fmt: skip
 
 
 def window_figure(samples: Sequence[Sample]) -> Figure:

@@ -21,9 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 from bem.geometry.profile import Profile
 from bem.scene.result import Result, State
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
+from validation.harness.arrays import FloatArray
 from validation.replicate.members import LOADS, MODULUS, PAPER, Size
-
-FloatArray = NDArray[np.float64]
 
 SAME_LOAD = 1e-9  # of E*
 
@@ -70,7 +69,7 @@ class Realisation:
         raise LookupError(f"{self.name}: the load {load:g} E* is never met")
 
     def field(self, name: str, load: float) -> NDArray[Any]:
-        """A field of the state at this load; LookupError when there is none."""
+        """A field of the state at this load; LookupError when it is not there."""
         k = self.index_of(load)
         if k is None:
             raise LookupError(f"{self.name}: no state at {load:g} E*")

@@ -64,8 +64,8 @@ def compute(evidence: Evidence) -> Outcome:
             trace(f"H = {value:g}, Persson's A(q)/A0", every, theory.contact_fractions, hue=hue),
         ]
     table = Table(
-        caption="Exponents of C_u / C near the last decade of orders, fitted to each realisation: mean over the windows, and "
-        "the lowest and highest of them.",
+        caption="Exponents of C_u / C near the last decade of orders, fitted to each realisation: mean over the windows, "
+        "and the lowest and highest of them.",
         columns=["H", "realisations", "harmonics", "p/E*", "A/A0", "Persson's A/A0", "exponent", "standard error",
                  "lowest", "highest", "Persson's exponent"],
         rows=lines
@@ -90,7 +90,7 @@ def _row(value: float, found: Exponent, theory: float, short: str) -> Row:
                             where=where, shortfall=short)  # fmt: skip
     return statement(name, found.value, found.error, theory, 0.25,
                      Alternative(-(1 - 0.3), "the fall of H = 0.3, about -(1 - H)"), measured=0.15, where=where,
-                     told=found.told, shortfall=short)  # fmt: skip
+                     reported=found.reported, shortfall=short)  # fmt: skip
 
 
 def _followed(one: Realisation, orders: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import drawn, loglog, marks, shaded, trace
 from validation.harness.rows import compared
@@ -33,8 +33,6 @@ from validation.replicate.evidence import (
 )
 from validation.replicate.members import MODULUS, SPECTRA_AT
 from validation.replicate.statements import Alternative, statement
-
-FloatArray = NDArray[np.float64]
 
 BOUNDS = np.linspace(-0.3, 0.7, 51)  # of E*
 CENTRES = (BOUNDS[1:] + BOUNDS[:-1]) / 2
@@ -130,7 +128,8 @@ def _gaussian_row(load: float, values: FloatArray, spread: float, short: str) ->
     end = (low <= CENTRES) & (high >= CENTRES)
     power, error = jackknife(lambda mean: decay_power(CENTRES[end], mean[end]), values)
     return statement(f"power k of ln P = a - b sigma^k at high pressure, {load:g} E*", power, error, 2.0, 0.5,
-                     Alternative(1.0, "an exponential tail"), measured=0.34, where="section 5: Gaussian tail at high pressure", shortfall=short)  # fmt: skip
+                     Alternative(1.0, "an exponential tail"), measured=0.34,
+                     where="section 5: Gaussian tail at high pressure", shortfall=short)  # fmt: skip
 
 
 def _tensile_row(evidence: Evidence, load: float) -> Row:

@@ -1,9 +1,10 @@
 """Separation of the mean planes against load: both theories, and the straight line of ln p against s.
 
 ln(p/E*) = c - s/u0 by least squares over the loads of `FITTED` (chosen beforehand: from 0.0025 to 0.01 E*, where the
-paper's plot is straight).  The separation is judged relative to the theory's, in one row at each load of `JUDGED`: in
-units of h_rms alone a difference of half the theory's separation at high load would look small.  At small load the theory's separation grows without bound, as heights of a Gaussian
-profile do; a profile of finite length has a highest crest, and s stays below it.
+paper's plot is straight).  The separation is judged relative to the theory's, at each load of `JUDGED`: in units of
+h_rms a difference of half the theory's separation at high load would look small.  At small load the theory's separation
+grows without bound, as heights of a Gaussian profile do; a profile of finite length has a highest crest, and s stays
+below it.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5; theory: Yang, Persson,
 J. Phys.: Condens. Matter 20 (2008) 215214, doi:10.1088/0953-8984/20/21/215214.
@@ -12,16 +13,14 @@ J. Phys.: Condens. Matter 20 (2008) 215214, doi:10.1088/0953-8984/20/21/215214.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import drawn, marks, semilogx, shaded, trace
 from validation.harness.schema import Figure, Table
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS, RMS_HEIGHT
 from validation.replicate.statements import disagreement, statement
-
-FloatArray = NDArray[np.float64]
 
 FITTED = (0.0025, 0.005, 0.0075, 0.01)  # of E*
 LARGE, SMALL = 0.005, 0.001  # of E*

@@ -11,15 +11,13 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import axes, drawn, trace
 from validation.harness.schema import Figure, Reference, Row, Table, Tolerance
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import MODULUS, RMS_HEIGHT, SHAPES_AT
-
-FloatArray = NDArray[np.float64]
 
 MOST_POINTS = 2400  # of a curve in a figure
 NEAR = 0.06  # of the period: half the width of the enlarged part, about the highest crest

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import drawn, loglog, semilogx, shaded, trace
 from validation.harness.schema import Figure, Row, Series, Table
@@ -27,7 +27,6 @@ from validation.replicate.evidence import Evidence, Realisation, joined, mean_an
 from validation.replicate.members import HURST, LOADS, MODULUS, SPECTRA_AT
 from validation.replicate.statements import Alternative, statement
 
-FloatArray = NDArray[np.float64]
 Window = tuple[float, float]
 
 MIDDLE: tuple[Window, ...] = ((3.0, 30.0), (5.0, 50.0), (10.0, 100.0), (3.0, 100.0))  # orders
@@ -55,7 +54,7 @@ class Exponent:
     high: float
 
     @property
-    def told(self) -> str:
+    def reported(self) -> str:
         """What the window leaves open."""
         return f"windows: {self.low:.3f} to {self.high:.3f}"
 
@@ -135,12 +134,12 @@ def _middle_rows(load: float, power: FloatArray, theory: FloatArray, short: str)
     return [
         statement(f"exponent of C_u at {load:g} E*, middle range", found.value, found.error, PAPERS, 0.15, full,
                   measured=MEASURED[load][0], last_digit=0.005, where="section 5: -2.73, theory -2.7", shortfall=short,
-                  told=found.told),
+                  reported=found.reported),
         statement(f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range", said, 0.0, -2.7, 0.1,
                   full, measured=0.021, last_digit=0.05, where="section 5: theory -2.7", shortfall=short),
         statement(f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)", found.value + 2,
                   found.error, -HURST, 0.15, Alternative(FULL_CONTACT + 2, full.words), measured=MEASURED[load][0],
-                  where="section 5: -H in the middle range", shortfall=short, told=found.told),
+                  where="section 5: -H in the middle range", shortfall=short, reported=found.reported),
     ]  # fmt: skip
 
 

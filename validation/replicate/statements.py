@@ -48,7 +48,7 @@ def statement(
     last_digit: float = 0.0,
     same_ensemble: bool = False,
     shortfall: str = "",
-    told: str = "",
+    reported: str = "",
 ) -> Row:
     """A row that agrees or deviates.
 
@@ -72,7 +72,7 @@ def statement(
         Whether the paper's number comes from an ensemble as large as ours, so that it scatters as much.
     shortfall : str
         Why the ensemble is not the paper's: the row is then not run.
-    told : str
+    reported : str
         What is to be read beside the verdict.
 
     Raises
@@ -96,7 +96,7 @@ def statement(
         uncertainty=error,
         tolerance=Tolerance(value=allowed, measured=measured, basis="required"),
         status="not run" if shortfall else "run",
-        message=shortfall or "; ".join(part for part in (excludes, told) if part),
+        message=shortfall or "; ".join(part for part in (excludes, reported) if part),
     )  # fmt: skip
     accepted = combined_tolerance(row)
     if row.status == "run" and accepted > distance / 2:

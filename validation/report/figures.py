@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import math
 import re
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,10 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
-from validation.harness.runner import write_atomically
+from validation.harness.kept import write_atomically
 from validation.harness.schema import Figure, Panel, Series
 
-COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # told apart by colour-blind readers
+COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # distinguished by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")
 MOST_INSIDE = 7  # series in a legend within the axes; more are listed below them
 SETTINGS: Any = {
@@ -52,7 +53,8 @@ def canvas_of(figure: Figure) -> Canvas:
         above, below = canvas.subplots(2, 1, height_ratios=(2, 1))
         _draw(above, figure.solution)
         _draw(below, figure.error)
-        below.axhline(0.0, color="#888888", linewidth=0.8)
+        if figure.error.yscale != "log":
+            below.axhline(0.0, color="#888888", linewidth=0.8)
         if figure.error.yscale == "linear":
             below.ticklabel_format(axis="y", style="sci", scilimits=(-3, 3))
     return canvas
@@ -74,7 +76,7 @@ def save(canvas: Canvas, path: Path) -> None:
 
 
 def svg_of(figure: Figure, prefix: str) -> str:
-    """The figure as an SVG element.
+    """The figure as an SVG element with a role, a title (its caption) and a description (its axes and curves).
 
     Parameters
     ----------
@@ -89,7 +91,26 @@ def svg_of(figure: Figure, prefix: str) -> str:
     element = text[text.index("<svg") :]
     element = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', element)
     element = re.sub(r'(xlink:href|href)="#([^"]+)"', rf'\1="#{prefix}-\2"', element)
-    return re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", element)
+    element = re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", element)
+    names = f'role="img" aria-labelledby="{prefix}-title" aria-describedby="{prefix}-desc"'
+    said = f'<title id="{prefix}-title">{escape(figure.caption)}</title>'
+    said += f'<desc id="{prefix}-desc">{described(figure)}</desc>'
+    return re.sub(r"<svg ([^>]*)>", lambda opening: f"<svg {names} {opening[1]}>{said}", element, count=1)
+
+
+def described(figure: Figure) -> str:
+    """What a figure shows, in words, as text of an SVG.
+
+    Examples
+    --------
+    >>> from validation.harness.schema import Panel, Series
+    >>> panel = Panel(xlabel="x", ylabel="load", series=[Series(label="a & b", x=[0.0], y=[1.0])])
+    >>> described(Figure(id="one", caption="One point.", solution=panel))
+    'load against x: a &amp; b.'
+    """
+    panels = [figure.solution] if figure.error is None else [figure.solution, figure.error]
+    words = [f"{panel.ylabel} against {panel.xlabel}: {', '.join(s.label for s in panel.series)}." for panel in panels]
+    return escape(" ".join(words))
 
 
 def _draw(axes: Axes, panel: Panel) -> None:
@@ -110,6 +131,10 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
     x, y = _numbers(series.x), _numbers(series.y)
     if series.style == "band" and series.upper is not None:
         axes.fill_between(x, y, _numbers(series.upper), color=colour, alpha=0.2, linewidth=0, label=series.label)
+    elif series.style == "bars" and series.upper is not None:
+        half = [(high - low) / 2 for low, high in zip(y, _numbers(series.upper), strict=True)]
+        middle = [low + rise for low, rise in zip(y, half, strict=True)]
+        axes.errorbar(x, middle, half, fmt="none", ecolor=colour, elinewidth=1.0, capsize=2.5, label=series.label)
     elif series.style == "thin":
         shade = {"color": "#9aa0a6"} if series.hue is None else {"color": colour, "alpha": 0.35}
         axes.plot(x, y, "-", linewidth=0.5, zorder=1.5, label=series.label, **shade)

@@ -17,7 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance
-from validation.harness.runner import write_atomically
+from validation.harness.kept import write_atomically
 from validation.harness.schema import CaseRecord, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counts, verdict_of
 from validation.report.figures import svg_of
@@ -91,36 +91,47 @@ def render(report: Report) -> str:
     ReportError
         A case cites a source that is not in the bibliography.
     """
-    environment = Environment(
+    lines = {case.id: [_line(row) for row in case.rows] for case in report.cases}
+    groups = list(dict.fromkeys(case.group for case in report.cases))
+    page = (
+        environment()
+        .get_template("page.jinja")
+        .render(
+            report=report,
+            lines=lines,
+            verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
+            marks=MARKS,
+            worst=_worst_ratio(lines),
+            intact=is_intact(report),
+            failing=failures(report),
+            known=_known(report, lines),
+            groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
+            scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
+            landing=[
+                _drawn(case, LANDING) for case in report.cases if any(f.id.startswith(LANDING) for f in case.figures)
+            ],
+            figures={case.id: _drawn(case, "") for case in report.cases},
+            case_verdict={case.id: _worst(case) for case in report.cases},
+            bibliography=_bibliography(report.cases),
+            style=asset("style.css"),
+            script=asset("sort.js"),
+        )
+    )
+    return str(page)
+
+
+def environment() -> Environment:
+    """Where templates are found, and how they are filled: nothing undefined, everything escaped."""
+    made = Environment(
         loader=PackageLoader("validation.report", "."),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["number"] = number
-    environment.filters["short"] = _short
-    lines = {case.id: [_line(row) for row in case.rows] for case in report.cases}
-    groups = list(dict.fromkeys(case.group for case in report.cases))
-    page = environment.get_template("page.jinja").render(
-        report=report,
-        lines=lines,
-        verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
-        marks=MARKS,
-        worst=_worst_ratio(lines),
-        intact=is_intact(report),
-        failing=failures(report),
-        known=_known(report, lines),
-        groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
-        scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
-        landing=[_drawn(case, LANDING) for case in report.cases if any(f.id.startswith(LANDING) for f in case.figures)],
-        figures={case.id: _drawn(case, "") for case in report.cases},
-        case_verdict={case.id: _worst(case) for case in report.cases},
-        bibliography=_bibliography(report.cases),
-        style=_asset("style.css"),
-        script=_asset("sort.js"),
-    )
-    return str(page)
+    made.filters["number"] = number
+    made.filters["short"] = _short
+    return made
 
 
 def number(value: Any) -> str:
@@ -267,7 +278,7 @@ def _worst(case: CaseRecord) -> str:
 
 
 def _bibliography(cases: Iterable[CaseRecord]) -> list[tuple[str, str]]:
-    known = json.loads(_asset("bibliography.json"))
+    known = json.loads(asset("bibliography.json"))
     cited = sorted({key for case in cases for key in case.sources})
     unknown = [key for key in cited if key not in known]
     if unknown:
@@ -275,5 +286,6 @@ def _bibliography(cases: Iterable[CaseRecord]) -> list[tuple[str, str]]:
     return [(key, known[key]) for key in cited]
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """A file that lies beside the templates."""
     return resources.files("validation.report").joinpath(name).read_text("utf-8")

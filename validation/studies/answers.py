@@ -1,10 +1,9 @@
-"""Answers of the tasks of a study, each kept on disk as soon as it is there, so that an interrupted study goes on.
+"""Answers of the tasks of a study, each kept on disk as soon as it is there, so that an interrupted study continues.
 
-A task is a name and whatever else decides its answer; its answer lies in OUT/answers/NAME-DIGEST.json, written under a
-temporary name and renamed, with the key of the sources and of the versions they run on, and a SHA-256 of its own.
-The digest in the name is that of the task, so that short and full forms lie side by side.  An answer of other sources
-counts as missing; a damaged file is told, and computed again.  Exceptions are no answers: what failed is tried again.
-Answers are plain data classes, or lists of them; every float comes back bit by bit, nan and infinity too.
+A task is a name and whatever else decides its answer, which lies in OUT/answers/NAME-DIGEST.json (kept.py) with the
+key of the sources and of the versions they run on.  The digest in the name is that of the task, so that short and full
+forms lie side by side.  An answer of other sources counts as missing; a damaged file is reported, and computed again.
+Exceptions are not kept: what failed is tried again.
 """
 
 from __future__ import annotations
@@ -19,11 +18,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import TypeAdapter, ValidationError
-
 from validation.harness.execution import Ended, Running, run_alone
+from validation.harness.kept import DamagedError, keep, kept
 from validation.harness.provenance import sources_digest, versions
-from validation.harness.runner import Note, write_atomically
+from validation.harness.runner import Note
 
 FOLDER = "answers"
 NAME_LENGTH = 60  # characters of a file name before its digest
@@ -62,19 +60,12 @@ class Answers:
         decides : objects
             What else decides the answer, by their `repr`.
         """
-        path = self._path(name, decides)
         try:
-            content = json.loads(path.read_text("utf-8"))
-            intact = content["sha256"] == _digest(content["answer"])
-            current = content["key"] == self.key
-            answer = TypeAdapter(form).validate_python(content["answer"]) if intact and current else None
-        except FileNotFoundError:
+            answer = kept(self._path(name, decides), form, self.key)
+        except DamagedError as error:
+            self.report(Note(f"{name}: {error}; computed again"))
             return None
-        except (ValueError, KeyError, TypeError, ValidationError):
-            intact, answer = False, None
-        if not intact:
-            self.report(Note(f"{name}: {path.name} is damaged; computed again"))
-        elif answer is not None:
+        if answer is not None:
             self.report(Note(f"{name}: is there already"))
         return answer
 
@@ -93,9 +84,7 @@ class Answers:
             The disk is full; what is there stays whole.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
-        plain = json.loads(json.dumps(TypeAdapter(form).dump_python(answer)))
-        content = {"key": self.key, "task": name, "sha256": _digest(plain), "answer": plain}
-        write_atomically(self._path(name, decides), json.dumps(content, indent=1) + "\n")
+        keep(self._path(name, decides), form, answer, self.key)
 
     def alone(
         self, form: type[Answer], function: Callable[[Item], Answer], item: Item, name: str, *decides: Any
@@ -143,7 +132,3 @@ def answers_in(folder: Path, report: Callable[[Note], None]) -> Answers:
     """
     key = hashlib.sha256((sources_digest() + json.dumps(versions(), sort_keys=True)).encode()).hexdigest()
     return Answers(folder / FOLDER, key, report)
-
-
-def _digest(plain: Any) -> str:
-    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()

@@ -3,7 +3,7 @@
 Curves and predictions: convergence_curves.py; fits: rates.py.  A rate is bounded on both sides: converging too fast is
 as wrong as too slowly.  The path of the solver has no rate: its events are resolved whatever the increments, so the
 states at its targets must agree to the tolerance; that is self-convergence and gives no digits.  A curve that cannot be
-computed is a line with its message.  Finished parts are kept (answers.py): an interrupted study goes on.
+computed is a line with its message.  Finished parts are kept (answers.py): an interrupted study continues.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from validation.corpus.convergence_curves import (
 from validation.corpus.rates import RateError
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
-from validation.report.plots import Line, Plot, write_svg
+from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.store import text_table, write_json
 
@@ -232,19 +232,19 @@ def _content(
     failures: Sequence[str],
     good: bool,
 ) -> dict[str, Any]:
-    told = []
+    reported = []
     for curve in curves:
         entry = asdict(replace(curve, samples=())) | {"met": _met(curve)}
         try:
             entry["rate"] = asdict(curve.rate)
         except RateError as error:
             entry["rate"] = {"message": str(error)}
-        told.append(entry)
+        reported.append(entry)
     return {
         "schema": SCHEMA,
         "provenance": facts,
         "quick": quick,
-        "curves": told,
+        "curves": reported,
         "path": None if path is None else asdict(path) | {"met": path.met, "reference": "self-convergence: no digits"},
         "ensemble": [area for curve in curves for area in curve.samples],
         "failures": list(failures),

@@ -27,7 +27,7 @@ from validation.harness.provenance import provenance
 from validation.harness.runner import Note
 from validation.harness.schema import Table
 from validation.references import adapters
-from validation.report.plots import Line, Plot, write_svg
+from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences
@@ -347,7 +347,7 @@ def _change(coarse: Sequence[float], fine: Sequence[float], asked: int) -> float
 
 
 def _worst(values: Iterable[float]) -> float:
-    """The largest; nan when there is none or one is no number."""
+    """The largest; nan when the values are empty or one is not a number."""
     known = list(values)
     return math.nan if not known or any(math.isnan(value) for value in known) else max(known)
 

@@ -24,7 +24,7 @@ from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.compare import fitted_order
 from validation.references import adapters
-from validation.report.plots import Line, Plot
+from validation.report.study_figures import Line, Plot
 from validation.studies.stages import timed_stages
 
 FEWEST_PATCHES = 8
@@ -104,22 +104,22 @@ def patch_exponents(run: Breakdown) -> dict[str, float]:
 
 def sentences(found: Sequence[Breakdown]) -> list[str]:
     """Shares of the stages and exponents, in words."""
-    told = []
+    reported = []
     for run in found:
         if run.status != "converged":
-            told.append(f"{run.harmonics} harmonics, stage by stage: {run.status}")
+            reported.append(f"{run.harmonics} harmonics, stage by stage: {run.status}")
             continue
         ranked = sorted(run.stages.items(), key=lambda item: -item[1])
         shares = ", ".join(f"{stage} {100 * seconds / run.seconds:.0f} %" for stage, seconds in ranked)
-        told.append(f"{run.harmonics} harmonics, {run.seconds:.1f} s: {shares}")
+        reported.append(f"{run.harmonics} harmonics, {run.seconds:.1f} s: {shares}")
     for stage, order in stage_exponents(found).items():
-        told.append(f"seconds of {stage} grow as harmonics^{order:.2f}")
+        reported.append(f"seconds of {stage} grow as harmonics^{order:.2f}")
     known = [run for run in found if run.status == "converged"]
     if known:
         largest = max(known, key=lambda run: run.harmonics)
         for name, order in patch_exponents(largest).items():
-            told.append(f"{name} of one evaluation grow as patches^{order:.2f} ({largest.harmonics} harmonics)")
-    return told
+            reported.append(f"{name} of one evaluation grow as patches^{order:.2f} ({largest.harmonics} harmonics)")
+    return reported
 
 
 def figures_of(found: Sequence[Breakdown]) -> Iterator[tuple[str, Plot]]:

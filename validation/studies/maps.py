@@ -20,7 +20,7 @@ Without adhesion the path is reversible and the loop is zero.  A path that jumps
 otherwise, has no loop: its status is shown in place of a number.  In the thinnest layer increments a fifth as large
 change the loop by up to 12 % (measured).  Cost of `FULL_AXES`: estimated at six hundred core minutes; of `COARSE_AXES`
 (maps_coarse.py): 3.3 a realisation of every point, measured.  Realisations are stored one by one, on any executor
-(ensemble.py), and a second run goes on where the first ended.
+(ensemble.py), and a second run continues where the first ended.
 
 Source of the problem: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601; of the layer:
 Carbone, Mangialardi, J. Mech. Phys. Solids 56 (2008) 684.  Limits: one period, plane strain.

@@ -3,7 +3,7 @@
 The corpora of the boundary elements, of the finite element reference and of Persson's theory state what they expect
 before anything runs.  Each case runs alone in a process under a time limit; corpus/rows.py says how it may end, and
 counts that apart from whether the result is correct.  Planned and reported cases are counted and compared; a row that
-is missing is an error of the study.  Finished rows are kept (answers.py), so that an interrupted study goes on.
+is missing is an error of the study.  Finished rows are kept (answers.py), so that an interrupted study continues.
 
 With `--random N --seed K` the cases are N scenes drawn at random instead (random_scenes.py), which random_trial.py
 judges: the rows go to stability_random.json with the findings counted by kind, and the scenes of rows that do not
@@ -125,8 +125,8 @@ def summary(rows: Sequence[Row], planned: int) -> list[str]:
     for code in (*get_args(Code), "all"):
         chosen = [row for row in rows if code in (row.code, "all")]
         if chosen:
-            told = ", ".join(f"{name} {count}" for name, count in counts(chosen).items())
-            lines.append(f"{code}: {told}; of {len(chosen)}")
+            reported = ", ".join(f"{name} {count}" for name, count in counts(chosen).items())
+            lines.append(f"{code}: {reported}; of {len(chosen)}")
     found = kinds(rows)
     lines += [f"with findings: {', '.join(f'{kind} {count}' for kind, count in found.items())}"] if found else []
     slow = [f"{row.id} ({row.seconds:.1f} s)" for row in rows if row.form == "reduced" and (row.seconds or 0) > ASKED]
@@ -158,7 +158,7 @@ def _rows(
 
 
 def _listed(measure: Callable[[Task], Outcome], tasks: Sequence[Task]) -> list[Row]:
-    """The rows of cases that share a process, told at the end."""
+    """The rows of cases that share a process, reported at the end."""
     return list(_in_turn(measure, tasks, lambda note: None))
 
 

@@ -38,10 +38,10 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.adhesive.equilibrium", "correct", "Newton, rest"),
     ("bem.nonadhesive.nonadhesive", "solve_contact", "Newton, rest"),
     ("bem.nonadhesive.grid_contact", "GridProblem.patches", "start on a grid"),
-    ("bem.adhesive.events", "settle", "events, rest"),
+    ("bem.adhesive.events", "relax", "events, rest"),
     ("bem.continuation.limit_points", "locate_limit_point", "events, rest"),
     ("bem.continuation.departure", "departure", "events, rest"),
-    ("bem.continuation.limit_points", "at_rest", "events, rest"),
+    ("bem.continuation.rest", "at_rest", "events, rest"),
     ("bem.continuation.touch_points", "locate_touch", "events, rest"),
     ("bem.states", "equilibrium_state", "states kept, rest"),
     ("bem.audit.certificate", "certify", "certificate"),
@@ -68,9 +68,9 @@ class StageTimes:
 
 
 @contextmanager
-def timed_stages(stages: tuple[tuple[str, str, str], ...] = STAGES) -> Iterator[StageTimes]:
+def timed_stages() -> Iterator[StageTimes]:
     """Measure the stages of all that runs inside."""
-    for module, _, _ in stages:
+    for module, _, _ in STAGES:
         import_module(module)
     times = StageTimes()
     stack: list[list[Any]] = []  # [stage, seconds inside]
@@ -81,7 +81,7 @@ def timed_stages(stages: tuple[tuple[str, str, str], ...] = STAGES) -> Iterator[
         restore.append((holder, name, getattr(holder, name)))
         setattr(holder, name, value)
 
-    for module, path, stage in stages:
+    for module, path, stage in STAGES:
         holder, name = import_module(module), path
         if "." in path:
             first, name = path.split(".")

@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from validation.harness.runner import write_atomically
+from validation.harness.kept import write_atomically
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Write JSON; nan and infinity, which it does not know, become null."""
+    """Write JSON; nan and infinity, which do not exist there, become null."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_atomically(path, json.dumps(plain(dict(content)), indent=1, allow_nan=False) + "\n")
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON knows it."""
+    """A value as JSON holds it."""
     if isinstance(value, Mapping):
         return {name: plain(content) for name, content in value.items()}
     if isinstance(value, list | tuple):
@@ -46,7 +46,7 @@ def text_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
 
 
 def peak_megabytes() -> float:
-    """Largest resident memory of this process so far; nan where the system does not tell (Windows)."""
+    """Largest resident memory of this process so far; nan where the system does not report it (Windows)."""
     if sys.platform == "win32":
         return math.nan
     import resource  # absent on Windows

@@ -20,9 +20,9 @@ WIDE_AND_TINY = Patches(np.array([0.0, 3.0]), np.array([1.0, 3.001]))
 
 
 def with_stiffness(share):
-    """Two patches whose edges resist a motion by their room with this share of the work of adhesion on it."""
+    """Two patches whose edges resist a motion by their edge scale with this share of the work of adhesion on it."""
     here = balance(SYSTEM, WIDE_AND_TINY, 0.5, 0.5, 1e-8)
-    return replace(here, hessian=np.diag(np.asarray(share) * here.work / here.state.patches.edge_room))
+    return replace(here, hessian=np.diag(np.asarray(share) * here.work / here.state.patches.edge_scale))
 
 
 @pytest.mark.parametrize("soft", [0, 1], ids=["wide", "tiny"])

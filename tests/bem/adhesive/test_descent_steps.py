@@ -12,7 +12,7 @@ from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl
 from bem.loading.increments import Accuracy
 
-TOLERANCE, CLOSURE = 1e-8, 1e-8
+TOLERANCE, RESIDUAL = 1e-8, 1e-8
 RIPPLES = {  # orders, height of the ripple, work of adhesion, penetration, half width from which the edges start
     "start beside a barrier": (100, 0.004, 0.01, 0.2, 0.5),
     "two minima within reach": (100, 0.004, 0.01, 0.4, 0.4),
@@ -36,7 +36,7 @@ def test_no_minimum_lies_between_start_and_end(name, step):
     """All the way K stays below its critical value, so that the edges cannot have been at rest before the end."""
     order, ripple, work, target, start = RIPPLES[name]
     system = rippled(order, ripple, work)
-    end = descend(system, symmetric(start), target, target, Accuracy(TOLERANCE, CLOSURE), Steps(step))
+    end = descend(system, symmetric(start), target, target, Accuracy(TOLERANCE, RESIDUAL), Steps(step))
     assert end.status == "converged"
     reached = float(end.patches.right[0])
     assert reached > start + 0.2 * TWO_PI / order

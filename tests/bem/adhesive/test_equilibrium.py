@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 
 from bem.adhesive import descent
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import Steps, descend, pull_off_half_width
+from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, balance, correct
 from bem.adhesive.trust_region import trust_region_step
+from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -91,7 +92,7 @@ def test_trust_region_step_leaves_a_saddle_without_force():
 @pytest.mark.parametrize("fraction", [0.1, 0.3, 0.6, 0.9, 0.95])
 @pytest.mark.parametrize("offset", [-0.03, 0.03])
 def test_newton_finds_johnsons_contact(fraction, offset):
-    start = patch(fraction).moved(offset * patch(fraction).edge_room)
+    start = patch(fraction).moved(offset * patch(fraction).edge_scale)
     target = float(penetration_of(fraction))
     found = correct(SYSTEM, start, target, target, Accuracy(1e-13, 1e-12))
     assert found.status == "converged"
@@ -101,9 +102,10 @@ def test_newton_finds_johnsons_contact(fraction, offset):
 
 def test_newton_converges_quadratically():
     target = float(penetration_of(0.4))
-    start = patch(0.4).moved(0.05 * patch(0.4).edge_room)
+    start = patch(0.4).moved(0.05 * patch(0.4).edge_scale)
     counts = [
-        correct(SYSTEM, start, target, target, Accuracy(1e-13, closure)).evaluations for closure in (1e-3, 1e-6, 1e-12)
+        correct(SYSTEM, start, target, target, Accuracy(1e-13, residual)).evaluations
+        for residual in (1e-3, 1e-6, 1e-12)
     ]
     assert counts[2] - counts[1] <= 1
     assert counts[2] <= 6
@@ -120,7 +122,7 @@ def test_newton_refuses_the_unstable_branch():
     fraction = 0.6 * fold(penetration_of)
     target = float(penetration_of(fraction))
     for offset in (0.0, 0.03):
-        start = patch(fraction).moved(offset * patch(fraction).edge_room)
+        start = patch(fraction).moved(offset * patch(fraction).edge_scale)
         found = correct(SYSTEM, start, target, target, Accuracy(1e-12, 1e-10))
         assert (found.status, found.balance, found.evaluations) == ("indefinite", None, 1)
 
@@ -164,12 +166,12 @@ def test_stiffness_is_the_slope_of_johnsons_branch(fraction):
     assert here.stiffness == pytest.approx(exact, rel=1e-8)  # measured 1e-10
 
 
-def test_closure_measures_the_release_rate():
+def test_residual_measures_the_release_rate():
     """At K twice the critical one G is four times w."""
     law = UniformLaw(WORK / 4)
     target = float(penetration_of(0.4))
     here = balance(System(Elastic(WAVE), law, DisplacementControl()), patch(0.4), target, target, 1e-13)
-    assert here.closure == pytest.approx(3.0, rel=1e-11)
+    assert here.residual == pytest.approx(3.0, rel=1e-11)
     assert here.closed(3.1)
     assert not here.closed(2.9)
 
@@ -216,9 +218,9 @@ def test_descent_closes_the_last_gap_under_a_load_that_no_branch_carries():
 def test_descent_moves_edges_with_negative_stress_intensity_outward():
     target = float(penetration_of(0.6))
     squeezed = balance(SYSTEM, patch(0.2), target, target, 1e-12)
-    assert not squeezed.opening
+    assert not squeezed.all_tensile
     end = descend(SYSTEM, patch(0.2), target, target, Accuracy(1e-12, 1e-10), Steps(0.4))
-    assert end.balance.opening
+    assert end.balance.all_tensile
     assert end.balance.state.patches.contact_fraction == pytest.approx(0.6, abs=1e-9)
 
 

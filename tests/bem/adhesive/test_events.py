@@ -1,13 +1,13 @@
-"""Events: new contacts, coalescence and detachment settle into the next equilibrium and release energy."""
+"""Events: new contacts, coalescence and detachment relax into the next equilibrium and release energy."""
 
 import numpy as np
 import pytest
 from rough_surfaces import rough_profile
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import pull_off_half_width
 from bem.adhesive.equilibrium import System, balance, correct
-from bem.adhesive.events import Cause, first_contact, interpenetration, settle
+from bem.adhesive.events import Cause, first_contact, interpenetration, relax
+from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -19,9 +19,9 @@ TWO_CRESTS = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])
 SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), DisplacementControl())
 
 
-def settled(system, patches, target, penetration=None, **changes):
+def relaxed(system, patches, target, penetration=None, **changes):
     start = target if penetration is None else penetration
-    return settle(system, patches, start, target, ACCURACY, Cause(**changes))
+    return relax(system, patches, start, target, ACCURACY, Cause(**changes))
 
 
 def kinds(end):
@@ -33,22 +33,22 @@ def one_patch(half_width):
 
 
 def test_nothing_happens_to_an_equilibrium():
-    end = settled(SYSTEM, one_patch(0.5), 0.1)
-    again = settled(SYSTEM, end.balance.state.patches, 0.1)
+    end = relaxed(SYSTEM, one_patch(0.5), 0.1)
+    again = relaxed(SYSTEM, end.balance.state.patches, 0.1)
     assert (again.status, again.changes) == ("converged", ())
     np.testing.assert_allclose(again.balance.state.patches.right, end.balance.state.patches.right, atol=1e-9)
 
 
 def test_second_crest_makes_contact_where_the_first_state_overlaps():
     # the crest at pi is 0.4 lower, and the surface is sucked down beside the first contact
-    end = settled(SYSTEM, one_patch(0.5), 0.6)
+    end = relaxed(SYSTEM, one_patch(0.5), 0.6)
     assert kinds(end) == ["new_contact"]
     assert end.changes[0][1] == pytest.approx(np.pi, abs=0.02)
     assert end.balance.state.patches.count == 2
 
 
-def test_settled_state_is_a_stable_equilibrium_without_overlap():
-    end = settled(SYSTEM, one_patch(0.5), 0.6)
+def test_relaxed_state_is_a_stable_equilibrium_without_overlap():
+    end = relaxed(SYSTEM, one_patch(0.5), 0.6)
     assert end.balance.closed(ACCURACY.residual)
     assert end.balance.smallest_eigenvalue > 0
     assert interpenetration(SYSTEM, end.balance.state, 1e-10).position.size == 0
@@ -59,7 +59,7 @@ def test_new_contact_releases_energy():
     start = correct(SYSTEM, one_patch(0.5), 0.335, 0.335, Accuracy(1e-8, 1e-9))
     assert start.status == "converged"
     assert interpenetration(SYSTEM, start.balance.state, 1e-10).position.size == 1
-    end = settled(SYSTEM, start.balance.state.patches, 0.335)
+    end = relaxed(SYSTEM, start.balance.state.patches, 0.335)
     assert end.balance.state.patches.count == 2
     assert end.balance.potential < start.balance.potential - 0.01
 
@@ -73,8 +73,8 @@ def test_overlap_allowed_is_no_new_contact():
 
 @pytest.mark.parametrize("start", [0.1, 0.5], ids=["from narrow", "from wide"])
 def test_settling_does_not_depend_on_where_it_starts(start):
-    end = settled(SYSTEM, one_patch(start), 0.6)
-    again = settled(SYSTEM, one_patch(0.3), 0.6)
+    end = relaxed(SYSTEM, one_patch(start), 0.6)
+    again = relaxed(SYSTEM, one_patch(0.3), 0.6)
     np.testing.assert_allclose(end.balance.state.patches.right, again.balance.state.patches.right, atol=1e-8)
 
 
@@ -82,21 +82,21 @@ def test_equal_crests_make_contact_at_the_same_instant():
     three = Profile.from_harmonics(2 * np.pi, [3], [1.0])
     system = System(Elastic(three), UniformLaw(0.1), DisplacementControl())
     crests = np.arange(3) * 2 * np.pi / 3
-    end = settled(system, first_contact(system, crests), 0.5)
+    end = relaxed(system, first_contact(system, crests), 0.5)
     assert end.balance.state.patches.count == 3
     np.testing.assert_allclose(np.ptp(end.balance.state.patches.width), 0.0, atol=1e-9)
 
 
 def test_patches_detach_beyond_pull_off():
-    loaded = settled(SYSTEM, one_patch(0.5), 0.6).balance.state.patches
-    end = settled(SYSTEM, loaded, -0.05, 0.6)
+    loaded = relaxed(SYSTEM, one_patch(0.5), 0.6).balance.state.patches
+    end = relaxed(SYSTEM, loaded, -0.05, 0.6)
     assert "detachment" in kinds(end)
     assert end.balance.state.patches.count == 1
     assert np.abs((end.balance.state.patches.center[0] + np.pi) % (2 * np.pi) - np.pi) < 1e-6  # the higher one stays
 
 
 def test_last_patch_separates():
-    end = settled(SYSTEM, one_patch(0.1), -3.0)
+    end = relaxed(SYSTEM, one_patch(0.1), -3.0)
     assert end.status == "separated"
     assert end.balance is None
     assert kinds(end) == ["detachment"]
@@ -104,7 +104,7 @@ def test_last_patch_separates():
 
 def test_load_that_no_branch_carries_ends_in_complete_contact():
     system = System(SYSTEM.elastic, SYSTEM.law, LoadControl())
-    end = settle(system, one_patch(0.6), 1.0, 30.0, Accuracy(1e-4, 1e-5, 1e-7))
+    end = relax(system, one_patch(0.6), 1.0, 30.0, Accuracy(1e-4, 1e-5, 1e-7))
     assert end.status == "complete_contact"
     assert kinds(end)[-1] == "complete_contact"
 
@@ -113,7 +113,7 @@ def test_first_contact_is_tensile_at_its_edges():
     position = np.array([0.0])
     patches = first_contact(SYSTEM, position)
     assert patches.half_width[0] == pytest.approx(1.5 * pull_off_half_width(SYSTEM, position)[0])
-    assert balance(SYSTEM, patches, 0.0, 0.0, 1e-8).opening
+    assert balance(SYSTEM, patches, 0.0, 0.0, 1e-8).all_tensile
 
 
 def test_first_contacts_of_close_crests_stay_apart():
@@ -129,11 +129,11 @@ def test_local_settling_ends_in_the_same_state():
     system = System(Elastic(profile), UniformLaw(2e-4), DisplacementControl())
     x, h = profile.crests
     high = x[h > profile.max_height - 1.3]
-    before = settled(system, first_contact(system, np.sort(high)), 1.3).balance.state
+    before = relaxed(system, first_contact(system, np.sort(high)), 1.3).balance.state
     start = before.patches
     assert start.count > 18
-    plain = settled(system, start, 1.27, 1.3)
-    local = settled(system, start, 1.27, 1.3, unstable=np.array([1]), state=before)
+    plain = relaxed(system, start, 1.27, 1.3)
+    local = relaxed(system, start, 1.27, 1.3, unstable=np.array([1]), state=before)
     assert local.local_evaluations > 0
     assert plain.local_evaluations == 0
     np.testing.assert_allclose(local.balance.state.patches.right, plain.balance.state.patches.right, atol=1e-7)

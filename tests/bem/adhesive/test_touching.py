@@ -7,7 +7,7 @@ from bem.adhesive import events
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, balance
-from bem.adhesive.events import Cause, settle
+from bem.adhesive.events import Cause, relax
 from bem.adhesive.touching import CrestsAhead
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field
@@ -138,7 +138,7 @@ def test_a_descent_does_not_run_into_other_patches():
 def test_a_jump_goes_on_with_the_crests_that_touched(monkeypatch):
     """Touches do not use up the rounds that an avalanche may have."""
     monkeypatch.setattr(events, "AVALANCHE_ROUNDS", 1)
-    end = settle(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10))
+    end = relax(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10))
     assert end.status == "converged"
     assert [kind for kind, _ in end.changes] == TOUCHES
 
@@ -159,13 +159,13 @@ def test_in_the_field_of_others_the_same_crests_touch():
     )
     system = System(Elastic(moved), MANY.law, DisplacementControl())
     alone = (
-        settle(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10)).balance.state.patches.half_width[0] / BUMPS
+        relax(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10)).balance.state.patches.half_width[0] / BUMPS
     )
     half = np.full(BUMPS, alone)
     half[10] = 0.2 / BUMPS
     start = Patches(centers - half, centers + half)
     state = balance(system, start, DEPTH / BUMPS, DEPTH / BUMPS, 1e-6).state
-    end = settle(
+    end = relax(
         system,
         start,
         DEPTH / BUMPS,

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rough_surfaces import cut_edges
 
-from bem.audit import certificate, displacement
+from bem.audit import certificate, displacement, gap_depths
 from bem.audit.certificate import AdhesiveEdges, Demands, certify
 from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.audit.displacement import DisplacementField, GapPoints
@@ -69,17 +70,6 @@ def three_waves(phase):
     return Profile.from_harmonics(2 * np.pi, [3, 7, 8], [1.0, 0.4, 0.3], [0.0, 1.0, phase]).scaled()
 
 
-def bearing_cut(profile, fraction):
-    """Edges of the parts of the profile above a level, and the penetration down to it."""
-    x, h = profile.grid
-    level = float(np.quantile(h, 1 - fraction))
-    above = h > level
-    left = x[np.flatnonzero(above & ~np.roll(above, 1))] - x[1] / 2
-    right = x[np.flatnonzero(above & ~np.roll(above, -1))] + x[1] / 2
-    right = right if right[0] > left[0] else np.append(right[1:], right[0] + 2 * np.pi)
-    return left, right, profile.max_height - level
-
-
 def sinusoid(fraction, alpha, crest=0.0):
     """Johnson's or Westergaard's state: edges and penetration exact, pressure by the dense reference."""
     amplitude, psi = np.sqrt(2.0), np.pi * fraction / 2
@@ -95,7 +85,7 @@ def short_waved():
     m = np.arange(60, 251)
     phases = np.random.default_rng(0).uniform(-np.pi, np.pi, m.size)
     profile = Profile.from_harmonics(2 * np.pi, m, m**-1.2, phases).scaled()
-    return solved(profile, *bearing_cut(profile, 0.4), 0.01, fixed=True)
+    return solved(profile, *cut_edges(profile, 0.4), 0.01, fixed=True)
 
 
 def moved(pressure, edge, amount):
@@ -114,8 +104,8 @@ STATES = {
     "westergaard, narrow": lambda: sinusoid(0.01, 0.0),
     "johnson": lambda: sinusoid(0.3, 0.3, crest=1.7),
     "johnson, nearly complete": lambda: sinusoid(0.95, 0.3),
-    "three waves": lambda: solved(three_waves(2.0), *bearing_cut(three_waves(2.0), 0.2), None),
-    "three waves, adhesive": lambda: solved(three_waves(2.0), *bearing_cut(three_waves(2.0), 0.2), 0.05),
+    "three waves": lambda: solved(three_waves(2.0), *cut_edges(three_waves(2.0), 0.2), None),
+    "three waves, adhesive": lambda: solved(three_waves(2.0), *cut_edges(three_waves(2.0), 0.2), 0.05),
 }
 
 
@@ -221,7 +211,7 @@ def test_a_closing_edge_is_not_taken_for_an_opening_one():
 
 def test_a_missed_contact_is_found_at_its_depth():
     profile = three_waves(1.0)
-    state = solved(profile, *bearing_cut(profile, 0.2), 0.05)
+    state = solved(profile, *cut_edges(profile, 0.2), 0.05)
     judged = state.certify()
     assert [reason.split()[0] for reason in judged.reasons] == ["interpenetration"]
     field, pressure = DisplacementField(state.pressure), state.pressure
@@ -274,7 +264,7 @@ def test_too_few_nodes_are_seen_in_truncation_and_residual(adhesive):
 
 def test_a_gap_that_is_not_resolved_is_not_ok(monkeypatch):
     state = STATES["westergaard, narrow"]()
-    monkeypatch.setattr(certificate, "MAX_GAP_SAMPLES", 1)
+    monkeypatch.setattr(gap_depths, "MAX_GAP_SAMPLES", 1)
     assert "displacement not resolved in the gap behind patch 0" in state.certify().reasons
 
 
@@ -346,7 +336,7 @@ def layered():
         lambda x: sum(m * s * np.sin(m * x) for m, s in deficit.items()),
     )
     profile = three_waves(2.0)
-    return solved(profile, *bearing_cut(profile, 0.2), 0.05, kernel)
+    return solved(profile, *cut_edges(profile, 0.2), 0.05, kernel)
 
 
 def test_a_layer_enters_through_its_spectrum(layered):
@@ -366,12 +356,14 @@ def test_patches_that_are_none_are_refused(adhesive, left, right):
         adhesive.certify(pressure)
 
 
-@pytest.mark.parametrize("module", [certificate, displacement], ids=["certificate", "displacement"])
+@pytest.mark.parametrize("module", [certificate, displacement, gap_depths], ids=["certificate", "displacement", "gaps"])
 def test_the_certificate_shares_no_code_with_the_solver(module):
     tree = ast.parse(Path(module.__file__).read_text())
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     assert {name for name in imported if name.startswith("bem")} <= {
         "bem.audit.displacement",
+        "bem.audit.gap_depths",
+        "bem.geometry.arrays",
         "bem.geometry.patches",
         "bem.geometry.profile",
     }

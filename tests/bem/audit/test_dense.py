@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from rough_surfaces import cut_edges, short_waved
 
 from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.geometry.profile import Profile
@@ -63,23 +64,6 @@ def rough(harmonics=40, seed=0):
     return Profile.self_affine(2 * np.pi, 0.7, 1.0, harmonics, seed).scaled()
 
 
-def short_waved(first=60, last=250, seed=0):
-    """Only short waves, so that a cut at half height has many patches."""
-    m = np.arange(first, last + 1)
-    phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, m.size)
-    return Profile.from_harmonics(2 * np.pi, m, m**-1.2, phases).scaled()
-
-
-def bearing_cut(profile, fraction):
-    """Edges of the parts of the profile above a level: any patches will do to test an evaluation."""
-    x, h = profile.grid
-    above = h > np.quantile(h, 1 - fraction)
-    left = x[np.flatnonzero(above & ~np.roll(above, 1))] - x[1] / 2
-    right = x[np.flatnonzero(above & ~np.roll(above, -1))] + x[1] / 2
-    right = right if right[0] > left[0] else np.append(right[1:], right[0] + 2 * np.pi)
-    return left, right, profile.max_height - float(np.quantile(h, 1 - fraction))
-
-
 def edge_moved(left, right, edge, amount):
     left, right = left.copy(), right.copy()
     if edge < left.size:
@@ -105,7 +89,7 @@ def step_of(state, edge):
 @pytest.fixture(scope="module")
 def rough_state():
     profile = rough()
-    left, right, penetration = bearing_cut(profile, 0.4)
+    left, right, penetration = cut_edges(profile, 0.4)
     nodes = dense_nodes(profile, left, right) + 10
     state = evaluate_dense(profile, left, right, penetration, nodes)
 
@@ -194,7 +178,7 @@ def test_mixed_derivatives_agree(rough_state):
 
 def test_hessian_is_symmetric_on_many_patches():
     profile = short_waved()
-    left, right, penetration = bearing_cut(profile, 0.4)
+    left, right, penetration = cut_edges(profile, 0.4)
     assert left.size >= 60
     hessian = evaluate_dense(profile, left, right, penetration).elastic_hessian
     scale = np.sqrt(np.abs(np.outer(np.diag(hessian), np.diag(hessian))))
@@ -260,7 +244,7 @@ def test_smooth_kernel_of_one_mode_softens_that_mode():
 def test_smooth_kernel_derivatives_are_exact():
     kernel = SmoothKernel(lambda x: 0.2 * np.cos(2 * x), lambda x: -0.4 * np.sin(2 * x))
     profile = rough()
-    left, right, penetration = bearing_cut(profile, 0.4)
+    left, right, penetration = cut_edges(profile, 0.4)
     nodes = dense_nodes(profile, left, right)
     state = evaluate_dense(profile, left, right, penetration, nodes, kernel)
     slope = central_difference(

@@ -1,4 +1,4 @@
-"""Two processes never write to one output folder: the second is told who holds it, and nothing is lost."""
+"""Two processes never write to one output folder: the second is reported who holds it, and nothing is lost."""
 
 import os
 import signal
@@ -31,9 +31,9 @@ def holder(tmp_path):
 
 
 def test_the_second_is_told_who_holds_it(holder, tmp_path):
-    with pytest.raises(FolderInUseError) as told, locked(tmp_path / "out"):
+    with pytest.raises(FolderInUseError) as reported, locked(tmp_path / "out"):
         pass
-    assert f"in use by process {holder.pid} on {socket.gethostname()} since 20" in str(told.value)
+    assert f"in use by process {holder.pid} on {socket.gethostname()} since 20" in str(reported.value)
 
 
 def test_a_killed_process_holds_nothing(holder, tmp_path):
@@ -79,8 +79,8 @@ def test_many_that_come_and_go_are_never_inside_together(tmp_path):
     )
     tmp_path.joinpath("keep").touch()
     many = [subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stderr=subprocess.PIPE) for _ in range(3)]
-    told = [process.communicate(timeout=60)[1].decode() for process in many]
-    assert [process.returncode for process in many] == [0, 0, 0], told
+    reported = [process.communicate(timeout=60)[1].decode() for process in many]
+    assert [process.returncode for process in many] == [0, 0, 0], reported
 
 
 @pytest.mark.parametrize(

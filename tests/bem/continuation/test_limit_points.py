@@ -4,15 +4,20 @@ import numpy as np
 import pytest
 
 from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.branch import tangent
 from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, correct
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import at_rest, before_fold, locate_limit_point
+from bem.continuation.jumps import Jumps
+from bem.continuation.limit_points import before_fold, locate_limit_point
+from bem.continuation.path_point import Equilibrium
+from bem.continuation.rest import at_rest
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
+from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl, LoadControl
-from bem.loading.increments import Accuracy
+from bem.loading.increments import Accuracy, Effort, Increments
 
 TOLERANCES = (1e-3, 1e-5, 1e-8)
 AMPLITUDE = np.sqrt(2.0)  # of a wave of unit rms height
@@ -101,7 +106,7 @@ def test_equal_crests_lose_their_symmetry_before_they_pull_off(count):
     start = -0.05
     here = symmetric_state(system, count, start)
     found = locate_limit_point(system, here, start, -0.05, TOLERANCES, thorough=True)
-    assert found.kind == "bifurcation"
+    assert found.kind == "broken_symmetry"
     assert found.modes.shape[1] == (1 if count == 2 else 2)
     pull = found.balance.load_gradient
     for mode in found.modes.T:
@@ -123,7 +128,7 @@ def test_a_fold_of_almost_equal_crests_lies_before_the_symmetric_one():
         here = symmetric_state(system, 2, -0.05)
         found = locate_limit_point(system, here, -0.05, -0.05, TOLERANCES, thorough=True)
         values.append(found.exact.value)
-        assert found.kind == ("fold" if delta else "bifurcation")
+        assert found.kind == ("fold" if delta else "broken_symmetry")
     apart = np.array(values[1:]) - values[0]
     assert np.all(apart > 0)
     assert apart[1] / apart[0] == pytest.approx(10 ** (2 / 3), rel=0.2)  # measured 0.09
@@ -138,11 +143,41 @@ def test_the_way_from_a_fold_leads_down():
     assert np.all(outward < 0)  # it pulls off
 
 
+@pytest.mark.parametrize("part", [1e-2, 1e-3])
+@pytest.mark.parametrize(
+    ("control", "quantity", "other"),
+    [(DisplacementControl(), "penetration", "load"), (LoadControl(), "load", "penetration")],
+    ids=["Delta", "load"],
+)
+def test_an_end_that_is_not_located_knows_its_errors(control, quantity, other, part):
+    """Numbers of a branch change as the root of the distance to its fold; measured 0.56 to 0.85 of the estimates."""
+    system, exact = wave(control), lowest(quantity)
+    psi = np.linspace(0.01, 0.8, 200_001)
+    psi = psi[np.argmin(johnson(quantity, psi))]
+    start, end = exact * (1 - part), exact * (1 + part / 2)
+    here = resting(system, [2 * np.pi], 2.04 * psi, start)
+    complete = complete_contact(system.elastic.profile, system.law)
+    jumps = Jumps(system, Increments(0.1, 1e-3), complete, Effort())
+    behind = jumps.unlocated(Equilibrium(start, here, tangent(control, here)), end, None, abs(end - start))
+    assert [event.kind for event in behind.events] == ["pull_off"]
+    at, error = behind.events[0].at, behind.events[0].error
+    assert abs(at.value - exact) <= error.value
+    assert 0.3 <= abs(getattr(at, other) - johnson(other, psi)) / getattr(error, other) <= 1
+
+
 def test_a_coarse_equilibrium_is_improved_with_its_error():
     system = wave(DisplacementControl())
     here = resting(system, [2 * np.pi], 1.0, 0.5)
     better, exact, error = at_rest(system, here, 0.5, (1e-5, 1e-8))
     finest = at_rest(system, here, 0.5, (1e-8, 1e-12))[1]
-    assert better.closure <= 1e-7
+    assert better.residual <= 1e-7
     assert abs(exact.potential - finest.potential) <= 3 * error.potential + 1e-13
     assert abs(exact.load - finest.load) <= 3 * error.load + 1e-12
+
+
+def test_an_equilibrium_that_needs_no_steps_has_an_error_from_another_resolution():
+    system = wave(DisplacementControl())
+    found = correct(system, resting(system, [0.0], 0.6, 0.5).state.patches, 0.5, 0.5, Accuracy(1e-8, 1e-9))
+    better, _, error = at_rest(system, found.balance, 0.5, (1e-8, 1e-8))
+    assert np.any(better.state.resolution.nodes != found.balance.state.resolution.nodes)
+    assert 0 < error.load <= 4e-12  # measured 1.2e-12

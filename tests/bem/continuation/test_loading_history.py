@@ -13,7 +13,6 @@ from validation.cases.paths.energy_balance import accounts, closed, legs
 from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
-FINE = {"max_increment": 0.01}
 
 
 def scene(control, targets, order=1, initial=None, flaw=None, alpha=0.3, base_dir=None):
@@ -43,7 +42,7 @@ def scene(control, targets, order=1, initial=None, flaw=None, alpha=0.3, base_di
 
 @lru_cache(maxsize=4)
 def loop():
-    return solve(rough_scene([40e-6, 75e-6, 40e-6, 160e-6], 12, 5, 0.05, accuracy=FINE))
+    return solve(rough_scene([40e-6, 75e-6, 40e-6, 160e-6], 12, 5, 0.05))
 
 
 def test_targets_are_visited_in_order():

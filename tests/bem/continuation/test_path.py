@@ -188,7 +188,7 @@ def test_load_control_jumps_to_complete_contact_at_the_maximum_pressure():
 
 @pytest.mark.parametrize(("control", "layer"), [("mean_pressure", None), ("total_displacement", 0.005)])
 def test_adhesion_so_strong_that_first_touch_leads_into_complete_contact(control, layer):
-    """Contact goes on being complete to the target; the jump releases all that complete contact has less energy."""
+    """Contact stays complete to the target; the jump releases all that complete contact has less energy."""
     exact = Johnson(30.0)
     targets = [0.1 * FULL, 0.2 * FULL] if layer is None else [1e-5, 2e-5]
     solid = {"youngs_modulus": 1e6, "poisson_ratio": 0.5 if layer is None else 0.3}
@@ -313,7 +313,7 @@ def test_every_point_is_a_stable_equilibrium(rough_points):
     _, points = rough_points
     for point in points:
         if point.state is not None:
-            assert point.balance.opening
+            assert point.balance.all_tensile
             if not point.last:
                 assert point.balance.closed(1e-9)
                 assert point.balance.smallest_eigenvalue > 0
@@ -354,7 +354,7 @@ def test_restart_stands_where_the_path_stood(rough_points):
 def test_restart_refuses_edges_that_are_no_equilibrium(rough_points):
     path, points = rough_points
     point = next(p for p in points if p.state and p.state.patches.count >= 3)
-    wider = point.state.patches.moved(0.25 * point.state.patches.edge_room)
+    wider = point.state.patches.moved(0.25 * point.state.patches.edge_scale)
     assert path.restart(wider, point.state.penetration, point.value).status == "not_converged"
 
 

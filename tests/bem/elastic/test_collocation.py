@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rough_surfaces import cut, short_waved
 
 from bem.audit.dense import SmoothKernel, evaluate_dense
 from bem.elastic import hierarchical
@@ -25,24 +26,6 @@ def johnson(fraction, alpha=0.0):
     S, root = np.sin(psi) ** 2, alpha * np.sqrt(np.tan(psi))
     patches = Patches(np.array([-2 * psi]), np.array([2 * psi]))
     return patches, S * (1 - np.log(S)) + root * np.log(S), S - root, np.sqrt(2 * np.pi) * alpha
-
-
-def short_waved(seed, first=60, last=250):
-    """Only short waves, so that a cut has many patches."""
-    m = np.arange(first, last + 1)
-    phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, m.size)
-    return Profile.from_harmonics(2 * np.pi, m, m**-1.2, phases).scaled()
-
-
-def cut(profile, fraction):
-    """Patches where the profile is highest, and the penetration of that level: any patches test an evaluation."""
-    x, h = profile.grid
-    level = float(np.quantile(h, 1 - fraction))
-    above = h > level
-    left = x[np.flatnonzero(above & ~np.roll(above, 1))] - x[1] / 2
-    right = x[np.flatnonzero(above & ~np.roll(above, -1))] + x[1] / 2
-    right = right if right[0] > left[0] else np.append(right[1:], right[0] + 2 * np.pi)
-    return Patches(left, right), profile.max_height - level
 
 
 @pytest.fixture(scope="module")

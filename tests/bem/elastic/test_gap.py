@@ -10,7 +10,7 @@ from rough_surfaces import bearing_cut, rough_profile
 
 from bem.elastic import gap
 from bem.elastic.collocation import Elastic, Resolution, evaluate
-from bem.elastic.gap import gap_field, low_minima
+from bem.elastic.gap import gap_field, low_minima, minima_near
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
@@ -141,6 +141,19 @@ def test_minima_do_not_depend_on_how_the_displacement_is_interpolated(monkeypatc
     assert by_matrix.position.size > 3
     np.testing.assert_allclose(by_matrix.position, by_clenshaw.position, rtol=0, atol=1e-12)  # measured 0
     np.testing.assert_allclose(by_matrix.depth, by_clenshaw.depth, rtol=0, atol=1e-12)  # measured 0
+
+
+def test_a_lopsided_minimum_is_found_again_from_beside_it():
+    """Beside an edge the parabola on a tenth of a wave is a third of it off."""
+    profile = Profile.self_affine(2 * np.pi, 0.5222880868542721, 1.0, 10, 460522115).scaled()
+    patches = Patches(np.array([1.1712571, 5.9738464]), np.array([1.3261738, 6.8607732]))
+    elastic = Elastic(profile)
+    field = gap_field(elastic, evaluate(elastic, patches, 1.45133, 1e-10))
+    lowest = low_minima(field)
+    assert lowest.position.size == 1
+    again = minima_near(field, lowest.position + 1e-4, lowest.gap)
+    assert again.position == pytest.approx(lowest.position, abs=1e-7)  # measured 4e-8; 4e-3 from the wide base alone
+    assert again.depth == pytest.approx(lowest.depth, abs=1e-12)  # measured 4e-13
 
 
 def rough_field(seed=1, excess=0.3, shift=0.0, turns=0):

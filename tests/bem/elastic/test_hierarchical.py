@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rough_surfaces import cut, short_waved
 
 from bem.audit.dense import evaluate_dense
 from bem.elastic import hierarchical
@@ -14,19 +15,7 @@ from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
 from bem.loading.control import LoadControl
 
-M = np.arange(60, 251)
-SHORT = Profile.from_harmonics(2 * np.pi, M, M**-1.2, np.random.default_rng(3).uniform(-np.pi, np.pi, M.size)).scaled()
-
-
-def cut(fraction):
-    """Patches where the profile is highest: many, of all widths, some with narrow gaps."""
-    x, h = SHORT.grid
-    level = float(np.quantile(h, 1 - fraction))
-    above = h > level
-    left = x[np.flatnonzero(above & ~np.roll(above, 1))] - x[1] / 2
-    right = x[np.flatnonzero(above & ~np.roll(above, -1))] + x[1] / 2
-    right = right if right[0] > left[0] else np.append(right[1:], right[0] + 2 * np.pi)
-    return Patches(left, right), SHORT.max_height - level
+SHORT = short_waved(3)
 
 
 def one_wide_patch():
@@ -42,8 +31,8 @@ def narrow_gap():
 
 
 CASES = {
-    "light": lambda: cut(0.15),
-    "dense": lambda: cut(0.6),
+    "light": lambda: cut(SHORT, 0.15),
+    "dense": lambda: cut(SHORT, 0.6),
     "one wide patch": one_wide_patch,
     "narrow gap": narrow_gap,
 }
@@ -92,7 +81,7 @@ def test_states_of_given_load_close_to_complete_contact(evaluated, gap, error):
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
 def test_states_agree_with_the_dense_reference(evaluated, tolerance):
-    patches, penetration = cut(0.4)
+    patches, penetration = cut(SHORT, 0.4)
     found = evaluated(patches, penetration, tolerance, 40)
     dense = evaluate_dense(SHORT, patches.left, patches.right, penetration)
     assert relative(found.stress_intensity, dense.stress_intensity) <= 0.05 * tolerance  # measured 0.017
@@ -112,7 +101,7 @@ def test_pressure_carries_load_and_stress_intensities(evaluated, case):
 
 
 def test_the_start_of_the_period_does_not_matter(evaluated):
-    patches, penetration = cut(0.4)
+    patches, penetration = cut(SHORT, 0.4)
     shift = 2 * np.pi - patches.right[patches.count // 2] - 1e-3
     moved = ordered(patches.left + shift, patches.right + shift)
     turned = Profile(SHORT.period, SHORT.orders, SHORT.amplitudes, SHORT.phases - SHORT.orders * shift)
@@ -136,7 +125,7 @@ def test_layers_are_one_cluster(monkeypatch):
 
     monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 40)
     monkeypatch.setattr(hierarchical, "separated_kernel", None)
-    patches, penetration = cut(0.15)
+    patches, penetration = cut(SHORT, 0.15)
     assert evaluate(Elastic(SHORT, Compliance(OneMode())), patches, penetration, 1e-3).unknowns >= 24 * patches.count
 
 
@@ -150,6 +139,6 @@ def test_clusters_that_are_not_positive_definite_together_are_refused_by_name(mo
     original = hierarchical.separated_kernel
     monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 40)
     monkeypatch.setattr(hierarchical, "separated_kernel", too_strong)
-    patches, penetration = cut(0.15)
+    patches, penetration = cut(SHORT, 0.15)
     with pytest.raises(IllConditionedSystemError, match="two clusters"):
         evaluate(Elastic(SHORT), patches, penetration, 1e-6)

@@ -67,7 +67,7 @@ def test_total_displacement_and_penetration_are_inverse():
 
 @pytest.mark.parametrize("thickness", [0.0, -1.0, np.inf, np.nan], ids=str)
 def test_impossible_thickness_is_refused(thickness):
-    with pytest.raises(ValueError, match="finite and > 0"):
+    with pytest.raises(ValueError, match=r"layer.thickness = .*; allowed: a finite number > 0"):
         Layer(thickness)
 
 

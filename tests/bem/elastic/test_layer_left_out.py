@@ -3,7 +3,7 @@
 import pytest
 from rough_surfaces import rough_scene
 
-from bem.scene import effects
+from bem.scene import elastic_tables
 from bem.scene.scene import parse_scene
 from bem.solver import solve
 
@@ -25,7 +25,7 @@ def solved(tolerance, control, targets, adhesion):
 @pytest.mark.parametrize("tolerance", THICKNESS)
 def test_estimates_contain_what_was_left_out(tolerance, control, adhesion, monkeypatch):
     without = solved(tolerance, control, TARGETS[control], adhesion)
-    monkeypatch.setattr(effects, "NEGLIGIBLE", 0.0)
+    monkeypatch.setattr(elastic_tables, "NEGLIGIBLE", 0.0)
     kept = solved(tolerance, control, TARGETS[control], adhesion)
     errors = {name: abs(getattr(kept, name) - getattr(without, name)) for name in vars(without.error_estimate)}
     estimates = vars(without.error_estimate)
@@ -49,14 +49,14 @@ def test_the_energy_that_was_left_out_is_in_its_estimate(monkeypatch):
         return solve(parse_scene(scene)).targets[-1]
 
     without = solved_alone()
-    monkeypatch.setattr(effects, "NEGLIGIBLE", 0.0)
+    monkeypatch.setattr(elastic_tables, "NEGLIGIBLE", 0.0)
     missing = abs(solved_alone().elastic_energy - without.elastic_energy)
     assert missing <= without.error_estimate.elastic_energy <= 10 * missing  # measured 3.0
 
 
 def test_energy_of_complete_contact_has_one_too(monkeypatch):
     without = solved(1e-2, "separation", [0.0], None)
-    monkeypatch.setattr(effects, "NEGLIGIBLE", 0.0)
+    monkeypatch.setattr(elastic_tables, "NEGLIGIBLE", 0.0)
     kept = solved(1e-2, "separation", [0.0], None)
     missing = kept.elastic_energy - without.elastic_energy
     assert without.error_estimate.elastic_energy == pytest.approx(missing, rel=1e-9)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rough_surfaces import cut
 
 from bem.audit.dense import evaluate_dense
 from bem.elastic.collocation import Elastic, evaluate
@@ -16,17 +17,6 @@ ELASTIC = Elastic(ROUGH)
 EDGES = 8
 
 
-def cut(profile, fraction):
-    """Patches where the profile is highest, and the penetration of that level."""
-    x, h = profile.grid
-    level = float(np.quantile(h, 1 - fraction))
-    above = h > level
-    left = x[np.flatnonzero(above & ~np.roll(above, 1))] - x[1] / 2
-    right = x[np.flatnonzero(above & ~np.roll(above, -1))] + x[1] / 2
-    right = right if right[0] > left[0] else np.append(right[1:], right[0] + 2 * np.pi)
-    return Patches(left, right), profile.max_height - level
-
-
 @pytest.fixture(scope="module")
 def rough():
     patches, penetration = cut(ROUGH, 0.4)
@@ -36,7 +26,7 @@ def rough():
 
 def difference(state, edge, quantity):
     """Fourth-order central difference of a quantity by the outward motion of an edge, sizes held fixed."""
-    step = 2e-4 * state.patches.edge_room[edge]
+    step = 2e-4 * state.patches.edge_scale[edge]
 
     def at(amount):
         moved = state.patches.moved(amount * np.eye(2 * state.patches.count)[edge])

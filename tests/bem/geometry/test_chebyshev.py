@@ -73,13 +73,6 @@ def test_coefficients_reproduce_the_samples(size):
     np.testing.assert_allclose(back, samples, rtol=0, atol=2e-13)  # measured 8e-14 at 200 nodes
 
 
-@pytest.mark.parametrize(
-    ("series", "tail"), [([4.0, 1.0, 0.1, 0.01, -0.02], 0.025), ([0.0, 0.0], 0.0)], ids=["decaying", "zero"]
-)
-def test_tail_is_the_largest_of_the_last_three(series, tail):
-    assert chebyshev.coefficient_tail(np.array(series)) == pytest.approx(tail)
-
-
 @pytest.mark.parametrize("max_order", [1, 10, 100, 1000])
 @pytest.mark.parametrize("width", [1e-3, 0.1, 1.0, 6.0])
 def test_nodes_resolve_the_highest_harmonic(width, max_order):
@@ -87,7 +80,8 @@ def test_nodes_resolve_the_highest_harmonic(width, max_order):
     size = int(np.ceil(chebyshev.profile_nodes(np.array([width]), max_order)[0]))
     wave = np.cos(max_order * width / 2 * chebyshev.basis_nodes(size) + 0.7)
     # measured 3.5e-9 at worst over all kappa (at 25), 1e-12 below kappa = 2; the highest harmonic is a weak one
-    assert chebyshev.coefficient_tail(chebyshev.coefficients(wave)) <= 8e-9
+    size = np.abs(chebyshev.coefficients(wave))
+    assert size[-3:].max() <= 8e-9 * size.max()
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-8, 1e-14])

@@ -52,7 +52,7 @@ def test_left_edges_lie_in_the_period(left):
 
 @given(patches=patch_sets(), amount=st.floats(-0.4, 0.4))
 def test_moving_every_edge_outward_widens_all_patches(patches, amount):
-    step = amount * patches.edge_room
+    step = amount * patches.edge_scale
     moved = patches.moved(step)
     np.testing.assert_allclose(moved.width - patches.width, step[: patches.count] + step[patches.count :], atol=1e-14)
     assert moved.is_ordered
@@ -100,7 +100,7 @@ def test_degenerate_patches_are_not_in_order(left, right):
 def test_room_of_an_edge_is_the_smaller_of_patch_and_gap():
     patches = Patches(np.array([1.0, 2.0]), np.array([1.5, 5.0]))
     expected = [0.5, 0.5, 0.5, TWO_PI + 1.0 - 5.0]
-    np.testing.assert_allclose(patches.edge_room, expected, rtol=1e-14)
+    np.testing.assert_allclose(patches.edge_scale, expected, rtol=1e-14)
 
 
 def test_load_is_the_sum_of_the_mean_charges():

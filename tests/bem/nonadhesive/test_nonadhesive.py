@@ -14,7 +14,7 @@ from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.increments import Accuracy
 from bem.nonadhesive.grid_contact import grid_problem
-from bem.nonadhesive.nonadhesive import _with_opened_gaps, edge_closure, solve_contact
+from bem.nonadhesive.nonadhesive import _with_opened_gaps, edge_residual, solve_contact
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 FIXED, LOADED = DisplacementControl(), LoadControl()
@@ -50,7 +50,7 @@ def test_pressure_is_compressive_and_surfaces_do_not_overlap(seed, penetration):
     profile = profile_of(seed)
     found = solved(profile, min(penetration, 0.95 * profile.max_height))
     assert found.status == "converged"
-    assert edge_closure(found.state) <= 1e-9
+    assert edge_residual(found.state) <= 1e-9
     pressure = found.state.pressure()
     for q in pressure.charges:
         t = np.cos((np.arange(4 * q.size) + 0.5) * np.pi / (4 * q.size))

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from stored_states import stored_state
 
 from bem.scene import result as result_module
 from bem.scene.result import (
-    Certificate,
     CorruptResultError,
     Effect,
     ErrorEstimate,
@@ -27,30 +27,11 @@ from bem.scene.result import (
 )
 
 SCENE = {"title": "é", "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.1 + 0.2}}
-STATE = State(
-    branch="loading",
+STATE = stored_state(
     penetration=1e-5 / 3,
-    separation=2e-5,
-    total_displacement=None,
     mean_pressure=-0.1,
-    contact_fraction=0.1,
-    n_patches=2,
-    edges=((0.001, 0.002), (0.009, 0.0101)),
-    elastic_energy=1.0,
-    adhesion_energy=-2.0,
-    total_energy=-1.0,
-    stress_intensity_max=3.0,
     contact_stiffness=None,
-    stable_at_fixed_load=True,
     error_estimate=ErrorEstimate(mean_pressure=1e-9, contact_fraction=None),
-    certificate=Certificate(
-        closure=1e-12, min_gap=1e-9, min_eigenvalue=0.2, truncation=1e-8, hessian_asymmetry=1e-10, ok=True
-    ),
-    unknowns=40,
-    evaluations=7,
-    cpu_seconds=0.5,
-    status="converged",
-    target=True,
 )
 RESULT = Result(
     scene=SCENE,
@@ -88,7 +69,7 @@ def test_any_finite_number_comes_back_exactly(value, tmp_path_factory):
 
 
 def test_json_has_no_nan_and_no_infinity(tmp_path):
-    """What is open in complete contact, and an error that cannot be told, are null."""
+    """What is open in complete contact, and an error that cannot be reported, are null."""
     unknown = ErrorEstimate(mean_pressure=math.inf)
     state = replace(STATE, mean_pressure=math.nan, status="complete_contact", error_estimate=unknown)
     write_result(replace(RESULT, states=(state,)), tmp_path)

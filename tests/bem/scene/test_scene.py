@@ -1,4 +1,4 @@
-"""The scene contract: what is accepted, what it resolves to, and that every mistake is told."""
+"""The scene contract: what is accepted, what it resolves to, and that every mistake is reported."""
 
 import copy
 import math
@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from made_up_table import COATING, allow_coatings
+from stored_states import stored_state
 
-from bem.scene.result import Certificate, ErrorEstimate, Result, State, write_result
+from bem.scene.result import Result, write_result
 from bem.scene.scene import SceneError, load_scene, parse_scene
 
 BASE = {
@@ -21,29 +22,7 @@ BASE = {
 WAVE = {"kind": "harmonics", "period": 0.01, "orders": [1, 3], "amplitudes": [1e-5, 2e-6], "phases": [0.0, 1.0]}
 PRESSURE = {"control": "mean_pressure", "targets": [1e3]}
 ABSENT = object()
-STATE = State(
-    branch="loading",
-    penetration=1e-5,
-    separation=2e-5,
-    total_displacement=None,
-    mean_pressure=1.0,
-    contact_fraction=0.1,
-    n_patches=2,
-    edges=((0.001, 0.002), (0.009, 0.0101)),
-    elastic_energy=1.0,
-    adhesion_energy=-2.0,
-    total_energy=-1.0,
-    stress_intensity_max=3.0,
-    contact_stiffness=1.0,
-    stable_at_fixed_load=True,
-    error_estimate=ErrorEstimate(1e-9, 1e-9),
-    certificate=Certificate(1e-12, 1e-9, 0.2, 1e-8, 1e-10, ok=True),
-    unknowns=40,
-    evaluations=7,
-    cpu_seconds=0.5,
-    status="converged",
-    target=True,
-)
+STATE = stored_state()
 
 
 def scene_with(path, value=ABSENT):

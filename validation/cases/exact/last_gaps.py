@@ -12,7 +12,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import bem
 from bem.audit.certificate import certify
@@ -22,11 +21,10 @@ from bem.geometry.scaling import Solid
 from bem.scene.result import State
 from bem.scene.scene import parse_scene
 from validation.corpus.hard.hard_case_scenes import MODULUS, PERIOD, rough, scene, waves
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Tolerance
 from validation.references.lone_crack import closing, valleys
-
-FloatArray = NDArray[np.float64]
 
 AMPLITUDE = 1e-4
 DEFICITS = (1e-3, 1e-6, 1e-9, 1e-12)

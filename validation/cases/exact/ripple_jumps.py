@@ -19,11 +19,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 import bem
 from bem.scene.result import Event, Result
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.drawings import axes, drawn, marks, trace
 from validation.harness.rows import compared, counted
@@ -31,11 +31,10 @@ from validation.harness.schema import Figure, Reference, Row
 from validation.references import adapters
 from validation.references.one_patch import OnePatch
 
-FloatArray = NDArray[np.float64]
-
 PERIOD, MODULUS, AMPLITUDE, WORK = 0.01, 1e6 / 0.75, 1e-4, 0.06
 MOST = 0.6  # contact fraction beyond which nothing is looked for
 POINTS_PER_RIPPLE = 10
+LONGEST = 1.0  # rms heights: twenty times the largest increment by default
 APPROACH = 60  # half widths at which the gap at a crest is looked at while an edge approaches it
 LOADING, UNLOADING = (0.0, 1e4), (0.0, -1500.0)  # mean pressures in Pa, order 20
 SEPARATIONS = (60e-6, 20e-6)  # m, order 40
@@ -164,13 +163,13 @@ class RippledWave:
         )
         return float(least.fun)
 
-    def solved(self, control: str, targets: list[float]) -> Result:
+    def solved(self, control: str, targets: list[float], max_increment: float | None = None) -> Result:
         """The path of the solver."""
         changes: dict[str, Any] = {
             "profile": {"orders": [1, self.order], "amplitudes": [AMPLITUDE, self.ripple]},
             "adhesion": {"work_of_adhesion": WORK},
             "loading": {"control": control, "targets": targets},
-            "accuracy": {"max_increment": None},
+            "accuracy": {"max_increment": max_increment},
         }
         return bem.solve(adapters.scene("rippled_wave", changes))
 
@@ -184,6 +183,7 @@ def _ripple_jumps() -> Outcome:
     wave, fine = RippledWave(20, 4e-6), RippledWave(40, 2e-6)
     result = wave.solved("mean_pressure", [*LOADING, *UNLOADING])
     driven = fine.solved("separation", list(SEPARATIONS))
+    hurried = fine.solved("separation", list(SEPARATIONS), LONGEST)
     up, highest = wave.loaded(LOADING[-1])
     down, lowest = wave.unloaded(highest, UNLOADING[-1])
     jumps = [*up, *down]
@@ -213,6 +213,9 @@ def _ripple_jumps() -> Outcome:
             [float(sum(event is None or _misjudged(event, jump) for event, jump in zip(found, jumps, strict=True)))],
             0.01, 0.0, "absolute", pinned="exact"
         ),
+        counted("events on the way, order 40, in increments of an rms height",
+                Reference(kind="self", source="the same path in increments as they are by default"),
+                [float(len(driven.events))], [float(len(hurried.events))]),
         counted("new contacts, coalescences, and jumps", exact, [touched, touched, float(len(jumps))],
                 [float(kinds.count("new_contact")), float(kinds.count("coalescence")), float(len(met))]),
     )  # fmt: skip

@@ -13,19 +13,17 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 import bem
 from bem.scene.result import Result, State
 from validation.cases.exact.merged_crests import one_patch_mean_pressure
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.drawings import axes, drawn, marks, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Figure, Reference, Row
 from validation.references import adapters
-
-FloatArray = NDArray[np.float64]
 
 # of the scene rippled_wave; SI units
 AMPLITUDE, RIPPLE, ORDER, WORK = 1e-4, 2e-6, 30, 0.062

@@ -23,16 +23,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 import bem
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
+from validation.harness.arrays import FloatArray
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Row, Tolerance
 from validation.references import fem_adapter
 
-FloatArray = NDArray[np.float64]
 RESOLUTIONS = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 8, 18)}
 ROUNDING = 1e-11  # of the scale: what a comparison of doubles that differ by nothing else leaves
 AWAY = 0.1  # of the patch or gap beside an edge
@@ -73,7 +72,7 @@ class Comparison:
     Parameters
     ----------
     label : str
-        What tells the scene from the others of its case.
+        What distinguishes the scene from the others of its case.
     differences : tuple of Difference
         Empty when one of the codes has no state; `failure` then says why.
     fem : Result or None

@@ -2,8 +2,8 @@
 
 Its second-order error is taken away by extrapolation in 1/cells^2, (4 fine - coarse) / 3; the uncertainty left is that
 of one level of extrapolation, from three grids.  On the rough path it starts from first touch on its own and makes its
-own contacts; on the state with many patches it starts from edges moved at random by up to a twentieth of their room
-and finds its own.  The FEM reference cannot reach either.
+own contacts; on the state with many patches it starts from edges moved at random by up to a twentieth of their edge
+scale and finds its own.  The FEM reference cannot reach either.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene, parse_scene
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.drawings import drawn, loglog, marks, trace
 from validation.harness.rows import compared, counted
@@ -25,11 +25,9 @@ from validation.references import adapters
 from validation.references.paper_method import PaperState, Surface, follow, solve
 from validation.references.posed_contacts import Posed, scene_tables, scenes
 
-FloatArray = NDArray[np.float64]
-
-MOVED = 0.05  # of its room: how far an edge is moved before the audit finds it again
+MOVED = 0.05  # of its edge scale: how far an edge is moved before the audit finds it again
 STEPS = 40
-CLOSURE, PATH_CLOSURE, GAP = 1e-7, 1e-5, 1e-3
+RESIDUAL, PATH_RESIDUAL, GAP = 1e-7, 1e-5, 1e-3
 METHOD = "the paper's own method: graded cells, Gauss-Seidel, Polak-Ribiere"
 
 
@@ -73,7 +71,7 @@ def _audited(surface: Surface, penetration: float, edges: FloatArray, cells: Seq
     """States on grids of these cells, the first from the given edges, each next from those found."""
     states: list[PaperState] = []
     for count in cells:
-        states.append(solve(surface, penetration, edges, count, CLOSURE, GAP))
+        states.append(solve(surface, penetration, edges, count, RESIDUAL, GAP))
         if states[-1].status != "converged":
             raise ArithmeticError(f"paper's method at {count} cells: {states[-1].message}")
         edges = states[-1].edges
@@ -161,7 +159,7 @@ def _path() -> Outcome:
     posed = scenes()["rough"]
     state, surface = _solved(posed), posed.surface()
     way = np.linspace(0.0, posed.penetration, STEPS + 1)[1:]
-    path = follow(surface, way, 6, PATH_CLOSURE, GAP)
+    path = follow(surface, way, 6, PATH_RESIDUAL, GAP)
     if path[-1].status != "converged":
         raise ArithmeticError(f"path of the paper's method: {path[-1].message}")
     cells = (8, 16, 32)
@@ -178,8 +176,8 @@ def _many() -> Outcome:
     edges = np.array(state.edges)
     behind = np.append(edges[1:, 0], edges[0, 0] + surface.period) - edges[:, 1]
     width = np.diff(edges, axis=1)[:, 0]
-    room = np.stack([np.minimum(width, np.roll(behind, 1)), np.minimum(width, behind)], axis=1)
-    moved = edges + MOVED * room * np.random.default_rng(0).uniform(-1, 1, edges.shape)
+    scale = np.stack([np.minimum(width, np.roll(behind, 1)), np.minimum(width, behind)], axis=1)
+    moved = edges + MOVED * scale * np.random.default_rng(0).uniform(-1, 1, edges.shape)
     cells = (4, 8, 16)
     states = _audited(surface, state.penetration, moved, cells)
     return _outcome("paper-method-many", state, states, cells, surface, MEASURED["many"])
@@ -202,7 +200,7 @@ CASES = (
          sources=("carbone2009",), compute=_path, effects=("half_space", "adhesion", "slope_term")),
     Case(id="paper-method-many", group="paper's method", level="full",
          question="Is a state with dozens of contacts, its edges moved at random, found again by the paper's method?",
-         equations="edges moved by up to a twentieth of their room, then minimised on three grids, extrapolated",
+         equations="edges moved by up to a twentieth of their edge scale, then minimised on three grids, extrapolated",
          sources=("carbone2009",), compute=_many, effects=("half_space", "adhesion", "slope_term"),
          scene=adapters.scene_text("rough_100")),
 )  # fmt: skip

@@ -59,7 +59,7 @@ class Number:
 
     @property
     def bounded(self) -> bool:
-        """Whether the estimate is not below the true error, as far as the reference knows it."""
+        """Whether the estimate is not below the true error, as far as the reference resolves it."""
         return self.true <= self.estimate + RESOLUTION
 
     @property

@@ -11,17 +11,16 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import bem
 import fem_reference
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 
-FloatArray = NDArray[np.float64]
 PERIOD, YOUNGS_MODULUS = 0.01, 1e6
 
 

@@ -135,7 +135,7 @@ CASES = (
          equations=EQUATIONS,
          sources=("johnson1995", "persson2001", "carbone2009"), compute=_rates, effects=("half_space", "adhesion")),
     Case(id="convergence-ensemble", group="convergence", level="standard",
-         question="Does the mean area of an ensemble settle like the square root of the number of realisations?",
+         question="Does the mean area of an ensemble converge like the square root of the number of realisations?",
          equations="spread of the mean over groups of n ~ n^-1/2",
          sources=("carbone2009",), compute=partial(_ensemble, 20, 64),
          effects=("half_space", "adhesion", "slope_term")),

@@ -74,7 +74,7 @@ def _harness() -> Outcome:
 
 
 def _differences() -> int:
-    """Differences told of a record whose value, count of evaluations and number of patches moved."""
+    """Differences reported of a record whose value, count of evaluations and number of patches moved."""
     before = _record([1.0], 3.0, 100)
     after = _record([1.5], 4.0, 130)
     with tempfile.TemporaryDirectory() as name:

@@ -12,10 +12,10 @@ from functools import partial
 from validation.corpus.rows import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
 from validation.corpus.rows import Row as HardRow
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Reference, Row, Tolerance
+from validation.harness.rows import counted
+from validation.harness.schema import Reference
 
 REFERENCE = Reference(kind="self", source="the expectation stated beforehand, and the checks that each case names")
-EITHER = Tolerance(value=0.5, measured=0.0, basis="required")  # of a yes or no, and of counts
 
 
 def _hard_cases(code: Code) -> Outcome:
@@ -23,30 +23,13 @@ def _hard_cases(code: Code) -> Outcome:
     ended = [_ended(task) for task in planned]
     found = counts(ended)
     reached = found["converged"] + found["refused as expected"]
-    total = Row(
-        quantity="cases reported, ended as expected, correct",
-        unit="",
-        reference=REFERENCE,
-        norm="absolute",
-        expected=[float(len(planned))] * 3,
-        computed=[float(len(ended)), float(reached), float(found["correct"])],
-        tolerance=EITHER,
-        pinned="exact",
-    )
+    total = counted("cases reported, ended as expected, correct", REFERENCE, [float(len(planned))] * 3,
+                    [float(len(ended)), float(reached), float(found["correct"])])  # fmt: skip
     rows = (
-        Row(
-            quantity=f"{row.id}: ended as expected, correct",
-            unit="",
-            reference=REFERENCE,
-            norm="absolute",
-            expected=[1.0, 1.0],
-            computed=[float(row.ending in GOOD), float(row.correct)],
-            tolerance=EITHER,
-            pinned="exact",
-            message=row.message,
-        )
+        counted(f"{row.id}: ended as expected, correct", REFERENCE, [1.0, 1.0],
+                [float(row.ending in GOOD), float(row.correct)], message=row.message)
         for row in ended
-    )
+    )  # fmt: skip
     return Outcome(rows=(total, *rows), tables=(table_of(ended),))
 
 

@@ -16,7 +16,7 @@ from persson.spectrum import Spectrum
 from validation.harness.case import Case, Outcome
 from validation.harness.drawings import drawn, loglog, marks, semilogx, trace
 from validation.harness.rows import compared
-from validation.harness.schema import Reference, Row, Table, Tolerance
+from validation.harness.schema import Reference, Table
 
 YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03
 MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
@@ -81,43 +81,19 @@ def _points() -> Outcome:
     without = [dry(spectrum, load) for load in loads]
     with_adhesion = [adhesive(spectrum, load, with_separation=True) for load in loads]
     source = Reference(kind="theory", source="points of the paper's case: narrow-band rule, factor of a 1D slope")
-    given: tuple[tuple[str, list[float], list[float | None], Tolerance], ...] = (
-        (
-            "A/A0 without adhesion, 0.005 and 0.02 E*",
-            [0.0292763, 0.1167122],
-            [state.contact_fraction for state in without],
-            Tolerance(value=5e-8, measured=MEASURED_POINTS[0], basis="required"),
-        ),
-        (
-            "A/A0 with adhesion, 0.005 and 0.02 E*",
-            [0.03397, 0.13527],
-            [state.contact_fraction for state in with_adhesion],
-            Tolerance(value=5e-6, measured=MEASURED_POINTS[1], basis="required"),
-        ),
-        (
-            "separation over h_rms without adhesion",
-            [0.85857, 0.15338],
-            [state.separation / spectrum.h_rms for state in without],
-            Tolerance(value=5e-6, measured=MEASURED_POINTS[2], basis="required"),
-        ),
-        (
-            "separation over h_rms with adhesion",
-            [0.8488, 0.1477],
-            [None if state.separation is None else state.separation / spectrum.h_rms for state in with_adhesion],
-            Tolerance(value=5e-5, measured=MEASURED_POINTS[3], basis="required"),
-        ),
-    )
+    given: tuple[tuple[str, list[float], list[float | None], float], ...] = (
+        ("A/A0 without adhesion, 0.005 and 0.02 E*", [0.0292763, 0.1167122],
+         [state.contact_fraction for state in without], 5e-8),
+        ("A/A0 with adhesion, 0.005 and 0.02 E*", [0.03397, 0.13527],
+         [state.contact_fraction for state in with_adhesion], 5e-6),
+        ("separation over h_rms without adhesion", [0.85857, 0.15338],
+         [state.separation / spectrum.h_rms for state in without], 5e-6),
+        ("separation over h_rms with adhesion", [0.8488, 0.1477],
+         [None if state.separation is None else state.separation / spectrum.h_rms for state in with_adhesion], 5e-5),
+    )  # fmt: skip
     rows = tuple(
-        Row(
-            quantity=quantity,
-            unit="",
-            reference=source,
-            norm="absolute",
-            expected=list(expected),
-            computed=computed,
-            tolerance=tolerance,
-        )
-        for quantity, expected, computed, tolerance in given
+        compared(quantity, "", source, expected, computed, tolerance, measured, "absolute", basis="required")
+        for (quantity, expected, computed, tolerance), measured in zip(given, MEASURED_POINTS, strict=True)
     )
     counts = {
         "nodes": sum(state.areas.size for state in with_adhesion),
@@ -246,7 +222,7 @@ CASES = (
         sources=("carbone2009", "peskir2002"), compute=_routes, effects=("adhesion",), scene=SCENES
     ),
     Case(id="theory-convergence", group="theory", level="quick",
-         question="Does the area of the theory with adhesion settle when every step is halved?",
+         question="Does the area of the theory with adhesion converge when every step is halved?",
          equations=EQUATIONS,
          sources=("carbone2009",), compute=_convergence, effects=("adhesion",), scene=SCENES),
     Case(id="theory-load-balance", group="theory", level="quick",

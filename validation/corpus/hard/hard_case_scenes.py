@@ -137,6 +137,24 @@ def scene(
     return tables
 
 
+def both(
+    harmonics: int, control: str, targets: list[float], *others: Any, full: int = 1000, **changes: Any
+) -> tuple[Table, Table]:
+    """The reduced and the full scene on the rough profile, which differ in its harmonics alone.
+
+    Parameters
+    ----------
+    harmonics, full : int
+    control, targets, others
+        As of `scene`.
+    changes
+        Of `scene`, or of `rough`: hurst, rms_height.
+    """
+    shape = {name: changes.pop(name) for name in ("hurst", "rms_height") if name in changes}
+    reduced, whole = (scene(rough(count, **shape), control, targets, *others, **changes) for count in (harmonics, full))
+    return reduced, whole
+
+
 def westergaard_pressure(fraction: float) -> float:
     """Mean pressure of the wave of order 1 without adhesion at a contact fraction."""
     return float(PEAK_PRESSURE * np.sin(np.pi * fraction / 2) ** 2)

@@ -2,74 +2,49 @@
 
 from __future__ import annotations
 
-from validation.corpus.hard.hard_case_scenes import WORK, HardCase, Reached, rough, scene
+from typing import Any
+
+from validation.corpus.hard.hard_case_scenes import WORK, HardCase, Reached, both
 
 
 def swept_cases() -> list[HardCase]:
     """Cases along one parameter, all on the rough profile."""
-    same, cases = ("converged",), []
-    for work in (1e-8, 1e-6, 1e-4, 1e-2, 1.0, 1e2):
-        cases.append(
-            HardCase(
-                f"work_{work:g}",
-                "from hardly any adhesion to surfaces that jump together",
-                scene(rough(40), "separation", [60e-6, 30e-6], work, True),
-                scene(rough(1000), "separation", [60e-6, 30e-6], work, True),
-                same * 2,
-            )
-        )
-    for height in (1e-9, 1e-7, 1e-5, 1e-3):
-        targets = [1.2 * height, 0.6 * height]
-        cases.append(
-            HardCase(
-                f"rms_height_{height:g}",
-                "nanometres to millimetres: adhesion from dominant to negligible",
-                scene(rough(40, rms_height=height), "separation", targets, WORK, True),
-                scene(rough(1000, rms_height=height), "separation", targets, WORK, True),
-                same * 2,
-            )
-        )
-    for hurst in (0.01, 0.99):
-        for kind, adhesion in (("", WORK), ("_without_adhesion", None)):
-            cases.append(
-                HardCase(
-                    f"hurst_{hurst:g}{kind}",
-                    "roughness at the shortest wavelengths only, or hardly any",
-                    scene(rough(60, hurst=hurst), "separation", [50e-6, 30e-6], adhesion),
-                    scene(rough(1000, hurst=hurst), "separation", [50e-6, 30e-6], adhesion),
-                    same * 2,
-                )
-            )
+    same = ("converged",)
+    cases = [
+        HardCase(f"work_{work:g}", "from hardly any adhesion to surfaces that jump together",
+                 *both(40, "separation", [60e-6, 30e-6], work, True), same * 2)
+        for work in (1e-8, 1e-6, 1e-4, 1e-2, 1.0, 1e2)
+    ]  # fmt: skip
+    cases += [
+        HardCase(f"rms_height_{height:g}", "nanometres to millimetres: adhesion from dominant to negligible",
+                 *both(40, "separation", [1.2 * height, 0.6 * height], WORK, True, rms_height=height), same * 2)
+        for height in (1e-9, 1e-7, 1e-5, 1e-3)
+    ]  # fmt: skip
+    cases += [
+        HardCase(f"hurst_{hurst:g}{kind}", "roughness at the shortest wavelengths only, or hardly any",
+                 *both(60, "separation", [50e-6, 30e-6], adhesion, hurst=hurst), same * 2)
+        for hurst in (0.01, 0.99)
+        for kind, adhesion in (("", WORK), ("_without_adhesion", None))
+    ]  # fmt: skip
     for harmonics, full in ((1, 1), (10, 10), (125, 1000), (125, 4000)):
         targets = [60e-6, 40e-6] if full < 4000 else [60e-6, 48e-6]
         cases.append(
-            HardCase(f"harmonics_{full}",
-                     "from one contact to hundreds",
-                     scene(rough(harmonics), "separation", targets, WORK, True),
-                     scene(rough(full), "separation", targets, WORK, True),
-                     same * len(targets), reached_in_full=Reached(largest=0.02) if full == 4000 else None),
+            HardCase(f"harmonics_{full}", "from one contact to hundreds",
+                     *both(harmonics, "separation", targets, WORK, True, full=full), same * len(targets),
+                     reached_in_full=Reached(largest=0.02) if full == 4000 else None),
         )  # fmt: skip
         if full < 4000:
             cases.append(
-                HardCase(f"harmonics_{full}_without_adhesion",
-                         "from one contact to hundreds of tiny ones",
-                         scene(rough(harmonics), "separation", targets),
-                         scene(rough(full), "separation", targets),
-                         same * len(targets), ("dense", "target_alone")),
+                HardCase(f"harmonics_{full}_without_adhesion", "from one contact to hundreds of tiny ones",
+                         *both(harmonics, "separation", targets, full=full), same * len(targets),
+                         ("dense", "target_alone")),
             )  # fmt: skip
     for ratio in (-0.9, 0.0, 0.499999, 0.5):
-        cases.append(
-            HardCase(f"poisson_ratio_{ratio:g}",
-                     "a half-space knows E/(1 - nu^2) only",
-                     scene(rough(20), "separation", [60e-6, 40e-6], WORK, poisson_ratio=ratio),
-                     scene(rough(1000), "separation", [60e-6, 40e-6], WORK, poisson_ratio=ratio),
-                     same * 2, ("dense", "plane_strain_only")),
-        )  # fmt: skip
-        cases.append(
-            HardCase(f"poisson_ratio_{ratio:g}_layer",
-                     "a layer near incompressibility and beyond",
-                     scene(rough(20), "separation", [60e-6, 40e-6], WORK, thickness=5e-4, poisson_ratio=ratio),
-                     scene(rough(1000), "separation", [60e-6, 40e-6], WORK, thickness=5e-4, poisson_ratio=ratio),
-                     same * 2, ("doubled",)),
-        )  # fmt: skip
+        asked: tuple[Any, ...] = (20, "separation", [60e-6, 40e-6], WORK)
+        cases += [
+            HardCase(f"poisson_ratio_{ratio:g}", "a half-space is E/(1 - nu^2) and no more",
+                     *both(*asked, poisson_ratio=ratio), same * 2, ("dense", "plane_strain_only")),
+            HardCase(f"poisson_ratio_{ratio:g}_layer", "a layer near incompressibility and beyond",
+                     *both(*asked, thickness=5e-4, poisson_ratio=ratio), same * 2, ("doubled",)),
+        ]  # fmt: skip
     return cases

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Event, Result, State, write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
-from validation.corpus.random.random_checks import EPS, Finding, Kind, Units
+from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Kind, Units
 from validation.corpus.random.random_scenes import SCAN, Table
 
 LENGTH, MODULUS, SHIFT = 0.37, 290.0, 1.0  # no powers of two, whose products are exact
@@ -33,9 +33,6 @@ FINER = 3.0
 
 SYMMETRIC = 1e-12  # of a wave, about the point where it is taken for even
 STATE = 2.5e-11  # of the unit of each quantity, besides the errors estimated
-ROUNDINGS = 24.0  # of the height of the profile, seen through the stiffness of the state
-LENGTHS = ("target", "start", "stop", "then_back_to")
-PRESSURES = ("stop_at_mean_pressure", "at_mean_pressures")
 
 
 @dataclass(frozen=True)
@@ -212,14 +209,14 @@ def _differing(
     ours = ours if made.last is None else ours[len(ours) - made.last :]
     findings = []
     for k, (one, two) in enumerate(zip(ours, theirs, strict=True)):
-        told = min((list(_differences(way, units, one, two)) for way in ways), key=len)
-        if told:
-            findings.append(Finding(made.kind, f"target {k}: {', '.join(told)}"))
+        wrong = min((list(_differences(way, units, one, two)) for way in ways), key=len)
+        if wrong:
+            findings.append(Finding(made.kind, f"target {k}: {', '.join(wrong)}"))
     if made.last is None:
         near = nearness or (OTHER_INCREMENT if made.kind == "increment" else SAME_PATH)
         kind: Kind = "events at a smaller increment" if made.kind == "increment" else made.kind
-        told = list(_other_events(ways, units, result.events, other.events, near))
-        findings += [Finding(kind, f"events: {', '.join(told)}")] if told else []
+        wrong = list(_other_events(ways, units, result.events, other.events, near))
+        findings += [Finding(kind, f"events: {', '.join(wrong)}")] if wrong else []
     return findings
 
 

@@ -17,12 +17,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray, IntArray
 from validation.references.paper_method.surface import Surface
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 NEAR = 6.0  # widths of the wider cell within which the mean over both cells is taken in closed form
 

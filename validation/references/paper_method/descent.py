@@ -1,16 +1,16 @@
 """Conjugate gradients of Polak and Ribiere on the edges: the nearest minimum of the energy.
 
-Each edge moves in units of the square root of its room, the lesser of its patch and its gap at the start, in which
-the energy curves about alike in all directions (dG/da ~ w / room).  With the gradient g of the energy in these
-variables,
+Each edge moves in units of the square root of its edge scale, the lesser of its patch and its gap at the start, in
+which the energy curves about alike in all directions (dG/da ~ w / edge scale).  With the gradient g of the energy in
+these variables,
 
     d <- -g + max(0, g.(g - g_before) / g_before.g_before) d,
 
 and along d the zero of g.d is looked for by the secant method, each trial costing one pressure.  The energy does not
 know the sign of K: edges that close at the start (K < 0) first move outward until none does, a trial at which one
 closes has gone too far, and where even short ones do the edge is opened and the descent starts anew.  A trial never
-takes an edge farther than a third of its room.  The descent ends when |G/w - 1| is below the closure at every edge, or
-when a patch or a gap has all but vanished, which is then for the caller to settle.
+takes an edge farther than a third of its edge scale.  The descent ends when |G/w - 1| is below what is allowed at every
+edge, or when a patch or a gap has all but vanished, which is then for the caller to decide.
 
 Source: E. Polak, G. Ribiere, Rev. Fr. Inform. Rech. Oper. 3-R1 (1969) 35.  Limits: adhesion is needed, without it the
 energy is flat where it is least.
@@ -22,26 +22,23 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray, IntArray
 from validation.references.paper_method.cells import graded
 from validation.references.paper_method.energy import Energy, energy
 from validation.references.paper_method.surface import Surface
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 ITERATIONS = 400
 TRIALS = 12  # of the secant method along a direction
 LEVEL = 0.1  # of the slope at the start, below which a point along a direction will do
-FARTHEST = 0.3  # of its room that an edge may travel along one direction
+FARTHEST = 0.3  # of its edge scale that an edge may travel along one direction
 OPENINGS = 60  # steps in which edges that close at the start move outward
-OUTWARD = 0.15  # of their room in each
+OUTWARD = 0.15  # of their edge scale in each
 NEAREST = 0.2  # of the step expected: an edge that closes even there is opened first
 VANISHED = 0.02  # of its size at the start: a patch or gap that is gone
-FIRST_STEP = 0.05  # of its room that the edge pulled most moves in the first trial
+FIRST_STEP = 0.05  # of its edge scale that the edge pulled most moves in the first trial
 OUT = np.array([-1.0, 1.0])  # outward at the left and the right edge
-PRECISION = 1e-3  # of the closure: relative residual of the pressure, of which a small patch feels many times as much
+PRECISION = 1e-3  # of the residual allowed: that of the pressure, of which a small patch feels many times as much
 
 End = Literal["closed", "vanished", "not_converged"]
 
@@ -55,29 +52,31 @@ class Descent:
     residual: float
     evaluations: int
     sweeps: int
-    room: FloatArray
+    edge_scale: FloatArray
 
 
-def room_of(edges: FloatArray) -> FloatArray:
+def edge_scale_of(edges: FloatArray) -> FloatArray:
     """Lesser of patch width and adjacent gap of each edge, (L, 2)."""
     width = np.diff(edges, axis=1)[:, 0]
     behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi) - edges[:, 1]
     return np.stack([np.minimum(width, np.roll(behind, 1)), np.minimum(width, behind)], axis=1)
 
 
-def descend(surface: Surface, edges: FloatArray, counts: IntArray, penetration: float, closure: float) -> Descent:
+def descend(
+    surface: Surface, edges: FloatArray, counts: IntArray, penetration: float, allowed_residual: float
+) -> Descent:
     """Minimise the energy over the edges from the given ones, (L, 2), with fixed numbers of cells, (L,)."""
-    room = room_of(edges)
-    unit = np.sqrt(room)
-    pressures = _Pressures(surface, counts, penetration, PRECISION * closure)
+    edge_scale = edge_scale_of(edges)
+    unit = np.sqrt(edge_scale)
+    pressures = _Pressures(surface, counts, penetration, PRECISION * allowed_residual)
     state = pressures.opened(pressures.at(edges, None))
-    direction, before, scale = np.zeros_like(room), None, np.nan
+    direction, before, scale = np.zeros_like(edge_scale), None, np.nan
     for _ in range(ITERATIONS):
         residual = _residual(surface, state)
-        if residual < closure:
-            return Descent("closed", state, residual, pressures.evaluations, pressures.sweeps, room)
-        if np.any(room_of(state.cells.edges) < VANISHED * room):
-            return Descent("vanished", state, residual, pressures.evaluations, pressures.sweeps, room)
+        if residual < allowed_residual:
+            return Descent("closed", state, residual, pressures.evaluations, pressures.sweeps, edge_scale)
+        if np.any(edge_scale_of(state.cells.edges) < VANISHED * edge_scale):
+            return Descent("vanished", state, residual, pressures.evaluations, pressures.sweeps, edge_scale)
         gradient = state.outward * unit
         turn = 0.0 if before is None else max(0.0, float(np.sum(gradient * (gradient - before)) / np.sum(before**2)))
         direction = turn * direction - gradient
@@ -85,13 +84,15 @@ def descend(surface: Surface, edges: FloatArray, counts: IntArray, penetration: 
         if slope >= 0:
             direction, slope = -gradient, -float(np.sum(gradient**2))
         if np.isnan(scale):
-            scale = -slope * FIRST_STEP / float(np.max(np.abs(direction * unit) / room))
+            scale = -slope * FIRST_STEP / float(np.max(np.abs(direction * unit) / edge_scale))
         step, trial = _along(pressures, state, direction * unit, slope, scale / -slope)
         if np.any(trial.closing):
             state, before, scale = pressures.opened(trial), None, np.nan
         else:
             state, before, scale = trial, gradient, -slope * step
-    return Descent("not_converged", state, _residual(surface, state), pressures.evaluations, pressures.sweeps, room)
+    return Descent(
+        "not_converged", state, _residual(surface, state), pressures.evaluations, pressures.sweeps, edge_scale
+    )
 
 
 class _Pressures:
@@ -114,7 +115,7 @@ class _Pressures:
             if not np.any(state.closing):
                 break
             edges = state.cells.edges
-            state = self.at(edges + OUTWARD * state.closing * room_of(edges) * OUT, state)
+            state = self.at(edges + OUTWARD * state.closing * edge_scale_of(edges) * OUT, state)
         return state
 
 
@@ -126,7 +127,7 @@ def _along(
     A state with a closing edge comes back only when every trial had one.
     """
     edges = state.cells.edges
-    longest = FARTHEST / float(np.max(np.abs(motion) / room_of(edges)))
+    longest = FARTHEST / float(np.max(np.abs(motion) / edge_scale_of(edges)))
     low, at_low, high, at_high = 0.0, slope, np.nan, np.nan
     step, here = min(guess, longest), state
     best: tuple[float, Energy] | None = None

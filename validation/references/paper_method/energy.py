@@ -22,10 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.blas import dsymv, dtrsv
 
+from validation.harness.arrays import FloatArray
 from validation.references.paper_method.cells import Cells, attraction, compliance
 from validation.references.paper_method.surface import Surface
-
-FloatArray = NDArray[np.float64]
 
 MOST_SWEEPS = 20_000
 DIVERGED = 1e6  # times the largest target

@@ -12,14 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from validation.references.paper_method.descent import VANISHED, Descent, descend, room_of
+from validation.harness.arrays import FloatArray, IntArray
+from validation.references.paper_method.descent import VANISHED, Descent, descend, edge_scale_of
 from validation.references.paper_method.energy import Energy, SweepsError
 from validation.references.paper_method.surface import Surface
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 CHANGES = 60  # of the number of patches, in all
 POINTS = 24  # at which a gap is looked at, and this many more for every wavelength in it
@@ -78,7 +76,7 @@ def solve(
     penetration: float,
     edges: ArrayLike,
     cells: int,
-    closure: float = 1e-6,
+    allowed_residual: float = 1e-6,
     allowed: float = 1e-4,
 ) -> PaperState:
     """Minimise the energy at given penetration, from given edges.
@@ -93,7 +91,7 @@ def solve(
         Where to start, m, in order on the period.
     cells : int
         Per patch, and as many more for every half of the shortest wavelength in it.
-    closure : float
+    allowed_residual : float
         max |G/w - 1| at the end.
     allowed : float
         Interpenetration in rms heights that makes no new contact: the displacement near an edge is that inaccurate.
@@ -101,7 +99,7 @@ def solve(
     Raises
     ------
     ValueError
-        No adhesion, or edges that are no pairs in order.
+        No adhesion, or edges that are not pairs in order.
 
     Examples
     --------
@@ -113,13 +111,13 @@ def solve(
     if surface.work == 0:
         raise ValueError("work_of_adhesion: the method needs adhesion, without it the energy is flat at its minimum")
     pairs = np.asarray(edges, dtype=np.float64) / surface.unit_length
-    if pairs.ndim != 2 or pairs.shape[1] != 2 or np.any(room_of(pairs) <= 0):
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or np.any(edge_scale_of(pairs) <= 0):
         raise ValueError(f"edges: pairs in order, disjoint on the period are needed, not {pairs.tolist()}")
     depth, evaluations, sweeps = penetration / surface.unit_height, 0, 0
     for _ in range(CHANGES):
         counts = cells_for(surface, pairs, cells)
         try:
-            found = descend(surface, pairs, counts, depth, closure)
+            found = descend(surface, pairs, counts, depth, allowed_residual)
         except SweepsError as error:
             return _failed(surface, penetration, pairs, str(error), evaluations, sweeps)
         evaluations, sweeps = evaluations + found.evaluations, sweeps + found.sweeps
@@ -143,18 +141,18 @@ def solve(
 
 
 def follow(
-    surface: Surface, penetrations: ArrayLike, cells: int, closure: float = 1e-6, allowed: float = 1e-4
+    surface: Surface, penetrations: ArrayLike, cells: int, allowed_residual: float = 1e-6, allowed: float = 1e-4
 ) -> list[PaperState]:
     """States at increasing penetrations (n,) in m, each from the edges of the one before, first the highest crest.
 
-    The list ends with the first state that is no equilibrium.
+    The list ends with the first state that is not an equilibrium.
     """
     half = BORN * np.pi / float(surface.order.max())
     place = surface.crest[0]
     edges = np.array([[place - half, place + half]]) * surface.unit_length
     states: list[PaperState] = []
     for penetration in np.asarray(penetrations, dtype=np.float64):
-        states.append(solve(surface, float(penetration), edges, cells, closure, allowed))
+        states.append(solve(surface, float(penetration), edges, cells, allowed_residual, allowed))
         if states[-1].status != "converged":
             break
         edges = states[-1].edges
@@ -197,11 +195,11 @@ def _without_vanished(found: Descent) -> FloatArray | None:
     """The edges without patches and gaps that vanished; None when there are none."""
     edges = found.state.cells.edges
     width = np.diff(edges, axis=1)[:, 0]
-    gone = width < VANISHED * found.room.max(axis=1)
+    gone = width < VANISHED * found.edge_scale.max(axis=1)
     if np.any(gone):
         return np.asarray(edges[~gone])
     behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi) - edges[:, 1]
-    closing = np.flatnonzero(behind < VANISHED * found.room[:, 1])
+    closing = np.flatnonzero(behind < VANISHED * found.edge_scale[:, 1])
     if closing.size == 0:
         return None
     at = int(closing[0])

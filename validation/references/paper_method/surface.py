@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
-FloatArray = NDArray[np.float64]
+from validation.harness.arrays import FloatArray
 
 SAMPLES = 12  # points per shortest wavelength among which the highest crest is looked for
 NEARLY = 0.1  # of the total height below the highest sample: other samples that may be beside the highest crest

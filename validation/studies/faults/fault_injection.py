@@ -148,8 +148,8 @@ def _cut_off(limit: float) -> Iterator[None]:
         return
 
     def stop(number: int, frame: FrameType | None) -> None:
-        told = f"{limit:.3g} s of the processor" if number == signal.SIGPROF else f"{WAITS * limit:.3g} s"
-        raise TooSlowError(f"no answer in {told}")
+        reported = f"{limit:.3g} s of the processor" if number == signal.SIGPROF else f"{WAITS * limit:.3g} s"
+        raise TooSlowError(f"no answer in {reported}")
 
     timers = (
         (signal.SIGPROF, signal.ITIMER_PROF, limit),

@@ -28,8 +28,8 @@ def failures_of(findings: Iterable[Finding]) -> list[str]:
     for finding in findings:
         others = {*finding.failed, *finding.excesses}
         if finding.fault.case not in others:
-            told = f"noticed by {', '.join(sorted(others))}" if others else "nothing notices it"
-            lines.append(f"{finding.fault.id}: {finding.fault.case}, which must notice it, does not; {told}")
+            reported = f"noticed by {', '.join(sorted(others))}" if others else "nothing notices it"
+            lines.append(f"{finding.fault.id}: {finding.fault.case}, which must notice it, does not; {reported}")
     return lines
 
 

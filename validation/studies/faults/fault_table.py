@@ -1,7 +1,7 @@
 """Realistic faults as changes of the text of a source file: a slip of the pen, a lost factor, a forgotten case.
 
 They stand in tables (`TABLES`) beside this file.  A change must fit: the text `before` occurs exactly
-once in its file, inside a function, whose calls tell which cases run what is changed.  Where the code has moved, the
+once in its file, inside a function, whose calls show which cases run what is changed.  Where the code has moved, the
 test of fit names fault and file: `before` and `after` move with the code, so that what is wrong stays the same.
 """
 

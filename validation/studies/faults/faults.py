@@ -3,7 +3,7 @@
 A control run without faults must be green: faults on a red base prove nothing.  It also counts which cases call the
 function that a fault changes; a fault is then shown to the case that must notice it, and to the others that call it
 as long as these are short.  A fault is caught by a row whose verdict turns from passing to `deviates` or `changed`: a
-number moved out of what is allowed.  Crashes, refusals and values that are no numbers make the run fail as well, by
+number moved out of what is allowed.  Crashes, refusals and values that are not numbers make the run fail as well, by
 name: such a fault is noticed.  Cases cut off are listed apart and do not count.  Verdicts are given here, where no
 fault is: a judge that is itself the fault would acquit itself, so the case of the harness brings known rows before it
 and counts its errors; in everyday use the baseline of that case pins the count.
@@ -11,7 +11,7 @@ and counts its errors; in everyday use the baseline of that case pins the count.
 By how much: error over what is allowed, of a band the distance from its middle over half its width.  A fault with a
 size is made smaller in decades until no case sees it, starting where the measured excess predicts, with the cases
 that saw it best.  A red control, or a fault that its case does not notice, fails the study; a fault that does not fit
-the sources is refused before anything runs.  Finished answers are kept (answers.py): an interrupted study goes on.
+the sources is refused before anything runs.  Finished answers are kept (answers.py): an interrupted study continues.
 """
 
 from __future__ import annotations
@@ -119,8 +119,10 @@ def run(folder: Path, quick: bool, report: Callable[[Note], None], studied: Stud
         print(f"NOT MET: {line}")
     caught = sum(finding.caught for finding in findings)
     by_name = sum(finding.noticed for finding in findings) - caught
-    told = f"{caught} of {len(faults)} faults caught by {len(control.records)} cases, {by_name} more noticed by name"
-    print(f"{told}; {folder / FILE}")
+    reported = (
+        f"{caught} of {len(faults)} faults caught by {len(control.records)} cases, {by_name} more noticed by name"
+    )
+    print(f"{reported}; {folder / FILE}")
     return 1 if failures or len(findings) != len(faults) else 0
 
 
@@ -133,7 +135,7 @@ def control_run(runs: Runs, faults: Iterable[Fault], quick: bool) -> Examined:
     names = [case.id for case in registry(runs.studied.modules) if case.level == "quick"]
     asked = {fault.case: fault for fault in faults}
     if missing := asked.keys() - set(names):
-        raise FaultError(f"{asked[missing.pop()].id}: its case is none of {', '.join(names)}")
+        raise FaultError(f"{asked[missing.pop()].id}: its case is not one of {', '.join(names)}")
     known = baseline.expected_seconds(names, baseline.FOLDER)
     limit = QUICK_SECONDS if quick else FULL_SECONDS
     chosen = [name for name in names if known.get(name, 0.0) <= limit or name in asked]

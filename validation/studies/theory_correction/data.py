@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.scene.result import Result
+from validation.harness.arrays import FloatArray
 from validation.harness.ensemble import read_member
 from validation.studies.theory_correction.members import MODULUS, Group
-
-FloatArray = NDArray[np.float64]
 
 STRESSES = np.linspace(-0.3, 0.7, 101)  # of E*, at which shares above are compared
 SAME_LOAD = 1e-9  # of E*

@@ -70,5 +70,5 @@ def _noise(some: Sequence[Judged]) -> Series:
 
 
 def known(value: float) -> float | None:
-    """A number, or None for what is none."""
+    """A finite number as it is, any other as None."""
     return float(value) if np.isfinite(value) else None

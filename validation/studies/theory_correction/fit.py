@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from persson.corrected import contact_fractions
@@ -20,10 +20,9 @@ from persson.corrected_variance import Correction, area_at, detachment_stress, d
 from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.spectrum import DiscreteSpectrum
+from validation.harness.arrays import FloatArray
 from validation.studies.theory_correction.data import Observed, relative_errors
 from validation.studies.theory_correction.members import MODULUS, Group
-
-FloatArray = NDArray[np.float64]
 
 NAMES = ("c_0", "b_0", "k", "k_a", "c")
 START = (0.8, 1.0, 1.5, 2.0, 0.3)

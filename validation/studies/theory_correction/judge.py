@@ -15,16 +15,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import persson
 from persson.corrected_variance import LITERATURE, Correction
 from persson.spectrum import DiscreteSpectrum
+from validation.harness.arrays import FloatArray
 from validation.harness.runner import Note
 from validation.studies.theory_correction.data import STRESSES, Observed
 from validation.studies.theory_correction.members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
-
-FloatArray = NDArray[np.float64]
 
 PLAIN, CALIBRATED = "plain", "calibrated"
 WITH_ADHESION = ("yang_persson_2008", "wang_muser_2017", "xu_2024")  # a drift in every iteration costs minutes

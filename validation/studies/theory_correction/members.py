@@ -22,11 +22,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.harness.arrays import FloatArray
 from validation.harness.ensemble import Member, member_seed
-
-FloatArray = NDArray[np.float64]
 
 PERIOD = 0.01
 YOUNGS_MODULUS, POISSON_RATIO = 1e6, 0.5
@@ -92,7 +90,7 @@ class Group:
         elif self.kind == "lines":
             shape = m**-1.1
         else:
-            raise ValueError(f"kind: {self.kind!r} is none of self-affine, roll-off, gaussian, lines")
+            raise ValueError(f"kind: {self.kind!r} is not one of self-affine, roll-off, gaussian, lines")
         slope = 2 * np.pi / PERIOD * np.sqrt(np.sum((m * shape) ** 2) / 2)
         return np.asarray(shape * RMS_SLOPE / slope)
 

@@ -1,7 +1,7 @@
 """A better estimate of the contact area: the theory's correction calibrated, judged on a hold-out, and put on a page.
 
 1. Boundary-element ensembles (members.py), stored realisation by realisation on any executor; a
-   second run goes on where the first ended.
+   second run continues where the first ended.
 2. Calibration on the fit part (fit.py): calibration.json, which copied to persson/ becomes the
    calibrated correction of the package.
 3. Judgement on the hold-out (judge.py) by that calibration: area, separation and distribution of the
@@ -23,8 +23,9 @@ from persson.corrected_data import calibration
 from persson.corrected_variance import Correction
 from validation.harness.ensemble import run_ensemble
 from validation.harness.executors import Opener, local_processes
+from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note, record_of, write_atomically
+from validation.harness.runner import Note, record_of
 from validation.harness.schema import SCHEMA as REPORT_SCHEMA
 from validation.harness.schema import Report, with_checksum
 from validation.report.render import failures, write_html

@@ -1,6 +1,6 @@
 """What the curves of error against CPU time say: the cheapest setting for given digits, and where curves cross.
 
-A point counts for d digits when its error is at most 10^-d and not below what its reference can tell: digits finer
+A point counts for d digits when its error is at most 10^-d and not below what its reference resolves: digits finer
 than the uncertainty of the reference are not claimed, nor any against a reference of the same code.  Of settings whose
 times differ by less than TIE, which is noise, the coarsest is named.  Two curves cross at the error at which the times
 on their lower envelopes (the least time for at most that error), joined by straight lines on logarithmic axes, are
@@ -21,7 +21,7 @@ SAMPLES = 400  # of the error between the ends that two curves share
 
 @dataclass(frozen=True)
 class Mark:
-    """A point of a curve: setting, error, seconds, and whether its error is one that the reference can tell."""
+    """A point of a curve: setting, error, seconds, and whether its error is one that the reference resolves."""
 
     setting: str
     error: float
@@ -95,15 +95,15 @@ def sentences(scene: str, curves: Sequence[MethodCurve]) -> list[str]:
     """The conclusion for one scene."""
     if not curves:
         return [f"{scene}: no method has an answer."]
-    told = list(_digits(scene, curves))
+    reported = list(_digits(scene, curves))
     for first, second in combinations(curves, 2):
-        told += _crossing(scene, first, second)
-    told += [
+        reported += _crossing(scene, first, second)
+    reported += [
         f"{scene}: {curve.method} is measured against {curve.reference}: self-convergence, no digits are claimed."
         for curve in curves
         if not curve.independent
     ]
-    return told
+    return reported
 
 
 def _digits(scene: str, curves: Sequence[MethodCurve]) -> Iterator[str]:
@@ -111,7 +111,7 @@ def _digits(scene: str, curves: Sequence[MethodCurve]) -> Iterator[str]:
         found = [(curve, cheapest(curve, digits)) for curve in curves]
         known = [(curve, mark) for curve, mark in found if mark is not None]
         if not known:
-            yield f"{scene}: no setting reaches {digits} digits that its reference can tell."
+            yield f"{scene}: no setting reaches {digits} digits that its reference resolves."
             continue
         best, mark = min(known, key=lambda pair: pair[1].seconds)
         others = [
@@ -122,7 +122,7 @@ def _digits(scene: str, curves: Sequence[MethodCurve]) -> Iterator[str]:
         never = [
             f"{curve.method} not at all"
             + (
-                f" (its reference, {curve.reference}, tells {_whole_digits(curve.floor)})"
+                f" (its reference, {curve.reference}, resolves {_whole_digits(curve.floor)})"
                 if curve.floor > 10.0**-digits
                 else ""
             )

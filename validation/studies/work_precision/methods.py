@@ -1,4 +1,4 @@
-"""The methods compared, each with its one knob: all else is fixed, and told in `fixed`.
+"""The methods compared, each with its one knob: all else is fixed, and named in `fixed`.
 
 A method is a record; another one (a uniform-grid solver, say) is one more entry of METHODS.  `solve(scene, setting)`
 does what a user of it would do and hands back what it found, timed in three parts.  Where a method cannot do a scene,
@@ -129,9 +129,9 @@ def solve_paper(posed: Posed, cells: int) -> Found:
     ready = time.perf_counter()
     if posed.id == "rough":
         way = np.linspace(0.0, posed.penetration, PATH_STEPS + 1)[1:]
-        states = follow(surface, way, cells, PATH_CLOSURE, PAPER_GAP)
+        states = follow(surface, way, cells, PATH_RESIDUAL, PAPER_GAP)
     else:
-        states = [paper_solve(surface, posed.penetration, start, cells, PAPER_CLOSURE, PAPER_GAP)]
+        states = [paper_solve(surface, posed.penetration, start, cells, PAPER_RESIDUAL, PAPER_GAP)]
     solved = time.perf_counter()
     last = states[-1]
     if last.status != "converged":
@@ -175,8 +175,8 @@ def persson_volterra(posed: Posed, resolution: float) -> Found:
     return solve_persson("volterra", posed, resolution)
 
 
-PAPER_CLOSURE, PAPER_GAP = 1e-7, 1e-3  # of the paper's method: |G/w - 1|, and interpenetration in rms heights
-PATH_CLOSURE, PATH_STEPS = 1e-5, 40
+PAPER_RESIDUAL, PAPER_GAP = 1e-7, 1e-3  # of the paper's method: |G/w - 1|, and interpenetration in rms heights
+PATH_RESIDUAL, PATH_STEPS = 1e-5, 40
 NOT_ROUGH = {"rough": "a dozen contacts of many sizes: its closure looks for given numbers of contacts at crests"}
 NOT_THEORY = {
     "sinusoid": "Persson's theory needs roughness on many scales",
@@ -200,7 +200,7 @@ METHODS: tuple[Method, ...] = (
            scenes=("sinusoid", "layer"), solve=solve_fem,
            cannot=NOT_ROUGH, slow=1),
     Method(name="paper's method", code="paper's method", knob="cells per patch",
-           fixed=f"closure {PAPER_CLOSURE:g}; rough: {PATH_CLOSURE:g}, path of {PATH_STEPS} steps from first touch",
+           fixed=f"residual {PAPER_RESIDUAL:g}; rough: {PATH_RESIDUAL:g}, path of {PATH_STEPS} steps from first touch",
            settings=(4, 8, 16, 32, 64, 128, 256), scenes=("sinusoid", "layer", "rough"), solve=solve_paper,
            cannot={}, other_settings={"rough": (4, 6, 8, 12, 16, 24)}),
     Method(name="persson, finite volumes", code="persson, finite volumes", knob="resolution",

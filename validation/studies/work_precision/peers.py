@@ -28,7 +28,7 @@ def _method(spacings: int, finest: int, finest_rough: int) -> Method:
                   fixed=f"cohesion along {spacings} spacings; rough: path of {STEPS} steps from first touch",
                   settings=tuple(points for points in POINTS if points <= finest), scenes=("sinusoid", "rough"),
                   solve=partial(solve_fft, spacings=spacings),
-                  cannot={"layer": "the package knows layers under areas, not under lines"}, slow=2,
+                  cannot={"layer": "the package provides layers under areas, not under lines"}, slow=2,
                   other_settings={"rough": tuple(points for points in POINTS if points <= finest_rough)})  # fmt: skip
 
 
@@ -72,18 +72,18 @@ def _beside(best: Point, others: Sequence[Point]) -> str:
     """The best of a peer, and what the other methods take for as small an error."""
     found = best.timed.found
     rho = found.details["cohesive range / m"] if found is not None else float("nan")
-    told = []
+    reported = []
     for name in dict.fromkeys(point.method for point in others):
         good = [point for point in others if point.method == name and max(point.error, point.floor) <= best.error]
         if good:
             quick = min(good, key=lambda point: point.timed.cpu_seconds)
             error = max(quick.error, quick.floor)
-            told.append(f"{name} {quick.timed.cpu_seconds:.2g} s (error {error:.1e} at {quick.timed.setting})")
+            reported.append(f"{name} {quick.timed.cpu_seconds:.2g} s (error {error:.1e} at {quick.timed.setting})")
         else:
-            told.append(f"{name} never")
+            reported.append(f"{name} never")
     return (
         f"{best.scene}: the best of {best.method} is an error of {best.error:.1e} at {best.timed.setting} points, "
-        f"rho = {1e6 * rho:.2g} um, in {best.timed.cpu_seconds:.2g} s; as small an error takes {', '.join(told)}."
+        f"rho = {1e6 * rho:.2g} um, in {best.timed.cpu_seconds:.2g} s; as small an error takes {', '.join(reported)}."
     )
 
 

@@ -42,5 +42,5 @@ class Point:
 
     @property
     def grey(self) -> bool:
-        """Below what the reference can tell."""
+        """Below what the reference resolves."""
         return self.error < self.floor

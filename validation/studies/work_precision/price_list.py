@@ -13,7 +13,7 @@ a warm-up, against the scene without the effect.  Digits: the same effect on one
 - error estimate: the estimated error of Johnson's contact fraction less the true one.
 
 An effect that a scene does not call for must cost nothing: the bare scene runs in a process of its own and names the
-modules of absent effects that were loaded, of which there must be none.
+modules of absent effects that were loaded, which must not happen.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class Price:
 
     @property
     def digits(self) -> float:
-        """-log10 of the error, no more than the reference can tell."""
+        """-log10 of the error, no more than the reference resolves."""
         known = max(self.error, self.floor)
         return -math.log10(known) if known > 0 else math.nan
 
@@ -145,22 +145,22 @@ def priced(item: tuple[int, int]) -> list[Price]:
 
 
 def loaded_for_nothing(harmonics: int) -> list[str]:
-    """Modules of absent effects that the bare scene loads, in a process of its own: there must be none."""
+    """Modules of absent effects that the bare scene loads, in a process of its own: the list must be empty."""
     bem.solve(rough({"adhesion": None}, harmonics))
     return sorted(name for name in ABSENT if name in sys.modules)
 
 
 def sentences(prices: Sequence[Price], loaded: Sequence[str]) -> list[str]:
     """The list in words."""
-    told = [
+    reported = [
         f"{price.effect}: {price.ratio:.2f} times the scene without it ({price.on_top_of}), "
         f"{price.extra:+.2g} s; digits: {digits_of(price)} ({price.reference})."
         for price in prices
         if price.on_top_of
     ]
     if loaded:
-        return [*told, f"Absent effects are not absent: the bare scene loads {', '.join(loaded)}."]
-    return [*told, "Absent effects cost nothing: the bare scene loads no module of theirs."]
+        return [*reported, f"Absent effects are not absent: the bare scene loads {', '.join(loaded)}."]
+    return [*reported, "Absent effects cost nothing: the bare scene loads no module of theirs."]
 
 
 def rough(changes: Changes, harmonics: int) -> Any:
@@ -171,10 +171,10 @@ def rough(changes: Changes, harmonics: int) -> Any:
 
 
 def digits_of(price: Price) -> str:
-    """Digits as told in the list."""
+    """Digits as printed in the list."""
     if math.isnan(price.error):
         return "no exact answer"
-    more = ", all that the reference tells" if price.error <= price.floor else ""
+    more = ", all that the reference resolves" if price.error <= price.floor else ""
     return f"{price.digits:.1f}{more}"
 
 
@@ -312,8 +312,8 @@ def _estimate() -> tuple[float, float, str]:
     state = _sinusoid({"adhesion": {"work_of_adhesion": wave.work_of_adhesion}}).targets[-1]
     estimated = state.error_estimate.contact_fraction or math.nan
     true = abs(state.contact_fraction - _angle(wave) * 2 / np.pi)
-    told = f"Johnson 1995: estimated {estimated:.1e}, true {true:.1e}; the error told is their difference"
-    return abs(estimated - true), 1e-15, told
+    reported = f"Johnson 1995: estimated {estimated:.1e}, true {true:.1e}; the error listed is their difference"
+    return abs(estimated - true), 1e-15, reported
 
 
 DIGITS = {

@@ -19,9 +19,9 @@ from validation.references.paper_method import follow
 from validation.references.paper_method import solve as paper_solve
 from validation.references.posed_contacts import QUANTITIES, Answer, MethodError, Posed, exact_sinusoid
 from validation.studies.work_precision.methods import (
-    PAPER_CLOSURE,
     PAPER_GAP,
-    PATH_CLOSURE,
+    PAPER_RESIDUAL,
+    PATH_RESIDUAL,
     PATH_STEPS,
     Method,
     persson_finite_volumes,
@@ -110,11 +110,11 @@ def solver(posed: Posed) -> Reference:
 def paper_extrapolated(posed: Posed) -> Reference:
     """The paper's method at 16, 32 and 64 cells a patch, extrapolated; edges from its own path with 8 cells."""
     way = np.linspace(0.0, posed.penetration, PATH_STEPS + 1)[1:]
-    path = follow(posed.surface(), way, 8, PATH_CLOSURE, PAPER_GAP)
+    path = follow(posed.surface(), way, 8, PATH_RESIDUAL, PAPER_GAP)
     edges = path[-1].edges
     found: list[Answer] = []
     for cells in (16, 32, 64):
-        state = paper_solve(posed.surface(), posed.penetration, edges, cells, PAPER_CLOSURE, PAPER_GAP)
+        state = paper_solve(posed.surface(), posed.penetration, edges, cells, PAPER_RESIDUAL, PAPER_GAP)
         if state.status != "converged":
             raise MethodError(f"paper's method at {cells} cells: {state.status}: {state.message}")
         edges = state.edges
@@ -160,7 +160,7 @@ def source_for(scene: str, method: Method, sources: dict[str, tuple[Source, ...]
     Raises
     ------
     ValueError
-        There is none.
+        No reference is of another code.
     """
     for source in (SOURCES if sources is None else sources)[scene]:
         if source.code != method.code:

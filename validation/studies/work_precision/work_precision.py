@@ -22,7 +22,7 @@ from validation.harness.provenance import provenance
 from validation.harness.runner import Note
 from validation.references import fft_adhesion as fft_methods
 from validation.references.posed_contacts import Posed, scenes
-from validation.report.plots import Line, Plot, write_svg
+from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.store import peak_megabytes, text_table, write_json
 from validation.studies.work_precision.conclusion import Mark, MethodCurve, sentences
@@ -138,7 +138,7 @@ def run(
             if all(math.isnan(point.error) for point in points if _is(point, posed.id, method.name)):
                 failures.append(f"{posed.id}, {method.name}: no setting has an answer")
             _write(folder, facts, quick, points, methods, chosen, failures, [])
-    prices, told = _prices(quick, answers, failures) if with_prices and not peers else ([], [])
+    prices, reported = _prices(quick, answers, failures) if with_prices and not peers else ([], [])
     _write(folder, facts, quick, points, methods, chosen, failures, prices)
     columns = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall/s", "spread", "cpu/s",
                "MB", "repeats", "status"]  # fmt: skip
@@ -154,7 +154,7 @@ def run(
         print(text_table(PEER_COLUMNS, compared))
     if prices:
         print(text_table(PRICE_COLUMNS, [_price_row(price) for price in prices]))
-    for line in [*conclusion(points, tuple(chosen)), *peer_sentences(points), *told]:
+    for line in [*conclusion(points, tuple(chosen)), *peer_sentences(points), *reported]:
         print(line)
     for message in failures:
         print(f"FAILED: {message}")
@@ -266,7 +266,7 @@ def _references(
     answers: Answers,
     failures: list[str],
 ) -> dict[str, Reference]:
-    """The references that these methods need, by name; those that fail are told."""
+    """The references that these methods need, by name; those that fail are reported."""
     wanted = {source.name: source for source in (source_for(posed.id, method, known) for method in methods)}
     found: dict[str, Reference] = {}
     for name, source in wanted.items():
@@ -291,9 +291,9 @@ def _price_row(price: Price) -> list[Any]:
 def _row(point: Point) -> list[Any]:
     timed = point.timed
     unknowns = timed.found.unknowns if timed.found else None
-    told = timed.status if timed.found is None or not point.grey else "within the uncertainty of its reference"
+    reported = timed.status if timed.found is None or not point.grey else "within the uncertainty of its reference"
     return [point.scene, point.method, timed.setting, unknowns, point.error, point.floor, timed.wall_seconds,
-            timed.spread, timed.cpu_seconds, timed.peak_megabytes, timed.repeats, told]  # fmt: skip
+            timed.spread, timed.cpu_seconds, timed.peak_megabytes, timed.repeats, reported]  # fmt: skip
 
 
 def _write(
@@ -306,7 +306,7 @@ def _write(
     failures: Sequence[str],
     prices: Sequence[Price],
 ) -> None:
-    told = [asdict(point) | {"error": point.error, "within_uncertainty": point.grey} for point in points]
+    reported = [asdict(point) | {"error": point.error, "within_uncertainty": point.grey} for point in points]
     content = {
         "schema": SCHEMA,
         "provenance": facts,
@@ -318,7 +318,7 @@ def _write(
              "scenes": list(m.scenes), "not run on": dict(m.cannot)}
             for m in methods
         ],
-        "points": told,
+        "points": reported,
         "peers": fft_methods.missing() or "installed",
         "conclusion": [*conclusion(points, tuple(chosen)), *peer_sentences(points)],
         "prices": [asdict(price) | {"digits": price.digits} for price in prices],

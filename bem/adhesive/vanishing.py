@@ -1,0 +1,102 @@
+"""Patches that vanish and gaps that close while edges move: when they are about to, and what remains.
+
+A gap goes where both its edges advance and it is narrow against the shortest wavelength and against the widest gap; a
+patch where both its edges recede and it is narrow against a lone contact at pull-off.  What is as narrow to within
+`TIED` goes with it, so that symmetric states stay symmetric.  Dimensionless.
+Source: Barquins, J. Adhesion 26 (1988) 1, for the width at which a lone contact pulls off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.adhesive.equilibrium import Balance, System
+from bem.geometry.patches import Patches
+
+FloatArray = NDArray[np.float64]
+
+DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
+CLOSED_GAP = 1e-7  # of the period
+LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
+TIED = 1e-3  # relative difference of gaps that close, or patches that vanish, at the same instant
+VANISHED_WIDTH = 0.02  # of the half width at which a lone JKR contact pulls off
+
+
+@dataclass(frozen=True)
+class Change:
+    """A patch or gap that vanished in a descent."""
+
+    kind: Literal["coalescence", "detachment", "complete_contact"]
+    position: float
+
+
+Remaining = tuple[tuple[Change, ...], Patches | None]
+
+
+def closing_gaps(system: System, here: Balance) -> Remaining | None:
+    """The gaps about to close, with the patches that remain (None: none do, contact is complete).
+
+    At fixed penetration the mean gap is fixed too, and the last gap stays.
+    """
+    patches = here.state.patches
+    count = patches.count
+    gaps = patches.gap_after
+    wavelength = 2 * np.pi / system.elastic.profile.max_order
+    doomed = gaps < min(DOOMED_GAP * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
+    closing = np.flatnonzero((doomed & pulled_shut(here)) | (gaps < CLOSED_GAP * 2 * np.pi))
+    if closing.size == 0:
+        return None
+    closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min()]
+    positions = patches.right[closing] + gaps[closing] / 2
+    if closing.size == count:
+        if system.control.load_weight == 0:
+            return None
+        return tuple(Change("complete_contact", float(x)) for x in positions), None
+    remaining = patches
+    for x in positions:
+        distance = np.abs((remaining.right + remaining.gap_after / 2 - x + np.pi) % (2 * np.pi) - np.pi)
+        remaining = remaining.merged_after(int(np.argmin(distance)))
+    return tuple(Change("coalescence", float(x)) for x in positions), remaining
+
+
+def vanishing_patches(system: System, here: Balance) -> Remaining | None:
+    """The patches about to vanish, with those that remain (None: none do, the surfaces are apart)."""
+    patches = here.state.patches
+    count = patches.count
+    inward = here.gradient > 0
+    shrinking = np.flatnonzero(inward[:count] & inward[count:])
+    if shrinking.size == 0:
+        return None
+    relative = patches.half_width[shrinking] / pull_off_half_width(system, patches.center[shrinking])
+    if relative.min() >= VANISHED_WIDTH:
+        return None
+    gone = shrinking[relative <= (1 + TIED) * relative.min()]
+    changes = tuple(Change("detachment", float(x)) for x in patches.center[gone])
+    if gone.size == count:
+        return changes, None
+    return changes, Patches(np.delete(patches.left, gone), np.delete(patches.right, gone))
+
+
+def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
+    """Half width (2 w R^2 / (pi E*))^(1/3) of a lone JKR line contact at pull-off, per position, dimensionless.
+
+    R is the radius of curvature there, at most that of the rms curvature of the profile.  A crest is no parabola beyond
+    a fraction of the shortest wave, which bounds the width where adhesion is strong.
+    Source: Barquins, J. Adhesion 26 (1988) 1.
+    """
+    profile = system.elastic.profile
+    rms_curvature = float(np.sqrt(np.sum((profile.orders**2 * profile.amplitudes) ** 2) / 2))
+    curvature = np.maximum(-profile.curvature(x), rms_curvature)
+    half_width = np.cbrt(system.law.work_of_adhesion(x) / (np.pi * curvature**2))
+    return np.asarray(np.minimum(half_width, 1 / profile.max_order))
+
+
+def pulled_shut(here: Balance) -> NDArray[np.bool_]:
+    """Gaps behind the patches at whose ends adhesion wins over the stiffness, (L,)."""
+    count = here.state.patches.count
+    outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
+    return np.asarray(outward[count:] & np.roll(outward[:count], -1))

@@ -1,0 +1,142 @@
+"""How far surfaces overlap in the gaps of a state, and the mean gap: u - (h - h_max + Delta) between the patches.
+
+The displacement is that of displacement.py, sampled until its series in every gap has decayed; minima between
+samples are bracketed and followed.  Integrals of u by Fejer's rule, those of h term by term.  Dimensionless
+(scaling.py).  Limits: at most `MAX_GAP_SAMPLES` samples of u in a gap; gaps that need more are reported.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+from scipy.fft import dct, idct
+
+from bem.audit.displacement import DisplacementField, GapPoints
+from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.profile import Profile
+
+GAP_POINTS_PER_WAVELENGTH = 16
+MAX_GAP_SAMPLES = 8192
+REFINEMENTS, NARROWER = 6, 3  # of a minimum: the last points are 1/243 as far apart as the first
+
+
+def gap_depths(
+    profile: Profile, field: DisplacementField, penetration: float, width: FloatArray, resolved: float
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Depth of interpenetration (minus the smallest gap) and integral of each gap, (L,), and gaps not resolved.
+
+    Near an edge u is a power series in the root of the distance, so with x = b + g (1 - cos theta)/2 it is analytic
+    in theta on [0, pi], though not even.  Its Chebyshev series in theta, sampled until it has decayed, gives it on a
+    grid that resolves the profile.
+
+    Parameters
+    ----------
+    profile : Profile
+    field : DisplacementField
+    penetration : float
+        Delta.
+    width : (L,) array
+        Of the gap behind each patch.
+    resolved : float
+        What the last coefficients of u in a gap may be.
+    """
+    contact_level = penetration - profile.max_height
+    waves = width * (profile.max_order / (2 * np.pi))
+    series = _displacement_series(field, width, _rounded(16 + 6 * np.sqrt(waves)), resolved)
+    unresolved = np.flatnonzero([not np.max(np.abs(part[-3:])) <= resolved for part in series])
+    lengths = np.array([part.size for part in series])
+    grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 2 * lengths))
+    integrals, lowest_at = np.empty(field.count), np.empty(field.count)
+    suspects = [(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))]
+    for size in np.unique(grid):
+        who = np.flatnonzero(grid == size)
+        padded = np.zeros((who.size, size))
+        for row, i in zip(padded, who, strict=True):
+            row[: lengths[i]] = series[i] * size
+        u = idct(padded, type=2, axis=1)
+        integrals[who] = _integrals_over_gaps(u, width[who]) - contact_level * width[who]
+        contact = profile.height(field.positions(_clustered(width, who, size))) + contact_level
+        gap = u - contact.reshape(u.shape)
+        lowest = gap.min(axis=1)
+        lowest_at[who] = (gap.argmin(axis=1) + 0.5) * (np.pi / size)
+        before, inner, after = gap[:, :-2], gap[:, 1:-1], gap[:, 2:]
+        bend = before - 2 * inner + after  # more than what a minimum between the points may lie lower
+        row, column = np.nonzero((inner <= before) & (inner < after) & (inner - bend < lowest[:, None]))
+        suspects.append((who[row], (column + 1.5) * (np.pi / size), np.full(row.size, np.pi / size)))
+    integrals -= _height_integrals(profile, field.pressure.right, field.pressure.right + width)
+
+    def gap_at(points: GapPoints) -> FloatArray:
+        return field.in_gaps(points) - profile.height(field.positions(points)) - contact_level
+
+    depth = -gap_at(_at_angles(width, np.arange(field.count), lowest_at))
+    owner, angle, step = (np.concatenate(parts) for parts in zip(*suspects, strict=True))
+    for _ in range(REFINEMENTS):  # a parabola through three points, then a narrower one about its vertex
+        around = _at_angles(width, np.tile(owner, 3), np.ravel(angle + np.array([[-1.0], [0.0], [1.0]]) * step))
+        before, here, after = gap_at(around).reshape(3, -1)
+        np.maximum.at(depth, owner, -np.minimum(np.minimum(before, here), after))
+        bend, rise = before - 2 * here + after, (after - before) / 2
+        vertex = np.where(bend > 0, np.clip(-rise / np.where(bend > 0, bend, 1.0), -1.0, 1.0), 0.0)
+        angle, step = angle + vertex * step, step / NARROWER
+    return depth, integrals, unresolved
+
+
+def _displacement_series(
+    field: DisplacementField, width: FloatArray, samples: IntArray, resolved: float
+) -> list[FloatArray]:
+    """Chebyshev coefficients of u in every gap, doubled in number until they have decayed or are too many."""
+    series: list[FloatArray] = [np.empty(0)] * field.count
+    pending = np.arange(field.count)
+    while pending.size:
+        classes = [(size, pending[samples[pending] == size]) for size in np.unique(samples[pending])]
+        points = [_clustered(width, who, size) for size, who in classes]
+        u = field.in_gaps(GapPoints(*(np.concatenate([getattr(p, f.name) for p in points]) for f in fields(GapPoints))))
+        unresolved = []
+        for (size, who), part in zip(classes, np.split(u, np.cumsum([p.gap.size for p in points])[:-1]), strict=True):
+            rows = dct(part.reshape(who.size, size), type=2, axis=1) / size
+            for i, row in zip(who, rows, strict=True):
+                series[i] = row
+            unresolved.append(who[(np.abs(rows[:, -3:]).max(axis=1) > resolved) & (2 * size <= MAX_GAP_SAMPLES)])
+        pending = np.sort(np.concatenate(unresolved))
+        samples[pending] *= 2
+    return series
+
+
+def _rounded(number: FloatArray) -> IntArray:
+    """Sizes rounded up in steps of at most a quarter, so that equal ones can be treated together."""
+    step = 2 ** np.maximum(np.ceil(np.log2(number)).astype(np.int64) - 3, 0)
+    return np.asarray(np.ceil(number / step) * step, dtype=np.int64)
+
+
+def _clustered(width: FloatArray, gaps: IntArray, number: int) -> GapPoints:
+    """The points phi = (k + 1/2) pi / n of `_at_angles` for some gaps, one after the other."""
+    angle = (np.arange(number) + 0.5) * (np.pi / number)
+    return _at_angles(width, np.repeat(gaps, number), np.tile(angle, gaps.size))
+
+
+def _at_angles(width: FloatArray, gap: IntArray, angle: FloatArray) -> GapPoints:
+    """Points b + g (1 - cos theta)/2, theta = pi (1 - cos phi)/2, phi in (0, pi): dense at both edges."""
+    from_left = np.sin(np.pi / 2 * np.sin(angle / 2) ** 2)
+    from_right = np.sin(np.pi / 2 * np.cos(angle / 2) ** 2)
+    return GapPoints(gap, width[gap] * from_left**2, width[gap] * from_right**2)
+
+
+def _integrals_over_gaps(u: FloatArray, width: FloatArray) -> FloatArray:
+    """int u dx = int u (g/2) sin(theta) dtheta from values at the points of `_clustered`, by Fejer's rule, (n,)."""
+    size = u.shape[1]
+    theta = np.pi * np.sin((np.arange(size) + 0.5) * (np.pi / 2 / size)) ** 2
+    series = dct(u * np.sin(theta), type=2, axis=1)[:, ::2] / size
+    even = np.arange(0, size, 2)
+    weight = np.where(even == 0, 0.5, 1.0) * 2 / (1.0 - even**2)
+    return np.asarray(width * (np.pi / 4) * (series @ weight))
+
+
+def _height_integrals(profile: Profile, start: FloatArray, stop: FloatArray) -> FloatArray:
+    """int h dx from start to stop, term by term, (L,): exp(imx) is a product from two tables with sqrt(M) entries."""
+    size = int(np.sqrt(profile.max_order)) + 1
+    antiderivative = np.zeros(size * size, dtype=np.complex128)
+    antiderivative[profile.orders] = profile.amplitudes / profile.orders * np.exp(1j * profile.phases)
+    x, order = np.concatenate([stop, start]), np.arange(size)
+    fine, coarse = np.exp(1j * np.multiply.outer(x, order)), np.exp(1j * np.multiply.outer(x, size * order))
+    sums = np.einsum("ij,ij->i", fine @ antiderivative.reshape(size, size).T, coarse).imag
+    return np.asarray(sums[: stop.size] - sums[stop.size :])

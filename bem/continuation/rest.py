@@ -1,0 +1,52 @@
+"""The equilibrium in which a jump ends, improved: forces, numbers, and their errors from another resolution.
+
+One or two Newton steps at a first tolerance, the second only where the first was not short, and one at the finest with
+more nodes and modes than that asks for; what the last one changes is the error.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.adhesive.equilibrium import Balance, System, balance
+from bem.continuation.limit_points import CLOSE, LONGEST_STEP
+from bem.continuation.softness import after_step
+from bem.elastic.collocation import finer, resolve
+from bem.loading.path_events import EventNumbers
+
+FloatArray = NDArray[np.float64]
+
+
+def at_rest(
+    system: System, here: Balance, value: float, tolerances: tuple[float, float]
+) -> tuple[Balance, EventNumbers, EventNumbers] | None:
+    """A coarse equilibrium improved: forces, numbers, and what the last refinement changed; None where it moves far.
+
+    Parameters
+    ----------
+    system : System
+    here : Balance
+        At `value` of the control.
+    value : float
+    tolerances : (float, float)
+        Of the evaluations before the last, and of the last; they may be equal.
+    """
+    first, finest = tolerances
+    outward: FloatArray = np.zeros(here.work.size)
+    size = np.inf
+    found: list[EventNumbers] = []
+    for tolerance, last in ((first, False), (first, False), (finest, True)):
+        if found and not last and size <= CLOSE:
+            continue
+        patches = here.state.patches.moved(outward)
+        if not patches.is_ordered:
+            return None
+        wanted = resolve(system.elastic, patches, tolerance)
+        here = balance(system, patches, here.state.penetration, value, tolerance, finer(wanted) if last else wanted)
+        outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
+        size = float(np.max(np.abs(outward) / here.state.patches.edge_scale))
+        if size > LONGEST_STEP:
+            return None
+        found.append(after_step(system, here, value, outward, 0.0))
+    return here, found[-1], found[-1].apart(found[-2], 0.0)

@@ -1,0 +1,157 @@
+"""What the numbers that a user gives may be: one table for scene files and for objects, told in the same words.
+
+A range is that of a number, or of every item of a list; NaN is in none.  Magnitudes in SI units lie between `LEAST` and
+`MOST`, so that no product of them leaves double precision.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import numbers
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+MOST_HARMONICS = 1_000_000  # 4 GB of tables
+LEAST, MOST = 1e-60, 1e60
+POSITIVE = f"a finite number > 0, from {LEAST:g} to {MOST:g}"
+
+
+@dataclass(frozen=True)
+class Range:
+    """A range of numbers and what is said of it; limits as pydantic names them, none where infinite."""
+
+    words: str
+    ge: float = -math.inf
+    gt: float = -math.inf
+    le: float = math.inf
+    lt: float = math.inf
+    whole: bool = False
+
+    @property
+    def limits(self) -> dict[str, Any]:
+        """The finite limits by their names."""
+        named = {"ge": self.ge, "gt": self.gt, "le": self.le, "lt": self.lt}
+        return {name: limit for name, limit in named.items() if math.isfinite(limit)}
+
+    def holds(self, value: Any) -> bool:
+        """Whether a value is a number (no truth value, no text) in the range."""
+        if isinstance(value, bool) or not isinstance(value, numbers.Integral if self.whole else numbers.Real):
+            return False
+        number = float(value)
+        return math.isfinite(number) and self.ge <= number <= self.le and self.gt < number < self.lt
+
+
+RANGES = {
+    "solid.youngs_modulus": Range(f"{POSITIVE} (Pa)", ge=LEAST, le=MOST),
+    "solid.poisson_ratio": Range("a number > -1 and <= 0.5", gt=-1, le=0.5),
+    "profile.period": Range(f"{POSITIVE} (m)", ge=LEAST, le=MOST),
+    "profile.hurst": Range("a number > 0 and < 1", gt=0, lt=1),
+    "profile.rms_height": Range(f"{POSITIVE} (m)", ge=LEAST, le=MOST),
+    "profile.harmonics": Range(f"an integer from 1 to {MOST_HARMONICS}", ge=1, le=MOST_HARMONICS, whole=True),
+    "profile.seed": Range("an integer >= 0", ge=0, whole=True),
+    "profile.orders": Range(
+        f"a list of distinct integers from 1 to {MOST_HARMONICS}", ge=1, le=MOST_HARMONICS, whole=True
+    ),
+    "profile.amplitudes": Range("a list of finite numbers (m), as many as orders", ge=-MOST, le=MOST),
+    "profile.phases": Range("a list of finite numbers (radians), as many as orders", ge=-MOST, le=MOST),
+    "layer.thickness": Range(f"{POSITIVE} (m)", ge=LEAST, le=MOST),
+    "adhesion.work_of_adhesion": Range(f"{POSITIVE} (J/m^2)", ge=LEAST, le=MOST),
+    "penetration": Range("a finite number (m)", ge=-MOST, le=MOST),
+}
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One mistake: where, what was found, what is allowed.
+
+    Examples
+    --------
+    >>> print(Mistake("layer.thickness", "= -1.0", "a finite number > 0 (m)"))
+    layer.thickness = -1.0; allowed: a finite number > 0 (m)
+    """
+
+    path: str
+    found: str
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.path} {self.found}; allowed: {self.allowed}"
+
+
+def shown(value: Any) -> str:
+    """A value as in the scene file, shortened."""
+    try:
+        text = json.dumps(value, default=str, ensure_ascii=False)
+    except ValueError:
+        text = "a value too long to show"
+    return text if len(text) <= 60 else f"{text[:56]} ..."
+
+
+def refuse(*mistakes: Mistake) -> None:
+    """ValueError with all mistakes, if there are any."""
+    if mistakes:
+        raise ValueError("; ".join(map(str, mistakes)))
+
+
+def check(**values: Any) -> None:
+    """Refuse numbers outside their ranges; a table and its key are joined by `__`.
+
+    Raises
+    ------
+    ValueError
+        With every mistake.
+
+    Examples
+    --------
+    >>> check(profile__hurst=0.7, profile__seed=3)
+    >>> check(profile__hurst=1.7)
+    Traceback (most recent call last):
+    ValueError: profile.hurst = 1.7; allowed: a number > 0 and < 1
+    """
+    given = {name.replace("__", "."): value for name, value in values.items()}
+    refuse(
+        *(
+            Mistake(path, f"= {shown(value)}", RANGES[path].words)
+            for path, value in given.items()
+            if not RANGES[path].holds(value)
+        )
+    )
+
+
+def check_harmonics(orders: Any, amplitudes: Any, phases: Any) -> None:
+    """Refuse lists of harmonics that a scene refuses.
+
+    Raises
+    ------
+    ValueError
+        With the first wrong item of each list, or because the lists do not go together.
+    """
+    given = {"orders": np.asarray(orders), "amplitudes": np.asarray(amplitudes), "phases": np.asarray(phases)}
+    refuse(*(mistake for name, items in given.items() for mistake in _wrong_items(f"profile.{name}", items)))
+    refuse(*harmonic_mistakes(given))
+
+
+def _wrong_items(path: str, items: np.ndarray[Any, Any]) -> Iterator[Mistake]:
+    """The first item of a list outside its range, if there is one."""
+    allowed = RANGES[path]
+    if items.ndim != 1 or not items.size or items.dtype.kind not in ("iu" if allowed.whole else "iuf"):
+        yield Mistake(path, f"= {shown(items.tolist())}", allowed.words)
+        return
+    wrong = np.flatnonzero(~((items >= allowed.ge) & (items <= allowed.le)))
+    if wrong.size:
+        yield Mistake(f"{path}[{wrong[0]}]", f"= {shown(items[wrong[0]].item())}", allowed.words)
+
+
+def harmonic_mistakes(values: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Orders, amplitudes and phases, as far as given, that differ in length, and orders that repeat."""
+    lengths = {key: len(values[key]) for key in ("orders", "amplitudes", "phases") if key in values}
+    if len(set(lengths.values())) > 1:
+        counted = ", ".join(f"{count} {key}" for key, count in lengths.items())
+        yield Mistake("profile.orders", f"and its companions differ in length ({counted})", "lists of equal length")
+    distinct, count = np.unique(np.asarray(values.get("orders", ()), dtype=np.int64), return_counts=True)
+    if distinct.size < lengths.get("orders", 0):
+        yield Mistake("profile.orders", f"repeats {shown(distinct[count > 1].tolist())}", "distinct integers >= 1")

@@ -1,0 +1,58 @@
+"""Curves and shapes of a result by matplotlib, which is imported when something is drawn.
+
+Limits: states in the order of the path, the two branches apart; error bars are the estimated errors.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+CURVES = {  # quantities against which the mean pressure is drawn: label and factor of the axis
+    "contact_fraction": ("contact fraction", 1.0),
+    "separation": ("separation / µm", 1e6),
+}
+BRANCHES = {"loading": "o-", "unloading": "s--"}
+
+
+def curves(states: Sequence[Any], quantities: Sequence[str] = tuple(CURVES)) -> Figure:
+    """Mean pressure against each of some quantities.
+
+    Parameters
+    ----------
+    states : sequence of State
+    quantities : sequence of str
+        Of `CURVES`.
+    """
+    figure = Figure(figsize=(6.4 * len(quantities), 4.8), layout="constrained")
+    for place, quantity in enumerate(quantities, 1):
+        label, factor = CURVES[quantity]
+        axes = figure.add_subplot(1, len(quantities), place, xlabel=label, ylabel="mean pressure / Pa")
+        for branch, marker in BRANCHES.items():
+            chosen = [state for state in states if state.branch == branch]
+            x = [factor * getattr(state, quantity) for state in chosen]
+            y = [state.mean_pressure for state in chosen]
+            error = [_finite(state.error_estimate.mean_pressure) for state in chosen]
+            axes.errorbar(x, y, error, fmt=marker, markersize=3, label=branch)
+        axes.legend()
+    return figure
+
+
+def shape(fields: dict[str, NDArray[Any]], name: str) -> Figure:
+    """Displaced surface and rigid profile of a stored shape, by its number in the names of the fields."""
+    x, displacement, gap = (1e6 * fields[f"{quantity}_{name}"] for quantity in ("x", "displacement", "gap"))
+    figure = Figure(layout="constrained")
+    axes = figure.add_subplot(xlabel="x / µm", ylabel="height / µm")
+    axes.plot(x, displacement - gap, color="0.5", label="rigid profile")
+    axes.plot(x, displacement, label="deformed surface")
+    axes.legend()
+    return figure
+
+
+def _finite(error: float | None) -> float:
+    """An estimated error, none where there is no finite one."""
+    return 0.0 if error is None or not math.isfinite(error) else error

@@ -1,0 +1,129 @@
+"""A result as tables, as a dataset of xarray, as curves, and in a few words.
+
+Columns are named as in result.json, with `error_estimate_` and `certificate_` before what these hold; edges and
+reasons, which differ in number from state to state, are in `states` alone.  None reads as NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import is_dataclass
+from html import escape
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Literal, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+UNITS = {
+    **dict.fromkeys(("penetration", "separation", "total_displacement", "position", "certificate_min_gap"), "m"),
+    **dict.fromkeys(("elastic_energy", "adhesion_energy", "total_energy", "energy_released"), "J/m^2"),
+    **{"mean_pressure": "Pa", "stress_intensity_max": "Pa m^1/2", "contact_stiffness": "Pa/m", "cpu_seconds": "s"},
+}
+SAMPLED = {  # fields of fields.npz on points of their own, by the name of these; {k} is the number in theirs
+    **dict.fromkeys(("x", "displacement", "gap", "pressure", "patch"), "point_{k}"),
+    **dict.fromkeys(("q", "C_h", "C_u", "C_sigma"), "wavenumber"),
+    **dict.fromkeys(("sigma", "P"), "level_{k}"),
+}
+SHOWN = 10  # states of a view in a notebook
+
+
+class Views:
+    """What a `Result` looks like, from its states, events and fields."""
+
+    scene: dict[str, Any]
+    states: tuple[Any, ...]
+    events: tuple[Any, ...]
+    status: str
+    fields: dict[str, NDArray[Any]]
+    failure: str | None
+
+    def to_table(self, of: Literal["states", "events"] = "states") -> dict[str, NDArray[Any]]:
+        """States or events by columns, one array each: what `pandas.DataFrame` and the like take.
+
+        Parameters
+        ----------
+        of : {"states", "events"}
+
+        Raises
+        ------
+        ValueError
+            Neither of them.
+        """
+        if of not in ("states", "events"):
+            raise ValueError(f'of = {of!r}; allowed: "states" or "events"')
+        kind = get_type_hints(type(self))[of].__args__[0]
+        return _columns(kind, getattr(self, of))
+
+    def to_xarray(self) -> Any:
+        """States, events (`event_...`) and fields as an `xarray.Dataset` with units (extra `xarray`).
+
+        Raises
+        ------
+        ImportError
+            xarray is not installed.
+        """
+        try:
+            xarray = import_module("xarray")
+        except ImportError as error:
+            raise ImportError("xarray is not installed: pip install 'linecontact[xarray]'") from error
+        found: dict[str, Any] = {}
+        for of, dimension, prefix in (("states", "state", ""), ("events", "event", "event_")):
+            for name, column in self.to_table(of).items():  # type: ignore[arg-type]
+                unit = UNITS.get(name.removeprefix("error_estimate_"))
+                found[prefix + name] = (dimension, column, {} if unit is None else {"units": unit})
+        for name, values in self.fields.items():
+            stem, _, k = name.rpartition("_") if name.rpartition("_")[2].isdigit() else (name, "", "")
+            along = SAMPLED.get(stem, f"of_{name}").format(k=k)
+            found[f"field_{name}"] = (along if values.ndim else (), values)
+        return xarray.Dataset(found, attrs={"title": self.scene.get("title", ""), "status": self.status})
+
+    def plot(self) -> Figure:
+        """Mean pressure against contact fraction and against separation, with its estimated error, by matplotlib."""
+        figure: Figure = import_module("bem.scene.plots").curves(self.states)
+        return figure
+
+    def __repr__(self) -> str:
+        words = [f"{len(self.states)} states", f"{sum(state.target for state in self.states)} at targets"]
+        words.append(f"{len(self.events)} events")
+        if self.states:
+            last = self.states[-1]
+            words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")
+        return f"<Result {self.status}: {', '.join(words)}>"
+
+    def _repr_html_(self) -> str:
+        """For a notebook: the states at targets."""
+        targets = [state for state in self.states if state.target]
+        head = "".join(
+            f"<th>{name}</th>" for name in ("separation / m", "mean pressure / Pa", "contact fraction", "ok")
+        )
+        rows = "".join(
+            f"<tr><td>{state.separation:.6g}</td>"
+            + "".join(
+                f"<td>{getattr(state, name):.9g} ± {getattr(state.error_estimate, name) or 0.0:.1g}</td>"
+                for name in ("mean_pressure", "contact_fraction")
+            )
+            + f"<td>{'yes' if state.certificate.ok else 'no'}</td></tr>"
+            for state in targets[:SHOWN]
+        )
+        more = f"<p>and {len(targets) - SHOWN} more</p>" if len(targets) > SHOWN else ""
+        failure = "" if self.failure is None else f" ({self.failure})"
+        said = escape(f"{self.scene.get('title') or 'untitled'}: {self!r}{failure}")
+        return f"<p>{said}</p><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{more}"
+
+
+def _columns(kind: type, records: Sequence[Any], prefix: str = "") -> dict[str, NDArray[Any]]:
+    """Records of a dataclass by columns, those that they hold in turn with the name of these before theirs."""
+    found: dict[str, NDArray[Any]] = {}
+    for name, hint in get_type_hints(kind).items():
+        values = [getattr(record, name) for record in records]
+        if is_dataclass(hint):
+            found |= _columns(hint, values, f"{prefix}{name}_")  # type: ignore[arg-type]
+        elif hint in (str, int, bool):
+            found[prefix + name] = np.array(values, dtype=hint)
+        elif hint in (float, float | None, int | None, bool | None):
+            found[prefix + name] = np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+    return found

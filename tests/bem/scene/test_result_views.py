@@ -1,0 +1,104 @@
+"""A result as table, dataset, figure and in a few words."""
+
+import importlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import bem
+
+
+@pytest.fixture(scope="module")
+def result():
+    data = {
+        "title": "a <wave>",
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+        "profile": {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 8, "seed": 1},
+        "adhesion": {"work_of_adhesion": 0.03},
+        "loading": {"control": "separation", "targets": [6e-5, 4e-5, 9e-4]},
+        "output": {"shapes": [4e-5], "spectra": True},
+    }
+    return bem.solve(data)
+
+
+def test_the_table_of_states_holds_every_number(result):
+    table = result.to_table()
+    assert {column.shape for column in table.values()} == {(len(result.states),)}
+    assert table["mean_pressure"].tolist() == [state.mean_pressure for state in result.states]
+    errors = [state.error_estimate.contact_fraction for state in result.states]
+    assert table["error_estimate_contact_fraction"].tolist() == errors
+    assert table["certificate_ok"].tolist() == [state.certificate.ok for state in result.states]
+    assert np.isnan(table["total_displacement"]).all()  # a half-space has none
+    kinds = {name: table[name].dtype.kind for name in ("branch", "n_patches", "target", "separation")}
+    assert kinds == {"branch": "U", "n_patches": "i", "target": "b", "separation": "f"}
+
+
+def test_the_table_of_events_holds_every_number(result):
+    table = result.to_table("events")
+    assert table["kind"].tolist() == [event.kind for event in result.events]
+    assert len(table["error_estimate_penetration"]) == len(result.events) > 0
+
+
+def test_another_table_is_refused(result):
+    with pytest.raises(ValueError, match='of = \'fields\'; allowed: "states" or "events"'):
+        result.to_table("fields")
+
+
+def test_a_result_without_states_has_the_same_columns(result):
+    empty = bem.Result(result.scene, (), {}, (), (), "interrupted")
+    assert list(empty.to_table()) == list(result.to_table())
+    assert "0 states" in repr(empty)
+    assert empty._repr_html_()
+
+
+def test_dataset(result):
+    pytest.importorskip("xarray")
+    dataset = result.to_xarray()
+    assert dataset.sizes["state"] == len(result.states)
+    assert dataset.sizes["event"] == len(result.events)
+    assert dataset["mean_pressure"].attrs["units"] == dataset["error_estimate_mean_pressure"].attrs["units"] == "Pa"
+    shape = next(name for name in result.fields if name.startswith("x_")).removeprefix("x_")
+    assert dataset[f"field_x_{shape}"].dims == dataset[f"field_gap_{shape}"].dims == (f"point_{shape}",)
+    assert dataset["field_C_h"].dims == dataset["field_C_u_0"].dims == ("wavenumber",)
+    assert {f"field_{name}" for name in result.fields} <= set(dataset)
+
+
+def test_dataset_without_its_extra_is_told(result, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(ImportError, match=r"pip install 'linecontact\[xarray\]'"):
+        result.to_xarray()
+
+
+def test_plot_shows_both_branches_and_their_errors(result):
+    figure = result.plot()
+    assert [axes.get_xlabel() for axes in figure.axes] == ["contact fraction", "separation / µm"]
+    for axes in figure.axes:
+        assert axes.get_legend_handles_labels()[1] == ["loading", "unloading"]
+        assert len(axes.containers) == 2
+
+
+def test_words_are_few(result):
+    assert repr(result).startswith(f"<Result converged: {len(result.states)} states, 3 at targets, ")
+    assert "\n" not in repr(result)
+
+
+def test_notebook_view_shows_targets_and_escapes_what_users_wrote(result):
+    html = result._repr_html_()
+    assert html.count("<tr>") == 1 + 3
+    assert "a &lt;wave&gt;" in html
+    assert "<wave>" not in html
+
+
+def test_neither_library_is_imported_before_it_is_used():
+    code = (
+        "import sys, bem; bem.read_result, bem.solve; print([m for m in ('matplotlib', 'xarray') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_a_stored_result_is_read_from_a_text(result, tmp_path):
+    importlib.import_module("bem.scene.result").write_result(result, tmp_path)
+    assert repr(bem.read_result(str(tmp_path))) == repr(result)

@@ -1,0 +1,31 @@
+"""A state as results store it, made up."""
+
+from bem.scene.result import Certificate, ErrorEstimate, State
+
+
+def stored_state(**changes):
+    """A state with two patches; keyword arguments replace its fields."""
+    fields = {
+        "branch": "loading",
+        "penetration": 1e-5,
+        "separation": 2e-5,
+        "total_displacement": None,
+        "mean_pressure": 1.0,
+        "contact_fraction": 0.1,
+        "n_patches": 2,
+        "edges": ((0.001, 0.002), (0.009, 0.0101)),
+        "elastic_energy": 1.0,
+        "adhesion_energy": -2.0,
+        "total_energy": -1.0,
+        "stress_intensity_max": 3.0,
+        "contact_stiffness": 1.0,
+        "stable_at_fixed_load": True,
+        "error_estimate": ErrorEstimate(1e-9, 1e-9),
+        "certificate": Certificate(1e-12, 1e-9, 0.2, 1e-8, 1e-10, ok=True),
+        "unknowns": 40,
+        "evaluations": 7,
+        "cpu_seconds": 0.5,
+        "status": "converged",
+        "target": True,
+    }
+    return State(**(fields | changes))

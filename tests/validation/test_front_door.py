@@ -1,0 +1,134 @@
+"""The command `linecontact`: examples that run, the commands of solver and harness, completion for shells."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import bem
+from validation.command_line import examples
+from validation.command_line.front_door import main
+
+ROOT = Path(__file__).parents[2]
+COMMANDS = ("example", "check", "run", "report", "compare", "verify", "study", "replicate", "baseline")
+
+
+def exit_code(*words):
+    """Exit code, also where argparse ends the program."""
+    try:
+        return main(words)
+    except SystemExit as error:
+        return error.code
+
+
+def test_the_command_is_installed():
+    scripts = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
+    assert scripts == {"linecontact": "validation.command_line.front_door:main"}
+
+
+def test_version(capsys):
+    assert exit_code("--version") == 0
+    assert capsys.readouterr().out == f"linecontact {bem.__version__}\n"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself(command, capsys):
+    assert exit_code(command, "--help") == 0
+    assert capsys.readouterr().out.startswith(f"usage: linecontact {command}")
+
+
+def test_examples_are_listed_by_name(capsys):
+    assert exit_code("example") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(examples.DATA)
+    assert len(lines) >= 8
+    folder = ROOT / "validation" / "command_line" / "examples"
+    files = {f"{name}.toml" for name in examples.DATA} | {file for data in examples.DATA.values() for file in data}
+    assert {path.name for path in folder.iterdir()} == files
+
+
+@pytest.mark.parametrize("name", examples.DATA)
+def test_an_example_is_written_explained_and_solved(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert exit_code("example", name) == 0
+    assert capsys.readouterr().out.splitlines() == [f"{name}.toml", *examples.DATA[name]]
+    assert (tmp_path / f"{name}.toml").read_text().count("# ") >= 5
+    assert exit_code("check", f"{name}.toml") == 0
+    assert exit_code("run", f"{name}.toml", "--out", "result", "--quiet") == 0
+    result = bem.read_result(tmp_path / "result")
+    assert result.targets
+    assert all(state.certificate.ok for state in result.states)
+
+
+def test_the_closed_form_that_an_example_names_holds():
+    result = bem.solve(ROOT / "validation/command_line/examples/one-wave.toml")
+    modulus, period, height, work = 1e6 / 0.75, 0.01, 1e-4, 0.03
+    psi = np.pi / 2 * np.array([state.contact_fraction for state in result.targets])
+    expected = np.pi * modulus * height / period * np.sin(psi) ** 2 - np.sqrt(2 * modulus * work / period * np.tan(psi))
+    computed = [state.mean_pressure for state in result.targets]
+    assert computed == pytest.approx(expected, abs=6e-9)  # measured 2.4e-9 Pa of 700 to 24000 Pa
+
+
+def test_the_examples_show_what_they_are_named_after():
+    scenes = {name: bem.load_scene(ROOT / f"validation/command_line/examples/{name}.toml") for name in examples.DATA}
+    assert scenes["paper-profile"].profile.hurst == 0.7
+    assert scenes["own-scan"].scan is not None
+    assert scenes["layer"].layer is not None
+    assert scenes["load-control"].loading.control == "mean_pressure"
+    assert scenes["pull-off"].loading.targets[-1] > 3 * scenes["pull-off"].profile.rms_height
+    assert scenes["complete-contact"].loading.flaw is not None
+    assert scenes["no-adhesion"].adhesion is None
+    assert scenes["steep-profile"].surface().rms_slope > 0.4
+    assert scenes["steep-profile"].profile.hurst == 0.2
+
+
+def test_what_is_there_is_not_written_over(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("own-scan.csv").write_text("mine")
+    assert exit_code("example", "own-scan") == 2
+    assert capsys.readouterr().err == "error: own-scan.csv: is there already, nothing is written\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["own-scan.csv"]
+    assert Path("own-scan.csv").read_text() == "mine"
+
+
+def test_an_unknown_example_is_told_with_those_there_are(capsys):
+    assert exit_code("example", "torsion") == 2
+    said = capsys.readouterr().err
+    assert "'torsion'" in said
+    assert "paper-profile" in said
+
+
+def test_mistakes_of_a_scene_are_told_as_by_the_solver(tmp_path, capsys):
+    (tmp_path / "scene.toml").write_text("[solid]\nyoungs_modulus = -1.0\n")
+    assert exit_code("check", str(tmp_path / "scene.toml")) == 2
+    assert "solid.youngs_modulus = -1.0; allowed" in capsys.readouterr().err
+
+
+def test_mistakes_of_a_verification_are_told_as_by_the_harness(tmp_path, capsys):
+    assert exit_code("verify", "--only", "nothing-like-it", "--out", str(tmp_path / "out")) == 2
+    assert "error: --only 'nothing-like-it'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh"])
+def test_completion(shell, capsys):
+    pytest.importorskip("shtab")
+    assert exit_code("--print-completion", shell) == 0
+    printed = capsys.readouterr().out
+    assert all(word in printed for word in (*COMMANDS, *examples.DATA))
+
+
+def test_completion_without_its_extra_is_told(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "shtab", None)
+    assert exit_code("--print-completion", "bash") == 2
+    assert "pip install 'linecontact[completion]'" in capsys.readouterr().err
+
+
+def test_names_of_bem_are_listed_without_importing_what_they_name():
+    code = "import sys, bem; print(*dir(bem)); print(*sorted(m for m in sys.modules if m.startswith('bem')))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    names, modules = done.stdout.splitlines()
+    assert {"solve", "read_result", "parse_scene", "Profile", "__version__"} <= set(names.split())
+    assert modules == "bem"

@@ -1,0 +1,163 @@
+"""The page of a run: what it says, and how it looks in a real browser on a desk and on a phone."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from browser import BROWSER, found_at
+
+import bem
+from bem.scene.result import write_result
+from validation.command_line.front_door import main
+from validation.report.run_figures import figures_of, shape_states
+from validation.report.run_page import render_run
+from validation.report.run_words import outcome, scene_in_words
+
+SCENE = {
+    "title": "rubber on <glass>",
+    "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+    "profile": {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 8, "seed": 1},
+    "adhesion": {"work_of_adhesion": 0.03},
+    "loading": {"control": "separation", "targets": [6e-5, 4e-5, 9e-4]},
+    "output": {"shapes": [6e-5, 4e-5], "spectra": True},
+}
+LOOK = """
+const box = document.getElementById("verdict").getBoundingClientRect();
+found.width = innerWidth;
+found.wide = document.documentElement.scrollWidth > innerWidth;
+found.verdict = [box.left, box.top, innerWidth - box.right, innerHeight - box.bottom];
+const named = (svg, attribute) => document.getElementById(svg.getAttribute(attribute) ?? "")?.textContent ?? "";
+const drawings = [...document.querySelectorAll("figure svg")];
+found.figures = drawings.map((svg) => [svg.getAttribute("role"), named(svg, "aria-labelledby"),
+                                       named(svg, "aria-describedby"), svg.getBoundingClientRect().height > 50]);
+const targets = [...document.querySelectorAll("a[href]")].map((link) => link.getAttribute("href"));
+found.lost = targets.filter((target) => !target.startsWith("#") || !document.getElementById(target.slice(1)));
+const ids = [...document.querySelectorAll("[id]")].map((element) => element.id);
+found.repeated = ids.filter((id, place) => ids.indexOf(id) !== place);
+found.resources = performance.getEntriesByType("resource").map((entry) => entry.name);
+const table = document.querySelector("#states table");
+table.querySelectorAll("thead th button")[1].click();
+found.order = [...table.tBodies[0].rows].map((row) => Number(row.cells[1].dataset.sort));
+"""
+
+
+@pytest.fixture(scope="module")
+def result():
+    return bem.solve(SCENE)
+
+
+@pytest.fixture(scope="module")
+def page(result):
+    return render_run(result)
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
+@pytest.mark.parametrize("width", [1280, 390])
+def test_in_a_browser(page, result, tmp_path, width):
+    found, console = found_at(tmp_path, page, LOOK, width)
+    assert (found["width"], console) == (width, [])
+    assert not found["wide"]
+    assert min(found["verdict"]) >= 0  # on the first screen, all of it
+    assert len(found["figures"]) == 6  # three curves, and a shape on each way and at the turn
+    for role, title, description, drawn in found["figures"]:
+        assert (role, drawn) == ("img", True)
+        assert len(title) > 10
+        assert " against " in description
+    assert (found["lost"], found["repeated"], found["resources"]) == ([], [], [])
+    assert found["order"] == sorted(found["order"])
+    assert len(found["order"]) == len(result.targets)
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
+def test_a_page_that_is_too_wide_would_be_seen(page, tmp_path):
+    wide = page.replace("<main", '<p style="width: 600px">wide</p><main')
+    assert found_at(tmp_path, wide, LOOK, 390)[0]["wide"]
+
+
+def test_everything_is_on_the_page(page, result):
+    assert outcome(result).startswith("Converged: 4 states at targets (4 in the scene); ")
+    for text in (outcome(result), *scene_in_words(result.scene)):
+        assert text.replace("'", "&#39;") in page
+    assert "rubber on &lt;glass&gt;" in page
+    assert "<glass>" not in page
+    assert page.count("energy released") == 1
+    for event in result.events:
+        assert f"{event.mean_pressure:.9g} ± {event.error_estimate.mean_pressure:.1g}" in page
+    assert all(effect.reason in page.replace("&#34;", '"') for effect in result.effects)
+    assert result.provenance["scene_sha256"] in page
+
+
+def test_curves_have_error_bars_of_the_estimated_errors(result):
+    area = next(figure for figure in figures_of(result) if figure.id == "area")
+    bars = next(series for series in area.solution.series if series.style == "bars")
+    spread = [(high - low) / 2 for low, high in zip(bars.y, bars.upper, strict=True)]
+    targets = [state for state in result.targets if state.mean_pressure == state.mean_pressure]
+    assert spread[0] == pytest.approx(targets[0].error_estimate.mean_pressure * 1e-3, rel=1e-2)  # kPa
+
+
+def test_shapes_are_those_of_their_states(result):
+    found = shape_states(result)
+    assert [state.separation for state in found.values()] == pytest.approx([6e-5, 4e-5, 6e-5], rel=1e-9)
+
+
+def test_what_a_later_version_adds_is_shown(result):
+    class Caution:
+        about, message = "profile.period", "above 1 m: is the unit mm?"
+
+    richer = replace(result)
+    added = {"groups": {"rms_slope": 0.125}, "warnings": (Caution,)}
+    added["profile_preparation"] = ({"step": "detrend", "method": "line", "rms_height": [2e-6, 1e-6]},)
+    vars(richer).update(added)
+    page = render_run(richer)
+    assert "above 1 m: is the unit mm?" in page
+    assert 'rms slope</th><td class="num">0.125</td>' in page
+    assert "method line, rms height 2e-06 → 1e-06" in page
+
+
+def test_a_run_that_failed_says_so_first_and_by_its_exit_code(result, tmp_path, capsys):
+    failed = replace(result, status="not_converged", failure="target 2 of 3, 4e-05: no equilibrium was found")
+    write_result(failed, tmp_path)
+    assert main(["report", str(tmp_path)]) == 1
+    assert "no equilibrium was found" in capsys.readouterr().err
+    page = (tmp_path / "report.html").read_text()
+    assert 'class="verdict deviates">✗ Not converged' in page
+
+
+def test_report_of_a_run_is_written_beside_it(result, tmp_path, capsys):
+    write_result(result, tmp_path)
+    assert main(["report", str(tmp_path), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts == {"status": "converged", "outcome": outcome(result), "report": str(tmp_path / "report.html")}
+    assert (tmp_path / "report.html").read_text() == render_run(bem.read_result(tmp_path))
+
+
+@pytest.mark.parametrize("content", [None, "{}"], ids=["nothing", "corrupt"])
+def test_a_folder_without_a_result_is_told(tmp_path, capsys, content):
+    if content is not None:
+        (tmp_path / "result.json").write_text(content)
+    assert main(["report", str(tmp_path)]) == 2
+    assert "error: " in capsys.readouterr().err
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_a_run_without_states_has_a_page(result):
+    empty = replace(result, states=(), events=(), fields={}, status="interrupted")
+    assert "0 of 0" in render_run(empty)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        {**SCENE, "layer": {"thickness": 1e-3}, "loading": {"control": "total_displacement", "targets": [1e-5]}},
+        {**SCENE, "loading": {"control": "mean_pressure", "targets": list(range(100, 2000, 100)),
+                              "initial": "complete_contact", "flaw": 1e-5}},
+        {**SCENE, "loading": {"control": "separation", "targets": [6e-5], "at_mean_pressures": [100.0],
+                              "stop_at_mean_pressure": 200.0}},
+        {**SCENE, "adhesion": None, "profile": {"kind": "harmonics", "period": 1.0, "orders": [1], "amplitudes": [0.1],
+                                                "phases": [0.0]}},
+    ],
+    ids=["layer", "flaw", "pressures", "harmonics"],
+)  # fmt: skip
+def test_every_kind_of_scene_is_told_in_words(scene):
+    words = scene_in_words(bem.parse_scene({**scene, "output": {}}).resolved())
+    assert all(sentence.endswith(".") and "None" not in sentence for sentence in words)

@@ -1,0 +1,1 @@
+"""The command `linecontact`: solver and harness behind one door."""

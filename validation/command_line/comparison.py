@@ -1,0 +1,214 @@
+"""Two results, or two verification reports, number by number: differences in units of their combined uncertainty.
+
+Results meet at targets (same control, branch and value) and at events (same sequence of kinds).  There the combined
+uncertainty is the sum u_a + u_b of the estimated errors, and numbers differ beyond 2 (u_a + u_b), as for the verdicts.
+Reports meet at the quantities of their cases; there it is what a baseline would let the number move (baseline.py).
+Counts and words differ where they are not the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from bem.scene.result import RESULT_FILE, ErrorEstimate, Event, EventError, Result, State, read_result
+from validation.__main__ import REPORT_FILE, read_report
+from validation.harness.baseline import quantities_of
+from validation.harness.schema import Report
+from validation.harness.verdict import case_verdicts
+from validation.report.render import ReportError
+
+SAME = 1e-6  # of the largest target: two states are at the same one
+LIMIT = 2.0  # of the combined uncertainty of two estimates
+WORDS = ("n_patches", "status")  # of a state, which are the same or not
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A number of A and of B, the unit in which they are compared, and how many of it they may be apart."""
+
+    quantity: str
+    where: str
+    a: float
+    b: float
+    combined: float
+    limit: float = LIMIT
+
+    @property
+    def ratio(self) -> float:
+        """Difference over combined uncertainty: 0 for equal numbers, infinite where one is none."""
+        if self.a == self.b or (math.isnan(self.a) and math.isnan(self.b)):
+            return 0.0
+        apart = abs(self.a - self.b)
+        return math.inf if math.isnan(apart) or self.combined == 0 else apart / self.combined
+
+    @property
+    def differs(self) -> bool:
+        """Whether that is beyond the limit."""
+        return not self.ratio <= self.limit
+
+    def __str__(self) -> str:
+        values = f"{self.a:.12g} and {self.b:.12g}, {self.ratio:.3g} times the combined uncertainty {self.combined:.2g}"
+        return f"{self.where}: {self.quantity} {values}"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Numbers compared, sentences on what else differs, and notes on what was different to begin with."""
+
+    numbers: tuple[Difference, ...]
+    others: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def differing(self) -> list[str]:
+        """All else that differs, and of each quantity that does the largest difference, one sentence each."""
+        return [*self.others, *(str(number) for number in self.worst() if number.differs)]
+
+    def worst(self) -> list[Difference]:
+        """The largest ratio of each quantity, over all places."""
+        found: dict[str, Difference] = {}
+        for number in self.numbers:
+            kept = found.setdefault(number.quantity, number)
+            if number.ratio > kept.ratio:
+                found[number.quantity] = number
+        return list(found.values())
+
+
+def compare(a: Path, b: Path) -> Comparison:
+    """Compare the results or the reports of two folders.
+
+    Raises
+    ------
+    ReportError
+        They are not of one kind, or have nothing in common.
+    CorruptResultError
+        A result that cannot be trusted.
+    """
+    kinds = [_kind(folder) for folder in (a, b)]
+    if kinds[0] != kinds[1]:
+        raise ReportError(f"not comparable: {a} holds {kinds[0]}, {b} holds {kinds[1]}")
+    if kinds[0] == "a result":
+        found = compare_results(read_result(a), read_result(b))
+    else:
+        found = compare_reports(read_report(a), read_report(b))
+    if not found.numbers:
+        raise ReportError(f"not comparable: no number in common ({'; '.join(found.others) or 'none at all'})")
+    return found
+
+
+def _kind(folder: Path) -> str:
+    for file, kind in ((REPORT_FILE, "a verification report"), (RESULT_FILE, "a result")):
+        if (folder / file).exists():
+            return kind
+    raise ReportError(f"{folder}: neither {RESULT_FILE} nor {REPORT_FILE} there")
+
+
+def compare_results(a: Result, b: Result) -> Comparison:
+    """Compare states at common targets, and events.
+
+    Raises
+    ------
+    ReportError
+        Another control, or no target in common.
+    """
+    control, other = (result.scene["loading"]["control"] for result in (a, b))
+    if control != other:
+        raise ReportError(f"not comparable: loading.control is {control!r} and {other!r}")
+    pairs, alone = _paired(a, b, control)
+    if not pairs:
+        raise ReportError(f"not comparable: no target of {control} in common, by value and branch")
+    numbers: list[Difference] = []
+    others = [f"only in {name}: {place}" for name, places in alone.items() for place in places]
+    for left, right in pairs:
+        place = _place(left, control)
+        numbers += _numbers(left, right, ErrorEstimate, place)
+        for word in WORDS:
+            if getattr(left, word) != getattr(right, word):
+                told = f"{getattr(left, word)} and {getattr(right, word)}"
+                others.append(f"{place}: {word.replace('_', ' ')} {told}")
+    kinds = [[event.kind for event in result.events] for result in (a, b)]
+    if kinds[0] == kinds[1]:
+        for k, (before, after) in enumerate(zip(a.events, b.events, strict=True), 1):
+            numbers += _numbers(before, after, EventError, f"event {k}, {before.kind.replace('_', ' ')}")
+    else:
+        others.append(f"events: {_told(kinds[0])} and {_told(kinds[1])}")
+    return Comparison(tuple(numbers), tuple(others), tuple(_scene_notes(a.scene, b.scene)))
+
+
+def compare_reports(a: Report, b: Report) -> Comparison:
+    """Compare the quantities of common cases, and the verdicts.
+
+    Raises
+    ------
+    ReportError
+        No case in common.
+    """
+    left, right = ({case.id: case for case in report.cases} for report in (a, b))
+    both = [name for name in left if name in right]
+    if not both:
+        raise ReportError("not comparable: no case in common")
+    numbers: list[Difference] = []
+    others = [f"only in A: case {name}" for name in left if name not in right]
+    others += [f"only in B: case {name}" for name in right if name not in left]
+    for name in both:
+        verdicts = [case_verdicts(case) for case in (left[name], right[name])]
+        if verdicts[0] != verdicts[1]:
+            others.append(f"{name}: verdicts {_told(verdicts[0])} and {_told(verdicts[1])}")
+        found = [
+            {q.name: q for q in quantities_of(case) if q.kind != "diagnostic"} for case in (left[name], right[name])
+        ]
+        others += [f"{name}: {key} is in one report only" for key in found[0].keys() ^ found[1].keys()]
+        for key in (key for key in found[0] if key in found[1]):
+            mine, theirs = found[0][key], found[1][key]
+            allowed = mine.atol + mine.rtol * abs(mine.value)
+            numbers.append(Difference(f"{name}: {key}", "case", mine.value, theirs.value, allowed, 1.0))
+    return Comparison(tuple(numbers), tuple(others))
+
+
+def _paired(a: Result, b: Result, control: str) -> tuple[list[tuple[State, State]], dict[str, list[str]]]:
+    """States of A and B at the same targets, in the order of A; the places of those that have no counterpart."""
+    free = list(b.targets)
+    scale = max((abs(getattr(state, control)) for state in (*a.targets, *free)), default=0.0)
+    pairs, alone = [], []
+    for state in a.targets:
+        value = getattr(state, control)
+        fit = (s for s in free if s.branch == state.branch and abs(getattr(s, control) - value) <= SAME * scale)
+        match = next(fit, None)
+        if match is None:
+            alone.append(_place(state, control))
+        else:
+            free = [other for other in free if other is not match]
+            pairs.append((state, match))
+    return pairs, {"A": alone, "B": [_place(state, control) for state in free]}
+
+
+def _place(state: State, control: str) -> str:
+    return f"{control.replace('_', ' ')} {getattr(state, control):.6g} ({state.branch})"
+
+
+def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) -> Iterator[Difference]:
+    """The numbers that have an estimated error on both sides."""
+    for name in (item.name for item in fields(estimates)):
+        errors = [getattr(side.error_estimate, name) for side in (a, b)]
+        values = [getattr(side, name) for side in (a, b)]
+        if None not in errors and None not in values:
+            yield Difference(name.replace("_", " "), where, values[0], values[1], sum(errors))
+
+
+def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
+    """Keys in which two resolved scenes differ, but for their titles."""
+    for table in (name for name in a if name != "title"):
+        left, right = ({} if scene.get(table) is None else scene[table] for scene in (a, b))
+        for key in dict.fromkeys((*left, *right)):
+            if left.get(key) != right.get(key):
+                yield f"the scenes differ in {table}.{key}: {left.get(key)} and {right.get(key)}"
+
+
+def _told(words: Iterable[str]) -> str:
+    """Words with their counts, in the order in which they come first."""
+    listed = list(words)
+    return ", ".join(f"{listed.count(word)} {word.replace('_', ' ')}" for word in dict.fromkeys(listed)) or "none"

@@ -1,0 +1,110 @@
+"""The command `linecontact`: scenes and their results, the verification, and the studies behind one door.
+
+The commands of `python -m bem` and `python -m validation` are the same here, by the same parsers; `verify` is
+`python -m validation run`.  Exit codes: 0 done, 1 something failed (named), 2 bad input, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import bem
+import bem.__main__ as scenes
+import validation.__main__ as harness
+from validation.command_line import comparison, examples
+
+SHELLS = ("bash", "zsh", "tcsh")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Those of the command line without the name of the program; default `sys.argv`.
+    """
+    options = _parser().parse_args(arguments)
+    perform: Callable[[argparse.Namespace], int] = options.perform
+    return perform(options)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="linecontact", description="Adhesive contact of rough profiles, verified.")
+    parser.add_argument("--version", action="version", version=f"linecontact {bem.__version__}")
+    parser.add_argument("--print-completion", action=_PrintCompletion, choices=SHELLS, help="for the shell to read")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    example = commands.add_parser("example", help="list commented scenes, or write one into the current folder")
+    example.add_argument("name", nargs="?", choices=tuple(examples.DATA), metavar="NAME", help=", ".join(examples.DATA))
+    example.set_defaults(command=_example, perform=harness.perform)
+
+    scenes.add_commands(commands)
+    harness.add_commands(commands, run_name="verify")
+
+    two = commands.add_parser("compare", help="two results, or two verification reports, by their uncertainties")
+    two.add_argument("a", type=Path, metavar="A", help="folder of a run or of a report")
+    two.add_argument("b", type=Path, metavar="B", help="the other one")
+    two.add_argument("--json", action="store_true", help="print as JSON")
+    two.set_defaults(command=_compare, perform=harness.perform)
+    return parser
+
+
+def _example(options: argparse.Namespace) -> int:
+    """List the examples, or write one."""
+    if options.name is None:
+        print("\n".join(examples.listed()))
+        return harness.DONE
+    for path in examples.write_example(options.name, Path()):
+        print(path)
+    return harness.DONE
+
+
+def _compare(options: argparse.Namespace) -> int:
+    """Print what differs, the largest difference of each quantity, and how many numbers were compared."""
+    found = comparison.compare(options.a, options.b)
+    differing, apart = found.differing, sum(number.differs for number in found.numbers)
+    most = max(found.numbers, key=lambda number: number.ratio / number.limit)
+    if options.json:
+        facts = {"compared": len(found.numbers), "apart": apart, "differing": differing, "notes": found.notes}
+        print(json.dumps(facts | {"largest": str(most)}))
+    else:
+        ending = f"they agree; at most, {most}"
+        if differing:
+            ending = f"{apart} differ, and {len(found.others)} other differences"
+        said = [*found.notes, *(f"DIFFERS {line}" for line in differing)]
+        print(*said, f"{len(found.numbers)} numbers compared: {ending}", sep="\n")
+    return harness.FAILED if differing else harness.DONE
+
+
+class _PrintCompletion(argparse.Action):
+    """Print what makes a shell complete our commands, by shtab (extra `completion`)."""
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, option: str | None = None) -> None:
+        try:
+            shtab = import_module("shtab")
+        except ImportError:
+            parser.exit(harness.BAD_INPUT, f"error: {option}: not installed: pip install 'linecontact[completion]'\n")
+        _complete_paths(parser, shtab)
+        print(shtab.complete(parser, values))
+        parser.exit(harness.DONE)
+
+
+def _complete_paths(parser: argparse.ArgumentParser, shtab: Any) -> None:
+    """Tell which arguments are files, and which are folders."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                _complete_paths(command, shtab)
+        elif action.type is Path:
+            action.complete = shtab.FILE if action.dest == "scene" else shtab.DIRECTORY  # type: ignore[attr-defined]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,119 @@
+"""report.html of a run: what was asked, what came out, and how well it is known; from its result alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from bem.command_line.console import scene_text
+from bem.scene.result import Result, State, read_result
+from validation.harness.kept import write_atomically
+from validation.report.figures import svg_of
+from validation.report.render import PAGE, asset, environment, number
+from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
+from validation.report.run_words import outcome, quantity, scene_in_words, succeeded
+
+MOST_ROWS = 500  # of a table; all are in result.json
+MEASURES = ("closure", "min_gap", "min_eigenvalue", "truncation", "hessian_asymmetry")
+WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
+
+
+def write_run_page(folder: Path) -> Result:
+    """Render the result of a folder into report.html beside it; the result.
+
+    Raises
+    ------
+    CorruptResultError, FileNotFoundError
+        As of `read_result`.
+    """
+    result = read_result(folder)
+    write_atomically(folder / PAGE, render_run(result))
+    return result
+
+
+def render_run(result: Result) -> str:
+    """The page of a run as text."""
+    preparation = getattr(result, "profile_preparation", ())
+    shapes = len(shape_states(result))
+    page = environment().get_template("run_page.jinja").render(
+        title=result.scene["title"] or "A run",
+        result=result,
+        outcome=outcome(result),
+        good=succeeded(result),
+        words=scene_in_words(result.scene),
+        toml=scene_text(result.scene),
+        groups=getattr(result, "groups", {}),
+        warnings=getattr(result, "warnings", ()),
+        preparation=[_step(step) for step in preparation],
+        figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(result)],
+        shapes_left_out=max(0, shapes - MOST_SHAPES),
+        targets=[_target(state) for state in result.targets[:MOST_ROWS]],
+        events=list(_events(result))[:MOST_ROWS],
+        most=MOST_ROWS,
+        certificate=list(_certificate(result)),
+        refused=[state for state in result.states if not state.certificate.ok],
+        predicted=sum(effect.seconds for effect in result.effects),
+        seconds=sum(state.cpu_seconds for state in result.states),
+        evaluations=sum(state.evaluations for state in result.states),
+        unknowns=max((state.unknowns for state in result.states), default=0),
+        style=asset("style.css"),
+        script=asset("sort.js"),
+    )  # fmt: skip
+    return str(page)
+
+
+def _target(state: State) -> list[tuple[str, float | str]]:
+    """Cells of a state: text, and the number or text that it is sorted by."""
+    estimate = state.error_estimate
+    cells: list[tuple[str, float | str]] = [(state.branch, state.branch)]
+    for name in ("separation", "mean_pressure", "contact_fraction"):
+        value = getattr(state, name)
+        cells.append((_known(value, getattr(estimate, name)), value))
+    cells.append((str(state.n_patches), state.n_patches))
+    judged = "certified" if state.certificate.ok else "refused"
+    return [*cells, (state.status.replace("_", " "), state.status), (judged, judged)]
+
+
+def _events(result: Result) -> Iterator[list[tuple[str, float | str]]]:
+    """Cells of the events."""
+    highest = result.states[0].penetration + result.states[0].separation if result.states else 0.0
+    for event in result.events:
+        error = event.error_estimate
+        energy = event.energy_released
+        yield [
+            (event.kind.replace("_", " "), event.kind),
+            (_known(highest - event.penetration, error.penetration), highest - event.penetration),
+            (_known(event.mean_pressure, error.mean_pressure), event.mean_pressure),
+            (
+                "–" if event.position is None else f"{event.position:.6g}",
+                "" if event.position is None else event.position,
+            ),
+            ("–", "") if energy is None else (_known(energy, error.energy_released), energy),
+        ]
+
+
+def _known(value: float, error: float | None) -> str:
+    """A number with its estimated error: as many digits as that leaves, nine at most."""
+    return f"{value:.9g}" if not error else f"{value:.9g} ± {error:.1g}"
+
+
+def _certificate(result: Result) -> Iterator[tuple[str, str]]:
+    """The worst of each measure over all states."""
+    for name in MEASURES:
+        values = [value for state in result.states if (value := getattr(state.certificate, name)) is not None]
+        if values:
+            worst = min(values) if name in WORST_BELOW else max(values)
+            yield name.replace("_", " "), quantity(worst, "m") if name == "min_gap" else number(worst)
+
+
+def _step(step: Mapping[str, Any]) -> tuple[str, str]:
+    """A step of the preparation of a scan: its name, and what it did."""
+    facts = {key: value for key, value in step.items() if key != "step"}
+    said = [f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items()]
+    return str(step.get("step", "")), ", ".join(said)
+
+
+def _plain(value: Any) -> str:
+    """A number, or one before and one after."""
+    return " → ".join(map(_plain, value)) if isinstance(value, list | tuple) else str(number(value))

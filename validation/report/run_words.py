@@ -1,0 +1,122 @@
+"""A resolved scene, and what came of it, in sentences: quantities with units that suit their size."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from bem.scene.result import FINAL_STATUSES, Result
+
+PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+CONTROLS = {
+    "separation": ("the separation of the mean planes", "m"),
+    "penetration": ("the penetration from first touch", "m"),
+    "mean_pressure": ("the mean pressure", "Pa"),
+    "total_displacement": ("the displacement of the plate from first touch", "m"),
+}
+LISTED = 8  # targets that are spelt out
+
+
+def quantity(value: float, unit: str) -> str:
+    """A number with a prefix before its unit.
+
+    Examples
+    --------
+    >>> quantity(5e-05, "m"), quantity(1.25e6, "Pa"), quantity(0.0, "m"), quantity(3e-30, "m")
+    ('50 µm', '1.25 MPa', '0 m', '3e-30 m')
+    """
+    factor, prefixed = axis_unit(abs(value), unit)
+    return f"{value * factor:.6g} {prefixed}"
+
+
+def axis_unit(largest: float, unit: str) -> tuple[float, str]:
+    """Factor and unit with a prefix with which the largest of some numbers lies between 1 and 1000.
+
+    Examples
+    --------
+    >>> axis_unit(2.5e-5, "m")
+    (1000000.0, 'µm')
+    """
+    power = 3 * math.floor(math.log10(largest) / 3 + 1e-12) if largest else 0
+    return (10.0**-power, PREFIXES[power] + unit) if power in PREFIXES else (1.0, unit)
+
+
+def outcome(result: Result) -> str:
+    """The first sentence of a page: how it ended, how much of it is certified, and where."""
+    certified, targets = sum(state.certificate.ok for state in result.states), len(result.targets)
+    how = {"converged": "Converged", "not_converged": "Not converged"}.get(result.status, result.status.capitalize())
+    words = [
+        f"{how}: {targets} {_plural('state', targets)} at targets "
+        f"({len(result.scene['loading']['targets'])} in the scene)",
+        f"{certified} of {len(result.states)} states certified by the independent quadrature",
+        f"{len(result.events)} {_plural('event', len(result.events))}",
+    ]
+    if result.states:
+        last = result.states[-1]
+        pressure = "any mean pressure" if math.isnan(last.mean_pressure) else quantity(last.mean_pressure, "Pa")
+        words.append(f"last at {pressure} and contact fraction {last.contact_fraction:.6g}")
+    why = "" if result.failure is None else f" Why: {result.failure}."
+    return "; ".join(words) + "." + why
+
+
+def succeeded(result: Result) -> bool:
+    """Whether a run ended as asked, with every state certified."""
+    return result.status in FINAL_STATUSES and all(state.certificate.ok for state in result.states)
+
+
+def scene_in_words(scene: Mapping[str, Any]) -> list[str]:
+    """What is in contact, and what is done with it, one sentence each."""
+    solid, layer, adhesion, loading = (scene[name] for name in ("solid", "layer", "adhesion", "loading"))
+    modulus = solid["youngs_modulus"] / (1 - solid["poisson_ratio"] ** 2)
+    body = "A half-space" if layer is None else f"A layer of {quantity(layer['thickness'], 'm')} on a rigid plate"
+    words = [
+        f"{body}, Young's modulus {quantity(solid['youngs_modulus'], 'Pa')}, Poisson's ratio "
+        f"{solid['poisson_ratio']:g} (plane strain: E* = {quantity(modulus, 'Pa')}).",
+        f"{_profile_in_words(scene['profile'])}.",
+        "No adhesion."
+        if adhesion is None
+        else f"Work of adhesion {quantity(adhesion['work_of_adhesion'], 'J/m²')}, counted on the "
+        + ("true length of the profile." if adhesion["slope_term"] else "projected length."),
+    ]
+    return [*words, *_loading_in_words(loading), f"Accuracy asked for: {scene['accuracy']['tolerance']:g}."]
+
+
+def _profile_in_words(profile: Mapping[str, Any]) -> str:
+    period = quantity(profile["period"], "m")
+    if profile["kind"] == "self_affine":
+        return (
+            f"Self-affine rough profile: period {period}, Hurst exponent {profile['hurst']:g}, rms height "
+            f"{quantity(profile['rms_height'], 'm')}, {profile['harmonics']} harmonics, seed {profile['seed']}"
+        )
+    if profile["kind"] == "samples":
+        return (
+            f"Measured profile {profile['file']}: period {period}, cut at {profile['harmonics']} harmonics, "
+            f"detrended by {profile['detrend']}"
+        )
+    count = len(profile["orders"])
+    return f"Profile of {count} {_plural('harmonic', count)} up to order {max(profile['orders'])}: period {period}"
+
+
+def _loading_in_words(loading: Mapping[str, Any]) -> Iterator[str]:
+    name, unit = CONTROLS[loading["control"]]
+    initial = loading["initial"]
+    start = "a stored state" if isinstance(initial, Mapping) else {"separated": "surfaces apart"}.get(initial, initial)
+    targets: Sequence[float] = loading["targets"]
+    told = [quantity(target, unit) for target in targets[:LISTED]]
+    if len(targets) > LISTED:
+        told = [*told[: LISTED - 2], "…", quantity(targets[-1], unit)]
+    yield (
+        f"Beginning with {start.replace('_', ' ')}, {name} is held at {', '.join(told)} "
+        f"({len(targets)} {_plural('target', len(targets))}, in this order)."
+    )
+    if loading["at_mean_pressures"]:
+        yield "Kept on the way: " + ", ".join(quantity(value, "Pa") for value in loading["at_mean_pressures"]) + "."
+    if loading.get("stop_at_mean_pressure") is not None:
+        yield f"The path ends at {quantity(loading['stop_at_mean_pressure'], 'Pa')}."
+    if loading.get("flaw") is not None:
+        yield f"A flaw of {quantity(loading['flaw'], 'm')} lets complete contact open."
+
+
+def _plural(word: str, count: int) -> str:
+    return word if count == 1 else f"{word}s"
