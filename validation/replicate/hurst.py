@@ -64,8 +64,8 @@ def compute(evidence: Evidence) -> Outcome:
             trace(f"H = {value:g}, Persson's A(q)/A0", every, theory.contact_fractions, hue=hue),
         ]
     table = Table(
-        caption="Exponents of C_u / C near the last decade of orders, fitted to each realisation: mean over the windows, "
-        "and the lowest and highest of them.",
+        caption="Exponents of C_u / C near the last decade of orders, fitted to each realisation: mean over the "
+        "windows, and the lowest and highest of them.",
         columns=["H", "realisations", "harmonics", "p/E*", "A/A0", "Persson's A/A0", "exponent", "standard error",
                  "lowest", "highest", "Persson's exponent"],
         rows=lines
