@@ -100,8 +100,9 @@ def _distribution() -> Outcome:
     table = Table(
         caption="Ours: the printed double Gaussian, sigma_a and G relaxed, fitted to the theory's own P from the "
         "barrier to five standard deviations of the full-contact stress; G over that of full contact, residual rms "
-        "over the largest P. The theory's barrier moves with the wavenumber, so that its P is no double Gaussian and the fit "
-        "ends at a third of its sigma_a. Half the detached width raises sigma_a by sqrt 2, the area by a few per cent.",
+        "over the largest P. The theory's barrier moves with the wavenumber, so that its P is no double Gaussian and "
+        "the fit ends at a third of its sigma_a. Half the detached width raises sigma_a by sqrt 2, the area by a few "
+        "per cent.",
         columns=["load / E*", "detached width", "A/A0", "sigma_a / E*", "fitted sigma_a / E*", "fitted G / G",
                  "residual"],
         rows=[[load, width, state.contact_fraction, state.detachment_stress / MODULUS,
