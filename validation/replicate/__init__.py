@@ -30,6 +30,7 @@ from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
 from validation.replicate.members import hurst as hurst_members
 from validation.replicate.members import shapes as shapes_member
+from validation.replicate.statements import stale
 from validation.report.figure_files import linked, write_figure
 
 GROUP = "the paper replicated"
@@ -85,6 +86,8 @@ def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable
     evidence = gather(size, folder / "members", outcome.failed)
     say(Note("figures and statements"))
     records = [_record(case) for case in cases(evidence)]
+    judged = stale([row for record in records for row in record.rows])
+    records[0] = records[0].model_copy(update={"rows": [*records[0].rows, judged]})
     for record in records:
         for figure in record.figures:
             write_figure(figure, folder / FIGURES)

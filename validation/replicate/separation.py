@@ -90,7 +90,8 @@ def _small_row(ratio: float, short: str) -> Row:
     """That they part at small load, as the paper says."""
     row = counted(f"separation at {SMALL:g} E* differs from the theory's by more than {DIFFERENT:.0%} (yes: 1)",
                   Reference(kind="independent code", source=f"{PAPER}, section 5: except at small loads"), [1.0],
-                  [float(abs(ratio - 1) > DIFFERENT)], message=short or f"over the theory's: {ratio:.2f}; {CAUSE}")  # fmt: skip
+                  [float(abs(ratio - 1) > DIFFERENT)], message=short or f"over the theory's: {ratio:.2f}; {CAUSE}",
+    )  # fmt: skip
     return row.model_copy(update={"status": "not run"}) if short else row
 
 
