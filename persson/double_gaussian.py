@@ -120,9 +120,10 @@ def fit_double_gaussian(
                       xtol=1e-12, ftol=1e-12, gtol=1e-12)
         for start in STARTS
     ]  # fmt: skip
-    best = min(fits, key=lambda fit: float(fit.cost))
-    if not best.success:
-        raise ArithmeticError(f"double Gaussian: {best.message}")
+    ended = [fit for fit in fits if fit.success]
+    if not ended:
+        raise ArithmeticError(f"double Gaussian: {fits[0].message}")
+    best = min(ended, key=lambda fit: float(fit.cost))
     return made(best.x, float(np.sqrt(np.mean(((made(best.x)(sigma) - target) / peak) ** 2))))
 
 

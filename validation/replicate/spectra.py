@@ -71,7 +71,7 @@ def exponent(power: FloatArray, window: Window) -> float:
 
 
 def exponent_of(power: FloatArray, windows: Sequence[Window]) -> Exponent:
-    """Exponent of several realisations, (n_realisations, n_orders), over several windows.
+    """Exponent of several realisations, (n_realisations, n_orders), over several windows; nan without a window.
 
     Examples
     --------
@@ -80,6 +80,8 @@ def exponent_of(power: FloatArray, windows: Sequence[Window]) -> Exponent:
     >>> round(found.value, 12), round(found.error, 12), round(found.high - found.low, 12)
     (-2.0, 0.0, 0.0)
     """
+    if not windows:
+        return Exponent(np.nan, 0.0, np.nan, np.nan)
     each = np.array([[exponent(one, window) for window in windows] for one in power])
     value, error = mean_and_error(each.mean(axis=1)[:, None])
     by_window = each.mean(axis=0)
@@ -129,7 +131,7 @@ def _middle_rows(load: float, power: FloatArray, theory: FloatArray, short: str)
     """The paper's exponents of the middle range: of C_u, of its theory, of C_sigma."""
     here = [window for window in MIDDLE if window[1] <= power.shape[1]]
     found = exponent_of(power, here)
-    said = float(np.mean([exponent(theory, window) for window in here]))
+    said = float(np.mean([exponent(theory, window) for window in here])) if here else np.nan
     full = Alternative(FULL_CONTACT, "the exponent of full contact")
     return [
         statement(f"exponent of C_u at {load:g} E*, middle range", found.value, found.error, PAPERS, 0.15, full,

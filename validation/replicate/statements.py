@@ -78,11 +78,11 @@ def statement(
     Raises
     ------
     ValueError
-        If the tolerance itself reaches further than half the way to the alternative.
+        If the tolerance itself reaches further than half the way to the alternative, with the paper's ensemble.
     """
     said = _values(paper)
     distance = min(abs(against.value - value) for value in said if value is not None)
-    if allowed > distance / 2:
+    if allowed > distance / 2 and not shortfall:
         raise ValueError(f"{quantity}: a tolerance of {allowed:g} does not exclude {against.value:g}, {against.words}")
     excludes = f"excludes {against.value:.4g}, {against.words}"
     row = Row(
