@@ -22,9 +22,19 @@ from bem.command_line.checkpoint import (
     uninterrupted,
     usable,
 )
-from bem.command_line.console import effects_text, reporter, scene_text, summary, summary_line
+from bem.command_line.console import (
+    effects_text,
+    groups_text,
+    preparation_text,
+    reporter,
+    scene_text,
+    summary,
+    summary_line,
+)
 from bem.command_line.folder_lock import FolderInUseError, locked
+from bem.compiled.kernels import IN_USE
 from bem.scene.effects import effects_of, predicted_seconds
+from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Progress, Result, write_result
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene.scene_rules import Mistake
@@ -86,12 +96,16 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def _check(options: argparse.Namespace) -> int:
     """Print what a scene amounts to."""
     scene = load_scene(options.scene)
-    effects = effects_of(scene)
+    effects, groups = effects_of(scene), groups_of(scene)
+    cautions = cautions_of(scene, groups)
     if options.json:
         listed = [vars(effect) for effect in effects]
-        print(json.dumps({"scene": scene.resolved(), "effects": listed, "seconds": predicted_seconds(scene)}))
+        facts = {"scene": scene.resolved(), "effects": listed, "seconds": predicted_seconds(scene), "groups": groups}
+        facts |= {"warnings": [vars(caution) for caution in cautions], "profile_preparation": scene.preparation()}
+        print(json.dumps(facts | {"kernels": IN_USE}))
     else:
-        print(f"{scene_text(scene.resolved())}\n\n{effects_text(effects)}")
+        parts = (scene_text(scene.resolved()), preparation_text(scene.preparation()), groups_text(groups, cautions))
+        print("\n\n".join(part for part in (*parts, effects_text(effects)) if part))
     return DONE
 
 
@@ -106,6 +120,9 @@ def _run(options: argparse.Namespace) -> int:
 
 def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     """Solve a scene into a folder that is ours alone; `new` says whether it was made for this."""
+    if not options.quiet:
+        for caution in cautions_of(scene, groups_of(scene)):
+            print(f"warning: {caution.about}: {caution.message}", file=sys.stderr)
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
     if stored is not None and stored.status in FINAL_STATUSES:
         result = stored

@@ -23,7 +23,8 @@ from bem.loading.path_events import PathEvent
 from bem.nonadhesive.convex_path import ConvexPoint
 from bem.problem import Problem
 from bem.scene.effects import effects_of
-from bem.scene.result import Event, Result, State, provenance
+from bem.scene.plausibility import cautions_of, groups_of, pressure_groups
+from bem.scene.result import Caution, Event, Result, State, provenance
 from bem.scene.scene import Scene
 from bem.states import Cost, Place, complete_state, equilibrium_state, event_of, separated_state
 
@@ -43,6 +44,16 @@ class Record:
     shapes: int = 0
     evaluations: int = 0
     cpu: float = field(default_factory=time.process_time)
+    groups: dict[str, float] = field(init=False)
+    warnings: tuple[Caution, ...] = field(init=False)
+    preparation: tuple[dict[str, Any], ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.groups = groups_of(self.scene)
+        self.warnings = cautions_of(self.scene, self.groups)
+        self.preparation = self.scene.preparation()
+        if self.scene.scan is not None:
+            self.fields |= self.scene.scan.drawn()
 
     def result(self, status: str, failure: str | None = None) -> Result:
         """All of it."""
@@ -56,6 +67,9 @@ class Record:
             status=status,
             fields=dict(self.fields),
             failure=failure,
+            groups=self.groups | pressure_groups(self.groups, self.states),
+            warnings=self.warnings,
+            profile_preparation=self.preparation,
         )
 
 

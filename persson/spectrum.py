@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +32,22 @@ PANEL_RATIO = 1.25  # growth of S from panel to panel of the quadrature
 PANEL_FLOOR = 1e-6  # of S: below, one panel; the integrands are smooth there
 GAUSS_POINTS = 12
 TABLE_DENSITY = 20  # points to a decade of a self-affine table
+
+
+class PeriodicProfile(Protocol):
+    """A profile h = sum_m h_m cos(2 pi m x / period + phi_m), such as a measured one: what the theory sees of it."""
+
+    @property
+    def period(self) -> float:
+        """In m."""
+
+    @property
+    def orders(self) -> NDArray[np.int64]:
+        """Distinct m >= 1, (n_lines,)."""
+
+    @property
+    def amplitudes(self) -> FloatArray:
+        """h_m in m, of either sign, (n_lines,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +102,22 @@ class DiscreteSpectrum:
         order = np.arange(1, n_lines + 1, dtype=np.float64)
         shape = order ** -(hurst + 0.5)
         return cls(first_wavenumber * order, shape * h_rms * np.sqrt(2 / np.sum(shape**2)))
+
+    @classmethod
+    def of_profile(cls, profile: PeriodicProfile) -> DiscreteSpectrum:
+        """The lines of a profile: wavenumbers 2 pi m / period of its orders m, in ascending order.
+
+        Examples
+        --------
+        >>> from types import SimpleNamespace
+        >>> wave = SimpleNamespace(period=0.5, orders=np.array([3, 1]), amplitudes=np.array([1e-6, -2e-6]))
+        >>> lines = DiscreteSpectrum.of_profile(wave)
+        >>> lines.wavenumbers.round(3).tolist(), lines.amplitudes.tolist()
+        ([12.566, 37.699], [2e-06, 1e-06])
+        """
+        ascending = np.argsort(profile.orders)
+        wavenumbers = 2 * np.pi / profile.period * np.asarray(profile.orders)[ascending]
+        return cls(wavenumbers, np.abs(np.asarray(profile.amplitudes)[ascending]))
 
     @property
     def slope_variance_steps(self) -> FloatArray:

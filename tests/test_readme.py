@@ -6,8 +6,10 @@ import sys
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from bem.scene.scene import parse_scene
 from validation.studies import STUDIES
 
 ROOT = Path(__file__).parents[1]
@@ -32,6 +34,16 @@ def test_there_are_two_commands_first():
 
 def test_scene_is_toml():
     assert tomllib.loads(blocks("toml")[0])["profile"]["harmonics"] == 60
+
+
+def test_scan_is_taken_as_shown(folder):
+    x, h = np.arange(100) * 0.01, np.cos(np.arange(100) / 5)
+    np.savetxt(folder / "scan.csv", np.column_stack([x, h]), delimiter=";")
+    scene, scan = map(tomllib.loads, blocks("toml")[:2])
+    steps = parse_scene(scene | scan, folder).preparation()
+    asked = {step["step"]: step.get("method") for step in steps}
+    assert (asked["outliers"], asked["missing"], asked["detrend"]) == ("replace", "interpolate", "line")
+    assert (asked["periodic"], steps[-1]["harmonics"]) == ("mirror", 99)
 
 
 def test_scene_commands_run(folder):

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bem.compiled.kernels import mirrored
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches
@@ -102,12 +103,18 @@ class TrueLength:
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """The integral up to the positions x on the line, (n,)."""
-        turns = np.floor(x / TWO_PI)
-        place = x - turns * TWO_PI
-        panel = np.searchsorted(self.start, place, side="right") - 1
-        t = 2 * (place - self.start[panel]) / self.width[panel] - 1
-        terms = np.cos(np.arange(self.series.shape[1]) * np.arccos(np.clip(t, -1.0, 1.0))[:, None])
-        return np.asarray(turns * self.whole + np.einsum("ij,ij->i", self.series[panel], terms))
+        return integral(self.start, self.width, self.series, self.whole, x)
+
+
+@mirrored
+def integral(start: FloatArray, width: FloatArray, series: FloatArray, whole: float, x: FloatArray) -> FloatArray:
+    """Series on the panel in which each of the positions lies, and `whole` for every turn of the circle, (n,)."""
+    turns = np.floor(x / TWO_PI)
+    place = x - turns * TWO_PI
+    panel = np.searchsorted(start, place, side="right") - 1
+    t = 2 * (place - start[panel]) / width[panel] - 1
+    terms = np.cos(np.arange(series.shape[1]) * np.arccos(np.clip(t, -1.0, 1.0))[:, None])
+    return np.asarray(turns * whole + np.einsum("ij,ij->i", series[panel], terms))
 
 
 def true_length(profile: Profile, slope_scale: float) -> TrueLength:
@@ -133,10 +140,10 @@ def true_length(profile: Profile, slope_scale: float) -> TrueLength:
     start, width, series = (np.concatenate(parts) for parts in zip(*kept, strict=True))
     order = np.argsort(start)
     start, width, series = start[order], width[order], series[order]
-    integral = np.polynomial.chebyshev.chebint(series, lbnd=-1, axis=1) * (width / 2)[:, None]
-    pieces = integral.sum(axis=1)
-    integral[:, 0] += np.cumsum(pieces) - pieces
-    return TrueLength(np.asarray(start, dtype=np.float64), width, integral, float(pieces.sum()))
+    summed = np.ascontiguousarray(np.polynomial.chebyshev.chebint(series, lbnd=-1, axis=1) * (width / 2)[:, None])
+    pieces = summed.sum(axis=1)
+    summed[:, 0] += np.cumsum(pieces) - pieces
+    return TrueLength(np.asarray(start, dtype=np.float64), width, summed, float(pieces.sum()))
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ Eur. Phys. J. E 30 (2009) 65, section 3.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -63,8 +64,8 @@ class Balance:
         What the equilibrium minimises.
     energy : float
         U = U_el + U_ad.
-    rounding : (2 L,) array
-        Accuracy of K in double precision.
+    penetration_rate : float
+        Share of an error in the heights that the control lets pass as one of Delta.
     """
 
     state: Evaluation
@@ -77,7 +78,12 @@ class Balance:
     load_gradient: FloatArray
     potential: float
     energy: float
-    rounding: FloatArray
+    penetration_rate: float
+
+    @cached_property
+    def rounding(self) -> FloatArray:
+        """Accuracy of K in double precision, (2 L,)."""
+        return self.state.rounding(self.penetration_rate)
 
     @property
     def residual(self) -> float:
@@ -179,7 +185,7 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
         load_gradient=load_gradient,
         potential=system.control.potential(state.penetration, state.load, energy),
         energy=energy,
-        rounding=state.rounding(system.control.penetration_rate(state)),
+        penetration_rate=system.control.penetration_rate(state),
     )
 
 

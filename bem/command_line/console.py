@@ -14,7 +14,8 @@ from typing import Any, Protocol, TextIO
 
 from tqdm import tqdm
 
-from bem.scene.result import Effect, Progress, Result
+from bem.compiled.kernels import IN_USE
+from bem.scene.result import Caution, Effect, Progress, Result
 
 LINE_SECONDS = 5.0
 TARGET_SECONDS = 0.5
@@ -162,15 +163,43 @@ def scene_text(resolved: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def preparation_text(steps: Iterable[Mapping[str, Any]]) -> str:
+    """What was done to the samples of a scan, a line for each step.
+
+    Examples
+    --------
+    >>> print(preparation_text([{"step": "detrend", "method": "mean", "rms_height": [2e-6, 1e-6]}]))
+    # profile: detrend  method mean, rms_height 2e-06 to 1e-06
+    """
+
+    def said(value: Any) -> str:
+        if isinstance(value, float):
+            return f"{value:.4g}"
+        return " to ".join(map(said, value)) if isinstance(value, list | tuple) else str(value)
+
+    return "\n".join(
+        f"# profile: {step['step']}  " + ", ".join(f"{key} {said(step[key])}" for key in step if key != "step")
+        for step in steps
+    )
+
+
+def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str:
+    """The groups of a scene, and what is out of the ordinary."""
+    lines = [f"# {name} = {value:.4g}" for name, value in groups.items()]
+    return "\n".join([*lines, *(f"warning: {caution.about}: {caution.message}" for caution in cautions)])
+
+
 def effects_text(effects: Iterable[Effect]) -> str:
-    """A table of effects: on or off, predicted cost, reason, and the total."""
+    """A table of effects: on or off, predicted cost, reason, the total, and the kernels in use."""
     listed = tuple(effects)
     width = max(len(effect.name) for effect in listed)
     lines = [
         f"{effect.name:<{width}}  {'on ' if effect.active else 'off'}  {effect.seconds:9.2f} s  {effect.reason}"
         for effect in listed
     ]
-    return "\n".join([*lines, f"predicted cost {sum(effect.seconds for effect in listed):.2g} s on one core"])
+    return "\n".join(
+        [*lines, f"predicted cost {sum(effect.seconds for effect in listed):.2g} s on one core, {IN_USE} kernels"]
+    )
 
 
 def _toml(value: Any) -> str:

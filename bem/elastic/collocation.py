@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bem.elastic import half_space
+from bem.compiled.kernels import mirrored
 from bem.elastic.hierarchical import IllConditionedSystemError, Skeleton, solve
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
@@ -230,12 +230,7 @@ def evaluate(
     gram = solution.gram
     charges, charge_rate = -solution.charges[:, 0], np.pi * solution.charges[:, 1]
 
-    both = np.stack([charges, charge_rate])
-    slopes = np.empty((2, 2 * count))
-    for size, members in _by_size(modes):
-        rows = skeleton.starts[members, None] + np.arange(size)
-        slopes[:, members] = both[:, rows] @ chebyshev.basis(size).slopes_at_edges[0]
-        slopes[:, count + members] = both[:, rows] @ chebyshev.basis(size).slopes_at_edges[1]
+    slopes = slopes_at_edges(skeleton.coupled, np.stack([charges, charge_rate]))
     edge_slope += slopes[0]
     radius = np.concatenate([half_width, half_width])
     to_intensity = np.sqrt(np.pi / radius)
@@ -248,7 +243,7 @@ def evaluate(
         load=-float(gram[-2, -1]),
         load_rate=np.pi * float(gram[-1, -1]),
         elastic_energy=(float(gram[-2, -2]) + 0.5 * tail_energy) / (2 * np.pi),
-        edge_compliance=gram[edges, edges],
+        edge_compliance=np.ascontiguousarray(gram[edges, edges]),
         edge_slope=edge_slope / radius,
         edge_slope_rate=slopes[1] / radius,
         resolution=resolution,
@@ -261,20 +256,27 @@ def evaluate(
 
 
 def _skeleton(elastic: Elastic, patches: Patches, resolution: Resolution, series: FloatArray) -> Skeleton:
-    """Nodes, right-hand side and kernel of the coupled modes of every patch."""
-    starts = np.concatenate([[0], np.cumsum(resolution.modes)])
-    x, force, at_edges = np.empty(starts[-1]), np.empty(starts[-1]), np.empty((starts[-1], 2))
-    within: list[FloatArray] = [np.empty((0, 0))] * patches.count
-    for modes, members in _by_size(resolution.modes):
-        table, rows = chebyshev.basis(modes), starts[members, None] + np.arange(modes)
+    """Nodes, right-hand side and edge vectors of the coupled modes of every patch."""
+    coupled = chebyshev.by_modes(resolution.modes)
+    x, force, at_edges = skeleton_columns(patches, coupled, series)
+    for background in elastic.backgrounds:
+        force -= background(x)
+    return Skeleton(patches, coupled, x, at_edges, force, elastic.kernel)
+
+
+@mirrored
+def skeleton_columns(
+    patches: Patches, coupled: chebyshev.BySize, series: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Nodes of the coupled modes, R of the series there, (n,) each, and the edge vectors, (n, 2)."""
+    size = coupled.starts[-1]
+    x, force, at_edges = np.empty(size), np.empty(size), np.empty((size, 2))
+    for modes, members in coupled.classes:
+        table, rows = chebyshev.basis(modes), coupled.starts[members, None] + np.arange(modes)
         x[rows] = patches.center[members, None] + patches.half_width[members, None] * table.nodes
         at_edges[rows] = table.at_edges.T
         force[rows] = series[members, :modes] @ table.values.T
-        for i, block in zip(members, half_space.within_patch(patches.half_width[members], table), strict=True):
-            within[i] = block
-    for background in elastic.backgrounds:
-        force -= background(x)
-    return Skeleton(patches, starts, x, at_edges, force, within, elastic.kernel)
+    return x, force, at_edges
 
 
 def _right_hand_sides(
@@ -284,31 +286,52 @@ def _right_hand_sides(
 
     The sums over n >= p are (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2 L,) each, and n C_n^2.
     """
-    center, half_width, most = patches.center, patches.half_width, int(resolution.nodes.max())
-    classes = _by_size(resolution.nodes)
-    positions = [center[who, None] + half_width[who, None] * chebyshev.basis_nodes(size) for size, who in classes]
-    heights = profile.height(np.concatenate([x.ravel() for x in positions]))
-    splits = np.split(heights, np.cumsum([x.size for x in positions])[:-1])
-    series = np.zeros((patches.count, most))
-    for (size, who), x, height in zip(classes, positions, splits, strict=True):
-        series[who, :size] = chebyshev.coefficients(-np.pi * height.reshape(x.shape))
+    sampling = chebyshev.by_nodes(resolution.nodes)
+    series = sampled_series(profile, patches, sampling)
+    for size, members in sampling.classes:
+        if size > chebyshev.SMALL_TRANSFORM:
+            series[members, :size] = chebyshev.coefficients(series[members, :size])
     series[:, 0] += np.pi * (profile.max_height - penetration)
-    order, sums = _edge_sums(most)
-    term = series * np.where(order >= resolution.modes[:, None], order, 0.0)
+    return series, *uncoupled(series, resolution.modes)
+
+
+@mirrored
+def uncoupled(series: FloatArray, modes: IntArray) -> tuple[FloatArray, FloatArray, float]:
+    """Sums over n >= p of (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2 L,) each, and of n C_n^2."""
+    order, sums = _edge_sums(series.shape[1])
+    term = series * np.where(order >= modes[:, None], order, 0.0)
     left, right, slope_left, slope_right = (term @ sums).T
     at_edge, slope = np.concatenate([left, right]), np.concatenate([slope_left, slope_right])
-    return series, at_edge, slope, float(np.vdot(term, series))
+    return at_edge, slope, float(np.vdot(term, series))
 
 
-def _by_size(sizes: IntArray) -> tuple[tuple[int, IntArray], ...]:
-    """Each size with the indices of the patches that have it, ascending."""
-    return _grouped(sizes.astype(np.int64).tobytes())
+@mirrored
+def slopes_at_edges(coupled: chebyshev.BySize, charges: FloatArray) -> FloatArray:
+    """sum n^2 (+-1)^n Q_n of the coupled modes from nodal charges, (k, n) to (k, 2 L)."""
+    count = coupled.index.size
+    slopes = np.empty((charges.shape[0], 2 * count))
+    for size, members in coupled.classes:
+        rows = coupled.starts[members, None] + np.arange(size)
+        slopes[:, members] = charges[:, rows] @ chebyshev.basis(size).slopes_at_edges[0]
+        slopes[:, count + members] = charges[:, rows] @ chebyshev.basis(size).slopes_at_edges[1]
+    return slopes
 
 
-@lru_cache(maxsize=64)
-def _grouped(sizes: bytes) -> tuple[tuple[int, IntArray], ...]:
-    known = np.frombuffer(sizes, dtype=np.int64)
-    return tuple((int(size), np.flatnonzero(known == size)) for size in np.unique(known))
+@mirrored
+def sampled_series(profile: Profile, patches: Patches, sampling: chebyshev.BySize) -> FloatArray:
+    """Chebyshev coefficients of -pi h on every patch, (L, max N_i), filled up with zeros.
+
+    Of more than `chebyshev.SMALL_TRANSFORM` nodes, for which there is no matrix, the samples.
+    """
+    center, half_width = patches.center, patches.half_width
+    positions = [center[who, None] + half_width[who, None] * chebyshev.basis_nodes(n) for n, who in sampling.classes]
+    heights = profile.height(np.concatenate([x.ravel() for x in positions]))
+    splits = np.split(heights, np.cumsum([x.size for x in positions])[:-1])
+    series = np.zeros((patches.count, sampling.classes[-1][0]))
+    for (size, who), x, height in zip(sampling.classes, positions, splits, strict=True):
+        samples = -np.pi * height.reshape(x.shape)
+        series[who, :size] = samples if size > chebyshev.SMALL_TRANSFORM else chebyshev.coefficients(samples)
+    return series
 
 
 @lru_cache(maxsize=512)

@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.compiled.kernels import mirrored
 from bem.elastic.collocation import Elastic, Evaluation
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
@@ -77,13 +78,8 @@ class GapField:
 
     def _near_patch(self, index: IntArray, x: FloatArray) -> FloatArray:
         """Exact logarithmic part of one patch less that of its skeleton, for each x the patch it lies beside, (n,)."""
-        patches, (charges, places), (total, count, terms) = self.state.patches, self._skeletons, self._series
-        t = (x - patches.center[index]) / patches.half_width[index]
-        zeta = 1 / (t + np.copysign(np.sqrt(np.maximum(t * t - 1, 0.0)), t))
-        exact = np.log(np.abs(2 * zeta)) * total[index] + _power_series(terms, count, index, zeta)
-        distance = np.abs(t - places.take(index, axis=1))
-        coarse = np.einsum("kn,kn->n", np.log(distance, out=distance), charges.take(index, axis=1))
-        return np.asarray(-np.pi * exact - coarse)
+        patches = self.state.patches
+        return near_patch(patches.center, patches.half_width, self._skeletons, self._series, index, x)
 
     @cached_property
     def _skeletons(self) -> tuple[FloatArray, FloatArray]:
@@ -112,6 +108,28 @@ class GapField:
             coupled = chebyshev.coefficients(skeletons[:size, who].T * (size / np.pi))
             total[who], terms[who, : size - 1] = coupled[:, 0], coupled[:, 1:] / np.arange(1, size)
         return total, self.state.resolution.nodes - 1, np.ascontiguousarray(terms.T)
+
+
+@mirrored
+def near_patch(
+    center: FloatArray,
+    half_width: FloatArray,
+    skeletons: tuple[FloatArray, FloatArray],
+    series: tuple[FloatArray, IntArray, FloatArray],
+    index: IntArray,
+    x: FloatArray,
+) -> FloatArray:
+    """Exact logarithmic part of one patch less that of its skeleton, for each x the patch it lies beside, (n,).
+
+    Skeletons and series of the patches are those of `GapField`.
+    """
+    (charges, places), (total, count, terms) = skeletons, series
+    t = (x - center[index]) / half_width[index]
+    zeta = 1 / (t + np.copysign(np.sqrt(np.maximum(t * t - 1, 0.0)), t))
+    exact = np.log(np.abs(2 * zeta)) * total[index] + _power_series(terms, count, index, zeta)
+    distance = np.abs(t - places.take(index, axis=1))
+    coarse = np.einsum("kn,kn->n", np.log(distance, out=distance), charges.take(index, axis=1))
+    return np.asarray(-np.pi * exact - coarse)
 
 
 def _power_series(terms: FloatArray, count: IntArray, column: IntArray, zeta: FloatArray) -> FloatArray:

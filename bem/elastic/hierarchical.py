@@ -27,6 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, ParamSpec, Protocol, TypeVar
 
@@ -34,8 +35,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from bem.elastic.half_space import between_nodes
+from bem.compiled.kernels import mirrored
+from bem.elastic.half_space import between_nodes, within_patch
 from bem.elastic.separated_kernel import separated_kernel
+from bem.geometry.chebyshev import BySize, basis
 from bem.geometry.patches import TWO_PI, Patches
 
 if TYPE_CHECKING:
@@ -70,27 +73,34 @@ class Skeleton:
     Attributes
     ----------
     patches : Patches
-    starts : (L + 1,) int array
-        First node of each patch, and the number of all.
+    coupled : BySize
+        Modes of the patches.
     x : (n,) array
         Positions.
     at_edges : (n, 2) array
         What takes nodal charges to q at the left and right edge of their patch.
     force : (n,) array
         Right-hand side.
-    within : sequence of L (p_i, p_i) arrays
-        Kernel within each patch.
     addition : KernelSeries or None
         To the kernel of the half-space.
     """
 
     patches: Patches
-    starts: IntArray
+    coupled: BySize
     x: FloatArray
     at_edges: FloatArray
     force: FloatArray
-    within: list[FloatArray]
     addition: KernelSeries | None
+
+    @cached_property
+    def within(self) -> list[FloatArray]:
+        """Kernel within each patch, L of (p_i, p_i)."""
+        blocks: list[FloatArray] = [np.empty((0, 0))] * self.patches.count
+        for modes, members in self.coupled.classes:
+            together = within_patch(self.patches.half_width[members], basis(modes))
+            for i, block in zip(members, together, strict=True):
+                blocks[i] = block
+        return blocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,20 +149,31 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
     count = skeleton.patches.count
     shared = np.stack([skeleton.force, np.ones(skeleton.x.size)], axis=1)
     whole = _cluster(skeleton, 0, count, shared, accuracy)
-    left = 2 + 2 * np.arange(count)
-    order = np.concatenate([left, left + 1, [0, 1]])
-    gram, charges = whole.gram[order[:, None], order], whole.charges(np.eye(2))
-    remaining = 1 - UNIFORM * gram[-1, -1]
-    if remaining <= 0:
+    found = without_uniform(whole.gram, np.ascontiguousarray(whole.charges(np.eye(2))), UNIFORM)
+    if found is None:
         raise IllConditionedSystemError(f"skeleton matrix of {skeleton.x.size} unknowns is not positive definite")
-    uniform = gram[:, -1] * (UNIFORM / remaining)
-    charges += np.outer(charges[:, 1], uniform[-2:])
-    return Solution(gram + np.outer(gram[:, -1], uniform), charges)
+    return Solution(*found)
+
+
+@mirrored
+def without_uniform(gram: FloatArray, charges: FloatArray, uniform: float) -> tuple[FloatArray, FloatArray] | None:
+    """b^T A^-1 b and A^-1 [force | 1] from those of A' = A + alpha 1 1^T, whose columns come patch by patch.
+
+    None where A is not positive definite.
+    """
+    left = np.arange(2, gram.shape[0], 2)
+    order = np.concatenate([left, left + 1, [0, 1]])
+    gram = gram[order[:, None], order]
+    remaining = 1 - uniform * gram[-1, -1]
+    if remaining <= 0:
+        return None
+    change = gram[:, -1] * (uniform / remaining)
+    return gram + np.outer(gram[:, -1], change), charges + np.outer(charges[:, 1], change[-2:])
 
 
 def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, accuracy: float) -> Cluster:
     """Patches from `first` to before `last`, with the shared columns at their nodes."""
-    starts, patches = skeleton.starts, skeleton.patches
+    starts, patches = skeleton.coupled.starts, skeleton.patches
     if last - first == 1 or starts[last] - starts[first] <= LARGEST_LEAF or skeleton.addition is not None:
         return _leaf(skeleton, first, last, shared)
     middle = first + 1 + int(np.argmin(np.abs(starts[first + 1 : last] - (starts[first] + starts[last]) / 2)))
@@ -176,7 +197,7 @@ def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, accu
 
 @dataclass(frozen=True, eq=False)
 class _Leaf:
-    """A cluster solved by Cholesky: U, and Y of the shared columns."""
+    """A cluster solved by Cholesky: U^T, and Y of the shared columns, one a row."""
 
     gram: FloatArray
     factor: FloatArray
@@ -184,23 +205,60 @@ class _Leaf:
 
     def charges(self, amounts: FloatArray) -> FloatArray:
         """A^-1 b by back substitution."""
-        found, _ = lapack.dtrtrs(self.factor, self.solved @ amounts, lower=0, trans=0)
+        found, _ = lapack.dtrtrs(self.factor.T, self.solved.T @ amounts, lower=0, trans=0)
         return np.asarray(found)
 
 
 def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray) -> _Leaf:
-    nodes = slice(int(skeleton.starts[first]), int(skeleton.starts[last]))
-    starts = skeleton.starts[first : last + 1] - nodes.start
+    starts, addition = skeleton.coupled.starts, None
+    if skeleton.addition is not None:
+        addition = skeleton.addition.matrix(skeleton.x[starts[first] : starts[last]])
+    found = solved_leaf(skeleton, first, last, shared, addition, UNIFORM)
+    if found is None:
+        size = int(starts[last] - starts[first])
+        raise IllConditionedSystemError(f"skeleton matrix of {size} unknowns is not positive definite")
+    return _Leaf(*found)
+
+
+@mirrored
+def solved_leaf(
+    skeleton: Skeleton, first: int, last: int, shared: FloatArray, addition: FloatArray | None, uniform: float
+) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Patches from `first` to before `last` solved by Cholesky.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    first, last : int
+    shared : (n, k) array
+        Columns that are not edge vectors, at the nodes of these patches.
+    addition : (n, n) array or None
+        To the kernel of the half-space.
+    uniform : float
+        alpha.
+
+    Returns
+    -------
+    gram : (m, m) array
+        b^T A'^-1 b of the shared columns and the edge vectors.
+    factor : (n, n) array
+        U^T with A' = U^T U, in its lower triangle.
+    solved : (k, n) array
+        U^-T of the shared columns, one a row.
+    All None where A' is not positive definite.
+    """
+    nodes = slice(int(skeleton.coupled.starts[first]), int(skeleton.coupled.starts[last]))
+    starts = skeleton.coupled.starts[first : last + 1] - nodes.start
     x, size = skeleton.x[nodes], int(starts[-1])
     matrix = between_nodes(x)
     for (start, end), block in zip(pairwise(starts.tolist()), skeleton.within[first:last], strict=True):
         matrix[start:end, start:end] = block
-    if skeleton.addition is not None:
-        matrix += skeleton.addition.matrix(x)
-    np.subtract(UNIFORM, matrix, out=matrix)
+    if addition is not None:
+        matrix += addition
+    np.subtract(uniform, matrix, out=matrix)
     factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
     if info != 0:
-        raise IllConditionedSystemError(f"skeleton matrix of {size} unknowns is not positive definite")
+        return None
     count, row = shared.shape[1], np.arange(size)
     rhs = np.zeros((size, count + 2 * (last - first)), order="F")
     rhs[:, :count] = shared
@@ -208,7 +266,7 @@ def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray) -> _Lea
     rhs[row, left], rhs[row, left + 1] = skeleton.at_edges[nodes].T
     begin = np.concatenate([np.zeros(count, dtype=np.int64), np.repeat(starts[:-1], 2)])
     gram, solved = _gram(factor, rhs, begin, count)
-    return _Leaf(gram, factor, solved)
+    return gram, factor.T, solved.T
 
 
 def _gram(factor: FloatArray, rhs: FloatArray, begin: IntArray, count: int) -> tuple[FloatArray, FloatArray]:
@@ -256,9 +314,22 @@ class _Pair:
 
 def _joined(halves: tuple[Cluster, Cluster], core: FloatArray, count: int) -> _Pair:
     """Two clusters with the kernel P C Q^T between them; `count` columns are shared from above."""
+    found = joined_gram(halves[0].gram, halves[1].gram, core, count)
+    if found is None:
+        raise IllConditionedSystemError("the skeleton matrix of two clusters is not positive definite")
+    return _Pair(found[0], halves, found[1])
+
+
+@mirrored
+def joined_gram(
+    first: FloatArray, second: FloatArray, core: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray] | None:
+    """b^T A'^-1 b of two clusters, (m, m), and M V of the columns shared from above, (2 q, count).
+
+    None where the matrix is not positive definite.
+    """
     rank = core.shape[0]
     own = slice(count, count + rank)
-    first, second = (half.gram for half in halves)
     edges = slice(count, first.shape[0] - rank), slice(first.shape[0] - rank, None)
     size = first.shape[0] + second.shape[0] - 2 * rank - count
     gram, seen = np.zeros((size, size)), np.zeros((2 * rank, size))
@@ -270,26 +341,30 @@ def _joined(halves: tuple[Cluster, Cluster], core: FloatArray, count: int) -> _P
         gram[place, place] = part[beyond, beyond]
         seen[rows, above] = part[own, above]
         seen[rows, place] = part[own, beyond]
-    response = _middle(first[own, own], second[own, own], core) @ seen
+    middle = _middle(first[own, own], second[own, own], core)
+    if middle is None:
+        return None
+    response = middle @ seen
     gram -= seen.T @ response
-    return _Pair(gram, halves, response[:, :count])
+    return gram, response[:, :count]
 
 
-def _middle(first: FloatArray, second: FloatArray, core: FloatArray) -> FloatArray:
-    """M of two halves from X_1, X_2 and C."""
-    rank = core.shape[0]
-    values, vectors = np.linalg.eigh(first)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
+def _middle(first: FloatArray, second: FloatArray, core: FloatArray) -> FloatArray | None:
+    """M of two halves from X_1, X_2 and C; None where the matrix is not positive definite."""
+    size = core.shape[0]
+    factor, pivots, rank, _ = lapack.dpstrf(first, lower=1)
+    root = np.zeros((size, rank))
+    root[pivots - 1] = np.tril(factor)[:, :rank]
     turned = core @ second @ core
     factor, info = lapack.dpotrf(np.eye(rank) - root.T @ turned @ root, lower=1)
     if info != 0:
-        raise IllConditionedSystemError("the skeleton matrix of two clusters is not positive definite")
+        return None
     scaled, _ = lapack.dtrtrs(factor, root.T, lower=1)
     inner = scaled.T @ scaled
     through = turned @ inner
-    middle = np.empty((2 * rank, 2 * rank))
-    middle[:rank, :rank] = -(turned + through @ turned)
-    middle[:rank, rank:] = core + through @ core
-    middle[rank:, :rank] = middle[:rank, rank:].T
-    middle[rank:, rank:] = -core @ inner @ core
+    middle = np.empty((2 * size, 2 * size))
+    middle[:size, :size] = -(turned + through @ turned)
+    middle[:size, size:] = core + through @ core
+    middle[size:, :size] = middle[:size, size:].T
+    middle[size:, size:] = -core @ inner @ core
     return middle

@@ -22,6 +22,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.compiled.kernels import mirrored
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
 
@@ -59,10 +60,7 @@ class LogarithmicPotential:
         points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)])
         if x.size * self.position.size > DIRECT:
             return self._by_boxes(x, points)
-        total, block = np.empty(x.size), LARGEST_BLOCK // self.position.size + 1
-        for first in range(0, x.size, block):
-            total[first : first + block] = _pair_by_pair(points[:, first : first + block], self._sources, self.charge)
-        return total
+        return pair_by_pair(points, self._sources, self.charge)
 
     @cached_property
     def _sources(self) -> FloatArray:
@@ -88,18 +86,26 @@ class LogarithmicPotential:
         starts = [0, in_last, *(in_last + end for end in ends), circle.size]  # of boxes -1, 0, 1, ..., 0 in the circle
         points, sources, charge = points[:, order_x], self._sources[:, circle], self.charge[circle]
         touching = [
-            _pair_by_pair(points[:, first:last], sources[:, start:stop], charge[start:stop])
+            pair_by_pair(
+                np.ascontiguousarray(points[:, first:last]),
+                np.ascontiguousarray(sources[:, start:stop]),
+                charge[start:stop],
+            )
             for first, last, start, stop in zip([0, *ends_x], ends_x, starts, starts[3:], strict=False)
         ]
         total[order_x] += np.concatenate(touching)
         return np.asarray(total)
 
 
-def _pair_by_pair(points: FloatArray, sources: FloatArray, charge: FloatArray) -> FloatArray:
+@mirrored
+def pair_by_pair(points: FloatArray, sources: FloatArray, charge: FloatArray) -> FloatArray:
     """Potential at points given by 2 (sin x/2, cos x/2), (2, n), of charges by (cos x_j/2, -sin x_j/2), (n,)."""
-    chord = points.T @ sources
-    np.log(np.abs(chord, out=chord), out=chord)
-    return np.asarray(chord @ charge)
+    total, block = np.empty(points.shape[1]), LARGEST_BLOCK // max(charge.size, 1) + 1
+    for first in range(0, total.size, block):
+        chord = points[:, first : first + block].T @ sources
+        np.log(np.abs(chord, out=chord), out=chord)
+        total[first : first + block] = chord @ charge
+    return total
 
 
 def _in_boxes(x: FloatArray, boxes: int) -> tuple[IntArray, FloatArray]:

@@ -18,10 +18,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from bem.compiled.kernels import mirrored
 from bem.elastic.collocation import Evaluation
 from bem.geometry.arrays import FloatArray
 
 
+@mirrored
 def stress_intensity_jacobian(state: Evaluation) -> FloatArray:
     """dK_i / d(outward motion of edge e), (2 L, 2 L), dimensionless."""
     count, modes = state.patches.count, state.resolution.modes

@@ -19,6 +19,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.compiled.kernels import mirrored
 from bem.geometry.chebyshev import basis_nodes, coefficients
 
 FloatArray = NDArray[np.float64]
@@ -63,18 +64,30 @@ def separated_kernel(x: FloatArray, beta: float, delta: float, accuracy: float) 
     >>> bool(np.abs(error).max() < 3e-12)
     True
     """
-    from_beta = np.log(np.abs(np.sin((x - beta) / 2)))
-    from_delta = np.log(np.abs(np.sin((x - delta) / 2)))
-    u = from_beta - from_delta
+    u, m = coordinates(x, beta, delta)
     low, high = float(u.min()), float(u.max())
     steps = int(np.ceil(np.log((high - low) / 2) / np.log(RANGE_STEP)))
     modes, core = _modes(steps, accuracy)
-    columns = np.empty((x.size, 2 + modes.shape[1]))
+    return SeparatedKernel(columns(m, (u - (low + high) / 2) / RANGE_STEP**steps, modes), core)
+
+
+@mirrored
+def coordinates(x: FloatArray, beta: float, delta: float) -> tuple[FloatArray, FloatArray]:
+    """u of points of both arcs, and m with half of what is constant, (n,) each."""
+    from_beta = np.log(np.abs(np.sin((x - beta) / 2)))
+    from_delta = np.log(np.abs(np.sin((x - delta) / 2)))
     constant = np.log(2) - np.log(np.abs(np.sin((delta - beta) / 2)))
-    columns[:, 0] = (from_beta + from_delta + constant) / 2
-    columns[:, 1] = 1.0
-    np.matmul(_polynomials((u - (low + high) / 2) / RANGE_STEP**steps, modes.shape[0]).T, modes, out=columns[:, 2:])
-    return SeparatedKernel(columns, core)
+    return from_beta - from_delta, (from_beta + from_delta + constant) / 2
+
+
+@mirrored
+def columns(m: FloatArray, t: FloatArray, modes: FloatArray) -> FloatArray:
+    """Columns of m, of 1 and of the phi_k, which are Chebyshev series in t, (n, q)."""
+    values = np.empty((m.size, 2 + modes.shape[1]))
+    values[:, 0] = m
+    values[:, 1] = 1.0
+    np.matmul(_polynomials(t, modes.shape[0]).T, modes, out=values[:, 2:])
+    return values
 
 
 def _polynomials(t: FloatArray, count: int) -> FloatArray:
@@ -100,4 +113,4 @@ def _modes(steps: int, accuracy: float) -> tuple[FloatArray, FloatArray]:
     kept = np.abs(values) > accuracy
     core = np.diag(np.concatenate([[0.0, 0.0], np.sign(values[kept])]))
     core[0, 1] = core[1, 0] = 1.0
-    return vectors[:, kept] * np.sqrt(np.abs(values[kept])), core
+    return np.ascontiguousarray(vectors[:, kept] * np.sqrt(np.abs(values[kept]))), core

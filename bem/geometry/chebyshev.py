@@ -13,6 +13,7 @@ the middle of a Chebyshev grid, or the decay rate of a Bernstein ellipse; the re
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -21,7 +22,7 @@ from scipy.fft import dct
 
 from bem.geometry.arrays import FloatArray, IntArray
 
-_SMALL_TRANSFORM = 128  # nodes up to which a matrix is the faster transform (measured)
+SMALL_TRANSFORM = 256  # nodes up to which a matrix is the faster transform (measured)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,8 @@ class Basis:
         int log|t - t'| q(t') / sqrt(1 - t'^2) dt' at t_k is (log_moments @ y)_k.
     at_edges, slopes_at_edges : (2, n) arrays
         Rows give q(-1) and q(+1), and sum n^2 (+-1)^n Q_n, from nodal charges.
+    packed : (1 + 5 n + 2 n^2,) array
+        n, then nodes, at_edges, slopes_at_edges, values and log_moments, which are views of it.
     """
 
     nodes: FloatArray
@@ -46,6 +49,7 @@ class Basis:
     log_moments: FloatArray
     at_edges: FloatArray
     slopes_at_edges: FloatArray
+    packed: FloatArray
 
 
 @lru_cache(maxsize=256)
@@ -67,7 +71,15 @@ def basis(n: int) -> Basis:
     signs = np.stack([(-1.0) ** order, np.ones(n)])
     at_edges = (signs * weight) @ values.T
     slopes = (signs * weight * order**2) @ values.T
-    return Basis(np.cos(angle), values, (values * (weight * moment)) @ values.T, at_edges, slopes)
+    moments = (values * (weight * moment)) @ values.T
+    packed = np.concatenate(
+        [np.array([n]), np.cos(angle), at_edges.ravel(), slopes.ravel(), values.ravel(), moments.ravel()]
+    )
+    nodes, at_edges, slopes, values, moments = np.split(packed[1:], [n, 3 * n, 5 * n, (5 + n) * n])
+    square, rows = (n, n), (2, n)
+    return Basis(
+        nodes, values.reshape(square), moments.reshape(square), at_edges.reshape(rows), slopes.reshape(rows), packed
+    )
 
 
 @lru_cache(maxsize=512)
@@ -85,14 +97,14 @@ def coefficients(samples: FloatArray) -> FloatArray:
     True
     """
     n = samples.shape[-1]
-    if n <= _SMALL_TRANSFORM:
+    if n <= SMALL_TRANSFORM:
         return np.asarray(samples @ _transform(n))
     series: FloatArray = dct(samples, type=2, axis=-1) / n
     series[..., 0] /= 2
     return series
 
 
-@lru_cache(maxsize=_SMALL_TRANSFORM)
+@lru_cache(maxsize=SMALL_TRANSFORM)
 def _transform(n: int) -> FloatArray:
     """Matrix of `coefficients`, applied from the right, (n, n): faster than a fast transform where n is small."""
     matrix: FloatArray = dct(np.eye(n), type=2, axis=-1) / n
@@ -132,3 +144,56 @@ def rounded_up(number: FloatArray, ratio: float) -> IntArray:
     """Sizes rounded up to a short list, in steps of at most `ratio` (above 16), so that equal ones can be batched."""
     ladder = _size_ladder(ratio)
     return ladder[np.searchsorted(ladder, number)]
+
+
+@dataclass(frozen=True, eq=False)
+class BySize:
+    """Patches by their size, a number of modes or of nodes, so that equal ones can be batched.
+
+    Attributes
+    ----------
+    classes : tuple of (size, indices)
+        Each size, ascending, with the patches that have it, ascending.
+    tables : tuple of (k,) arrays
+        Of each class: `Basis.packed` of modes; of nodes their number, 1.0 or 0.0, they themselves, and in the first
+        case the matrix of `coefficients`.
+    index : (L,) int array
+        Class of each patch.
+    starts : (L + 1,) int array
+        First node of each patch, and the number of all.
+    """
+
+    classes: tuple[tuple[int, IntArray], ...]
+    tables: tuple[FloatArray, ...]
+    index: IntArray
+    starts: IntArray
+
+
+def by_modes(modes: IntArray) -> BySize:
+    """Patches by their numbers of modes, (L,)."""
+    return _grouped(modes.astype(np.int64).tobytes(), _packed_basis)
+
+
+def by_nodes(nodes: IntArray) -> BySize:
+    """Patches by their numbers of nodes for the profile, (L,)."""
+    return _grouped(nodes.astype(np.int64).tobytes(), _packed_nodes)
+
+
+@lru_cache(maxsize=128)
+def _grouped(sizes: bytes, table: Callable[[int], FloatArray]) -> BySize:
+    known = np.frombuffer(sizes, dtype=np.int64)
+    different, index = np.unique(known, return_inverse=True)
+    classes = tuple((size, np.flatnonzero(index == k)) for k, size in enumerate(different.tolist()))
+    starts = np.concatenate([[0], np.cumsum(known)])
+    return BySize(classes, tuple(table(size) for size, _ in classes), index.astype(np.int64), starts.astype(np.int64))
+
+
+def _packed_basis(modes: int) -> FloatArray:
+    return basis(modes).packed
+
+
+@lru_cache(maxsize=512)
+def _packed_nodes(nodes: int) -> FloatArray:
+    small = nodes <= SMALL_TRANSFORM
+    matrix = _transform(nodes).ravel() if small else np.empty(0)
+    return np.concatenate([np.array([nodes, small]), basis_nodes(nodes), matrix])

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bem.compiled.kernels import mirrored
 from bem.geometry.ranges import check, check_harmonics
 
 FloatArray = NDArray[np.float64]
@@ -161,15 +162,18 @@ class Profile:
 
     def height(self, x: ArrayLike) -> FloatArray:
         """h(x), same shape as x."""
-        return self._expand(x, 0)[0]
+        values: FloatArray = self._expand(x, 0)[0]
+        return values
 
     def slope(self, x: ArrayLike) -> FloatArray:
         """h'(x), same shape as x."""
-        return self._expand(x, 1)[1]
+        values: FloatArray = self._expand(x, 1)[1]
+        return values
 
     def curvature(self, x: ArrayLike) -> FloatArray:
         """h''(x), same shape as x."""
-        return self._expand(x, 2)[2]
+        values: FloatArray = self._expand(x, 2)[2]
+        return values
 
     def height_slope_curvature(self, x: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         """h, h' and h'' at once, each of the shape of x."""
@@ -214,41 +218,54 @@ class Profile:
             spectrum *= factor / (k + 1)
         return table
 
-    @cached_property
-    def _columns(self) -> FloatArray:
-        """The table by terms, (n_terms, n_grid): read faster at many points."""
-        return np.ascontiguousarray(self._table.T)
+    def _expand(self, x: ArrayLike, derivatives: int) -> FloatArray:
+        """h, h', ... up to the given derivative, (derivatives + 1, ...)."""
+        position = np.asarray(x, dtype=np.float64, order="C")
+        values = taylor(self._table, position.ravel(), self._table.shape[0] / self.period, derivatives)
+        return values.reshape(derivatives + 1, *position.shape)
 
-    def _expand(self, x: ArrayLike, derivatives: int) -> list[FloatArray]:
-        """[h, h', ...] up to the given derivative, by the Taylor series about the nearest grid point."""
-        n = self._table.shape[0]
-        position = np.asarray(x, dtype=np.float64) * (n / self.period)
-        nearest = np.rint(position)
-        offset = position - nearest
-        place = nearest.astype(np.int64) % n
-        if position.size > _MANY_POINTS:
-            return [self._horner(place, offset, order) for order in range(derivatives + 1)]
-        powers = np.empty((*position.shape, _TAYLOR_TERMS))
-        powers[..., 0] = 1.0
-        powers[..., 1:] = offset[..., None]
-        np.multiply.accumulate(powers, axis=-1, out=powers)
-        rows = self._table[place]
-        result = [np.einsum("...k,...k->...", rows, powers)]
-        for order in range(1, derivatives + 1):
-            terms = rows[..., order:] * _DERIVATIVE_FACTORS[order, order:]
-            value = np.einsum("...k,...k->...", terms, powers[..., : _TAYLOR_TERMS - order])
-            result.append(value * (n / self.period) ** order)
-        return result
 
-    def _horner(self, place: IntArray, offset: FloatArray, order: int) -> FloatArray:
-        """One derivative at many points, term by term: a third to a seventh of the time of all terms at once."""
-        columns, factors = self._columns, _DERIVATIVE_FACTORS[order]
-        total = factors[-1] * columns[-1].take(place)
-        for k in range(_TAYLOR_TERMS - 2, order - 1, -1):
-            total *= offset
-            term = columns[k].take(place)
-            if order:
-                term *= factors[k]
-            total += term
-        total *= (columns.shape[1] / self.period) ** order
-        return np.asarray(total)
+@mirrored
+def taylor(table: FloatArray, x: FloatArray, spacing_inverse: float, derivatives: int) -> FloatArray:
+    """h, h', ... by the Taylor series about the nearest grid point.
+
+    Parameters
+    ----------
+    table : (n_grid, n_terms) array
+        h^(k)(x_j) delta^k / k!.
+    x : (n,) array
+    spacing_inverse : float
+        1 / delta.
+    derivatives : int
+        Highest, at most 2.
+
+    Returns
+    -------
+    (derivatives + 1, n) array
+    """
+    position = x * spacing_inverse
+    nearest = np.rint(position)
+    offset = position - nearest
+    rows = table.take(nearest.astype(np.int64) % table.shape[0], axis=0)
+    if position.size > _MANY_POINTS:
+        columns = np.ascontiguousarray(rows.T)
+        return np.stack([_horner(columns, offset, k) * spacing_inverse**k for k in range(derivatives + 1)])
+    powers = np.empty((position.size, _TAYLOR_TERMS))
+    powers[:, 0] = 1.0
+    powers[:, 1:] = offset[:, None]
+    np.multiply.accumulate(powers, axis=-1, out=powers)
+    values = np.empty((derivatives + 1, position.size))
+    for order in range(derivatives + 1):
+        terms = rows[:, order:] * _DERIVATIVE_FACTORS[order, order:]
+        values[order] = np.einsum("nk,nk->n", terms, powers[:, : _TAYLOR_TERMS - order]) * spacing_inverse**order
+    return values
+
+
+def _horner(columns: FloatArray, offset: FloatArray, order: int) -> FloatArray:
+    """One derivative at many points, term by term, (n,), from the rows of the table at them, (n_terms, n)."""
+    factors = _DERIVATIVE_FACTORS[order]
+    total = factors[-1] * columns[-1]
+    for k in range(_TAYLOR_TERMS - 2, order - 1, -1):
+        total *= offset
+        total += factors[k] * columns[k]
+    return np.asarray(total)

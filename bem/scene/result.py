@@ -28,6 +28,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.compiled.kernels import IN_USE
 from bem.scene.result_views import Views
 
 SCHEMA = "linecontact-result/1"
@@ -52,6 +53,14 @@ class Effect:
     active: bool
     reason: str
     seconds: float
+
+
+@dataclass(frozen=True)
+class Caution:
+    """What is out of the ordinary in a scene: the key or group concerned, and the probable cause."""
+
+    about: str
+    message: str
 
 
 @dataclass(frozen=True)
@@ -199,6 +208,11 @@ class Result(Views):
         Contents of fields.npz.
     failure : str, optional
         Why the status is `unreachable` or `not_converged`.
+    groups : dict of floats
+        The dimensionless groups that decide, and the scales they are made with (plausibility.py).
+    warnings : tuple of Caution
+    profile_preparation : tuple of dict
+        What was done to the samples of a scan, step by step (scan_preparation.py).
     """
 
     scene: dict[str, Any]
@@ -209,6 +223,9 @@ class Result(Views):
     status: str
     fields: dict[str, NDArray[Any]] = field(default_factory=dict)
     failure: str | None = None
+    groups: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[Caution, ...] = ()
+    profile_preparation: tuple[dict[str, Any], ...] = ()
 
     @property
     def targets(self) -> tuple[State, ...]:
@@ -236,13 +253,14 @@ def installed_version() -> str:
 
 
 def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Versions, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
+    """Versions, kernels, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
     return {
         "linecontact": installed_version(),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
         "numpy": np.__version__,
         "scipy": metadata.version("scipy"),
+        "kernels": IN_USE,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "scene_sha256": digest(resolved_scene),
     }
@@ -267,6 +285,9 @@ def write_result(result: Result, folder: Path) -> None:
             "schema": SCHEMA,
             "scene": result.scene,
             "effects": [asdict(effect) for effect in result.effects],
+            "warnings": [asdict(caution) for caution in result.warnings],
+            "groups": result.groups,
+            "profile_preparation": result.profile_preparation,
             "provenance": result.provenance | {"fields_sha256": hashlib.sha256(arrays).hexdigest() if arrays else None},
             "states": [asdict(state) for state in result.states],
             "events": [asdict(event) for event in result.events],
@@ -315,6 +336,9 @@ def read_result(folder: Path | str) -> Result:
             status=content["status"],
             fields=_read_fields(folder / FIELDS_FILE, fields_sha256),
             failure=content.get("failure"),
+            groups=content.get("groups", {}),
+            warnings=tuple(Caution(**caution) for caution in content.get("warnings", ())),
+            profile_preparation=tuple(content.get("profile_preparation", ())),
         )
     except (KeyError, TypeError, AttributeError, NotFiniteError) as error:
         raise CorruptResultError(f"{path}: incomplete ({error!r})") from error

@@ -17,14 +17,16 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import ValidationError
 
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import LEAST, MOST, MOST_HARMONICS, RANGES, Mistake, shown
+from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown
+from bem.scans.scan_file import SCAN_KEYS, read_scan
+from bem.scans.scan_preparation import DEFAULTS, Scan, Step, prepare
+from bem.scans.scan_text import ScanFileError
 from bem.scene.result import State
-from bem.scene.scan_file import Scan, ScanFileError, read_scan
 from bem.scene.scene_rules import (
     QUESTIONS,
     RANGE,
@@ -37,125 +39,23 @@ from bem.scene.scene_rules import (
     surface_of,
     unknown_key,
 )
+from bem.scene.scene_tables import (
+    REQUIRED_TABLES,
+    TABLES,
+    AccuracyTable,
+    AdhesionTable,
+    LayerTable,
+    LoadingTable,
+    OutputTable,
+    ProfileTable,
+    SolidTable,
+    StoredStart,
+    Table,
+)
 from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.targets import expanded, found, merged, origin
 
-__all__ = ["Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
-
-Number = Annotated[float, Field(ge=-MOST, le=MOST)]
-Numbers = Annotated[tuple[Number, ...], Field(strict=False)]
-Order = Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
-Length = Annotated[float, Field(ge=LEAST, le=MOST)]
-
-
-def _range(path: str) -> Any:
-    """The field of a number, of the range and in the words of `RANGES`."""
-    return Field(**RANGES[path].limits, description=RANGES[path].words)
-
-
-def _words(path: str) -> str:
-    """What is said of a list; its items have ranges of their own."""
-    return RANGES[path].words
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class SolidTable(_Table):
-    """[solid]."""
-
-    youngs_modulus: Annotated[float, _range("solid.youngs_modulus")]
-    poisson_ratio: Annotated[float, _range("solid.poisson_ratio")]
-
-
-class ProfileTable(_Table):
-    """[profile]; keys the kind does not use are None."""
-
-    kind: Literal["self_affine", "harmonics", "samples"] = Field(description='"self_affine", "harmonics" or "samples"')
-    period: Annotated[float | None, _range("profile.period")] = None
-    hurst: Annotated[float | None, _range("profile.hurst")] = None
-    rms_height: Annotated[float | None, _range("profile.rms_height")] = None
-    harmonics: Annotated[int | None, _range("profile.harmonics")] = None
-    seed: Annotated[int | None, _range("profile.seed")] = None
-    orders: Annotated[tuple[Order, ...], Field(strict=False, min_length=1)] | None = Field(
-        None, description=_words("profile.orders")
-    )
-    amplitudes: Numbers | None = Field(None, description=_words("profile.amplitudes"))
-    phases: Numbers | None = Field(None, description=_words("profile.phases"))
-    file: str | None = Field(None, min_length=1, description="the name of a text file with two columns x, h (m)")
-    detrend: Literal["mean", "line"] | None = Field(None, description='"mean" or "line"')
-
-
-class LayerTable(_Table):
-    """[layer]."""
-
-    thickness: Annotated[float, _range("layer.thickness")]
-
-
-class AdhesionTable(_Table):
-    """[adhesion]."""
-
-    work_of_adhesion: Annotated[float, _range("adhesion.work_of_adhesion")]
-    slope_term: bool = Field(False, description="true or false")
-
-
-class StoredStart(_Table):
-    """State `state` (counted from 0) of the result in the folder `result`."""
-
-    result: str = Field(min_length=1)
-    state: int = Field(ge=0)
-
-
-class LoadingTable(_Table):
-    """[loading]; `targets` holds all of them once resolved."""
-
-    control: Literal["separation", "penetration", "mean_pressure", "total_displacement"] = Field(
-        description='"separation", "penetration", "mean_pressure" or, with [layer], "total_displacement"'
-    )
-    targets: Annotated[tuple[Number, ...], Field(strict=False, min_length=1)] = Field(
-        (), description="a list of at least one finite number (m, or Pa with mean_pressure control)"
-    )
-    start: Number | None = Field(None, description="a finite number (m or Pa)")
-    stop: Number | None = Field(None, description="a finite number (m or Pa) other than start")
-    count: int | None = Field(None, ge=2, le=1_000_000, description="an integer >= 2")
-    then_back_to: Number | None = Field(None, description="a finite number (m or Pa) on the side of stop start lies on")
-    stop_at_mean_pressure: Number | None = Field(None, description="a finite number (Pa)")
-    at_mean_pressures: Numbers = Field((), description="a list of finite numbers (Pa)")
-    initial: Literal["separated", "complete_contact"] | StoredStart = Field(
-        "separated", description='"separated", "complete_contact" or {result = "folder", state = integer >= 0}'
-    )
-    flaw: Length | None = Field(None, description="a finite number > 0 (m), below profile.period")
-
-
-class AccuracyTable(_Table):
-    """[accuracy]."""
-
-    tolerance: float = Field(1e-6, ge=1e-12, le=1e-2, description="a number from 1e-12 to 1e-2")
-    max_increment: float = Field(
-        0.05, ge=1e-5, le=100, description="a number from 1e-5 (a million increments from touch to closure) to 100"
-    )
-
-
-class OutputTable(_Table):
-    """[output]."""
-
-    shapes: Numbers = Field((), description="a list of finite numbers (separations in m, or Pa)")
-    spectra: bool | Numbers = Field(False, description="true, false or a list of targets")
-    pressure_distribution: bool | Numbers = Field(False, description="true, false or a list of targets")
-    width_distributions: bool | Numbers = Field(False, description="true, false or a list of targets")
-
-
-TABLES: dict[str, type[_Table]] = {
-    "solid": SolidTable,
-    "profile": ProfileTable,
-    "layer": LayerTable,
-    "adhesion": AdhesionTable,
-    "loading": LoadingTable,
-    "accuracy": AccuracyTable,
-    "output": OutputTable,
-}
-REQUIRED_TABLES = ("solid", "profile", "loading")
+__all__ = ["LoadingTable", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
 
 @dataclass(frozen=True)
@@ -196,6 +96,12 @@ class Scene:
     def surface(self) -> Profile:
         """The profile, SI units."""
         return surface_of(self.profile.model_dump(), self.scan)
+
+    def preparation(self) -> tuple[Step, ...]:
+        """What was done to the samples of a scan, step by step; nothing for other profiles."""
+        if self.scan is None or not isinstance(self.profile.harmonics, int):
+            return ()
+        return self.scan.preparation(self.profile.harmonics)
 
     def physics(self) -> dict[str, Any]:
         """The tables that say what is in contact, those absent left out; other codes check that they provide all."""
@@ -284,7 +190,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
         tables = [name for name in TABLES if data.get(name) is not None]
         shapes = values["output"].get("shapes", ())
         mistakes += loading_mistakes(loading, given["loading"], tables, shapes, profile.get("period"))
-    scan, wrong = _scan(profile, base_dir)
+    scan, wrong = _scan(profile, given["profile"], base_dir)
     mistakes += wrong
     start, wrong = stored_start(loading.get("initial"), loading.get("control"), base_dir)
     mistakes += wrong
@@ -293,7 +199,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     return _resolved(data, values, scan, start)
 
 
-def _checked(name: str, model: type[_Table], raw: Any) -> tuple[dict[str, Any], list[Mistake]]:
+def _checked(name: str, model: type[Table], raw: Any) -> tuple[dict[str, Any], list[Mistake]]:
     """The valid keys of one table, and the mistakes of the others."""
     if raw is None:
         needs = ", ".join(key for key, item in model.model_fields.items() if item.is_required())
@@ -309,7 +215,7 @@ def _checked(name: str, model: type[_Table], raw: Any) -> tuple[dict[str, Any], 
 
 
 def _split(
-    name: str, model: type[_Table], raw: Mapping[str, Any], errors: list[tuple[str, tuple[int | str, ...]]]
+    name: str, model: type[Table], raw: Mapping[str, Any], errors: list[tuple[str, tuple[int | str, ...]]]
 ) -> tuple[dict[str, Any], list[Mistake]]:
     """Valid keys and mistakes, one for each wrong key or item of a list."""
     items: dict[str, list[int]] = {}
@@ -331,16 +237,20 @@ def _split(
     return {key: value for key, value in raw.items() if key not in items}, mistakes
 
 
-def _scan(profile: Mapping[str, Any], base_dir: Path) -> tuple[Scan | None, list[Mistake]]:
-    """The samples of profile.file, if the profile has any."""
-    if profile.get("kind") != "samples" or "file" not in profile:
+def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[Scan | None, list[Mistake]]:
+    """The samples of profile.file, prepared, if the profile has any and says properly how they are to be read."""
+    wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS)) if key not in profile]
+    if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
     name = profile["file"]
     try:
-        scan = read_scan(base_dir / name)
+        scan = prepare(read_scan(base_dir / name, profile), profile)
     except ScanFileError as error:
-        allowed = str(ProfileTable.model_fields["file"].description)
-        return None, [Mistake("profile.file", f"= {shown(name)}: {text}", allowed) for text in error.mistakes]
+        told = [
+            (key, f"= {shown(name)}: {found}" if key == "file" else found, allowed)
+            for key, found, allowed in error.refusals
+        ]
+        return None, [Mistake(f"profile.{key}", found, allowed) for key, found, allowed in told]
     return scan, list(scan_mistakes(profile, scan))
 
 
@@ -393,8 +303,13 @@ def _profile(values: Mapping[str, Any], scan: Scan | None) -> ProfileTable:
         return profile.model_copy(update={"seed": 0})
     if scan is None:
         return profile
-    defaults = {"detrend": "mean", "period": scan.period, "harmonics": min(scan.max_harmonics, SAMPLED_HARMONICS)}
-    return profile.model_copy(update={key: value for key, value in defaults.items() if key not in values})
+    read = scan.steps[0]
+    units = {key: read[key] for key in ("unit_x", "unit_h")}
+    defaults = DEFAULTS | units | {"period": scan.period, "harmonics": min(scan.max_harmonics, SAMPLED_HARMONICS)}
+    update = {key: value for key, value in defaults.items() if key not in values}
+    if profile.harmonics == "all":
+        update["harmonics"] = min(scan.max_harmonics, MOST_HARMONICS)
+    return profile.model_copy(update=update)
 
 
 def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[float, ...]) -> Iterator[Mistake]:

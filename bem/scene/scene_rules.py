@@ -16,7 +16,8 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import Mistake as Mistake
 from bem.geometry.ranges import harmonic_mistakes
 from bem.geometry.ranges import shown as shown
-from bem.scene.scan_file import Scan
+from bem.scans.scan_file import SCAN_KEYS
+from bem.scans.scan_preparation import DEFAULTS, Scan
 
 SAMPLED_HARMONICS = 1000  # default cut of a scan
 REQUIRED = {
@@ -24,9 +25,14 @@ REQUIRED = {
     "harmonics": ("period", "orders", "amplitudes", "phases"),
     "samples": ("file",),
 }
-OPTIONAL = {"self_affine": ("seed",), "harmonics": (), "samples": ("period", "harmonics", "detrend")}
+OPTIONAL = {
+    "self_affine": ("seed",),
+    "harmonics": (),
+    "samples": ("period", "harmonics", *SCAN_KEYS, *DEFAULTS),
+}
 FLAWS = (1e-12, 0.95)  # loading.flaw over the period: what is left in contact beside a wider one is no flaw
 THICKNESSES = (1e-5, 1e12)  # layer.thickness over the period: 280,000 terms of the kernel; half-space to any accuracy
+MOST_TARGET_HARMONICS = 1e9  # targets times harmonics: weeks on one core
 LARGEST_RATIO = 1e50  # of lengths, pressures and energies to the scales of the profile, and its inverse the least
 RANGE = ("start", "stop", "count")
 QUESTIONS = ("title", "loading", "accuracy", "output")  # of a scene; all other tables say what is in contact
@@ -63,6 +69,8 @@ def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Itera
     for key in given:
         if key in values and key not in used:
             yield Mistake(f"profile.{key}", f"= {shown(values[key])}", f'kind = "{kind}" uses {", ".join(used)} only')
+    if kind == "self_affine" and values.get("harmonics") == "all":
+        yield Mistake("profile.harmonics", '= "all"', "an integer >= 1: only samples have a last one")
     if kind != "harmonics":
         return
     yield from harmonic_mistakes(values)
@@ -77,7 +85,7 @@ def scan_mistakes(values: Mapping[str, Any], scan: Scan) -> Iterator[Mistake]:
             f"= {period:g} does not fit {scan.x.size} samples at distance {scan.spacing:g}",
             f"{scan.period:g} m within half a sample distance (the end point of the period is excluded)",
         )
-    if harmonics is not None and harmonics > scan.max_harmonics:
+    if isinstance(harmonics, int) and harmonics > scan.max_harmonics:
         yield Mistake(
             "profile.harmonics",
             f"= {harmonics}",
@@ -160,6 +168,11 @@ def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[
             yield Mistake("adhesion.work_of_adhesion", f"= {adhesion['work_of_adhesion']:g}", allowed)
     if loading is None:
         return
+    count, order = len(loading["targets"]), profile.max_order
+    if count * order > MOST_TARGET_HARMONICS:
+        allowed = f"{MOST_TARGET_HARMONICS / order:.0f} with {order} harmonics: more take weeks"
+        yield Mistake("loading.targets", f"are {count}", allowed)
+        return
     pressed = loading["control"] == "mean_pressure"
     unit = modulus * largest / period if pressed else largest
     for k, target in enumerate(loading["targets"]):
@@ -211,4 +224,4 @@ def surface_of(values: Mapping[str, Any], scan: Scan | None) -> Profile:
         return Profile.from_harmonics(values["period"], values["orders"], values["amplitudes"], values["phases"])
     if scan is None:
         raise ValueError("profile.file: its samples have not been read")
-    return Profile.from_samples(scan.x, np.asarray(scan.h), values["harmonics"], values["detrend"], values["period"])
+    return Profile.from_samples(scan.x, scan.h, values["harmonics"], period=values["period"])

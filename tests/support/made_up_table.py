@@ -3,10 +3,10 @@
 from dataclasses import field, make_dataclass
 from typing import Any
 
-from bem.scene import scene
+from bem.scene import scene, scene_tables
 
 
-class CoatingTable(scene._Table):
+class CoatingTable(scene_tables.Table):
     thickness: float
 
 

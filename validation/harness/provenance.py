@@ -13,6 +13,8 @@ from typing import Any
 
 from threadpoolctl import threadpool_info
 
+from bem.compiled.kernels import IN_USE
+
 PACKAGES = (
     "linecontact",
     "numpy",
@@ -39,6 +41,7 @@ def provenance() -> dict[str, Any]:
         "cores": os.cpu_count() or 0,
         "blas": ", ".join(sorted({_library(pool) for pool in blas})) or "unknown",
         "blas_threads_per_worker": 1,
+        "kernels": IN_USE,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "sources_sha256": sources_digest(),
     } | versions()
@@ -55,7 +58,7 @@ def sources_digest() -> str:
     digest = hashlib.sha256()
     for package in SOURCES:
         for path in sorted((root / package).rglob("*")):
-            if path.suffix in (".py", ".toml", ".json") and "baselines" not in path.parts:
+            if path.suffix in (".py", ".c", ".h", ".toml", ".json") and "baselines" not in path.parts:
                 digest.update(path.relative_to(root).as_posix().encode() + b"\0")
                 digest.update(path.read_bytes())
     return digest.hexdigest()

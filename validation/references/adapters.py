@@ -11,8 +11,6 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import Any
 
-import numpy as np
-
 from bem.scene.scene import Scene, parse_scene
 from persson import DiscreteSpectrum
 
@@ -47,7 +45,7 @@ def taken(posed: Scene, code: str, *names: str) -> list[Any]:
     --------
     >>> solid, profile = taken(scene("sinusoid"), "this code", "solid", "profile")
     Traceback (most recent call last):
-    ValueError: scene: this code does not know [adhesion]
+    ValueError: scene: this code does not provide [adhesion]
     """
     tables = posed.physics()
     known = [tables.pop(name, None) for name in names]
@@ -65,5 +63,4 @@ def persson_spectrum(posed: Scene) -> DiscreteSpectrum:
         The scene has a layer, or anything else that Persson's theory of the half-space does not know.
     """
     taken(posed, "Persson's theory", "solid", "profile", "adhesion")
-    surface = posed.surface()
-    return DiscreteSpectrum(2 * np.pi / surface.period * surface.orders, surface.amplitudes)
+    return DiscreteSpectrum.of_profile(posed.surface())

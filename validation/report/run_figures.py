@@ -13,6 +13,7 @@ from bem.scene.result import Result, State
 from validation.harness.drawings import axes, bars, drawn, marks, semilogy, trace
 from validation.harness.schema import Figure, Panel, Series
 from validation.report.run_words import axis_unit, quantity
+from validation.report.scan_figure import preparation_figure
 
 MOST_SHAPES = 8
 SAME = 1e-6  # relative distance within which a state is one at which a shape is asked for
@@ -29,15 +30,9 @@ def figures_of(result: Result) -> Iterator[Figure]:
         yield drawn("approach", "Mean pressure against separation.", _curves(result, "separation", unit, factor))
     if any(state.error_estimate.mean_pressure for state in result.states):
         yield drawn("errors", "Estimated errors of all states, in the order of the path.", _errors(result))
-    fields = result.fields
-    if "scan_x" in fields and "profile_x" in fields:
-        yield drawn(
-            "preparation",
-            "The profile as measured, and as it is solved but for the cut.",
-            _heights(
-                {"as measured": ("scan_x", fields["scan_h"]), "prepared": ("profile_x", fields["profile_h"])}, fields
-            ),
-        )
+    prepared = preparation_figure(result.fields, result.profile_preparation)
+    if prepared is not None:
+        yield prepared
     yield from _shapes(result)
 
 

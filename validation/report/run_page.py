@@ -34,7 +34,6 @@ def write_run_page(folder: Path) -> Result:
 
 def render_run(result: Result) -> str:
     """The page of a run as text."""
-    preparation = getattr(result, "profile_preparation", ())
     shapes = len(shape_states(result))
     page = environment().get_template("run_page.jinja").render(
         title=result.scene["title"] or "A run",
@@ -43,9 +42,9 @@ def render_run(result: Result) -> str:
         good=succeeded(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
-        groups=getattr(result, "groups", {}),
-        warnings=getattr(result, "warnings", ()),
-        preparation=[_step(step) for step in preparation],
+        groups=result.groups,
+        warnings=result.warnings,
+        preparation=[_step(step) for step in result.profile_preparation],
         figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(result)],
         shapes_left_out=max(0, shapes - MOST_SHAPES),
         targets=[_target(state) for state in result.targets[:MOST_ROWS]],

@@ -130,7 +130,7 @@ def test_a_correct_state_is_ok(state):
 
 def test_a_correct_state_is_ok_by_a_wide_margin(state):
     demands = Demands(
-        closure=2e-12,  # measured 7e-13 (narrow)
+        closure=8e-12,  # measured 2.8e-12 (narrow, kernels in C; 7e-13 in NumPy)
         interpenetration=1e-14,  # measured 0
         contact_residual=1e-12,  # measured 2e-13 (narrow: the profile varies by 7e-4)
         truncation=2e-12,  # measured 6e-13 (narrow)

@@ -28,8 +28,8 @@ def test_estimates_contain_what_was_left_out(tolerance, control, adhesion, monke
     monkeypatch.setattr(elastic_tables, "NEGLIGIBLE", 0.0)
     kept = solved(tolerance, control, TARGETS[control], adhesion)
     errors = {name: abs(getattr(kept, name) - getattr(without, name)) for name in vars(without.error_estimate)}
-    estimates = vars(without.error_estimate)
-    assert {name: errors[name] for name in errors if not errors[name] <= estimates[name]} == {}
+    estimates, own = vars(without.error_estimate), vars(kept.error_estimate)  # `kept` is true to within its own
+    assert {name: errors[name] for name in errors if not errors[name] <= estimates[name] + own[name]} == {}
     assert errors["contact_fraction"] > 0
     assert estimates["contact_fraction"] <= 10 * errors["contact_fraction"]  # measured 2.9 to 3.1
 

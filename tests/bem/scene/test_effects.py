@@ -78,7 +78,7 @@ def test_thick_layer_left_out_is_explained():
 def test_default_cut_of_a_scan_is_noted(tmp_path):
     x = np.arange(16.0)
     np.savetxt(tmp_path / "scan.txt", np.column_stack([x, np.cos(x)]))
-    data = BASE | {"profile": {"kind": "samples", "file": "scan.txt"}}
+    data = BASE | {"profile": {"kind": "samples", "file": "scan.txt", "unit_x": "m", "unit_h": "m"}}
     assert "profile.harmonics = 7 by default for 16 samples" in reason(parse_scene(data, tmp_path), "half_space")
 
 

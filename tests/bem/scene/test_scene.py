@@ -21,6 +21,7 @@ BASE = {
 }
 WAVE = {"kind": "harmonics", "period": 0.01, "orders": [1, 3], "amplitudes": [1e-5, 2e-6], "phases": [0.0, 1.0]}
 PRESSURE = {"control": "mean_pressure", "targets": [1e3]}
+METRES = {"unit_x": "m", "unit_h": "m"}
 ABSENT = object()
 STATE = stored_state()
 
@@ -92,7 +93,7 @@ def paths_of(data, base_dir="."):
         ("profile", WAVE | {"hurst": 0.5}, "profile.hurst"),
         ("profile", {"kind": "samples"}, "profile.file"),
         ("profile", {"kind": "samples", "file": "nowhere.csv"}, "profile.file"),
-        ("profile", {"kind": "samples", "file": "nowhere.csv", "detrend": "none"}, "profile.detrend"),
+        ("profile", {"kind": "samples", "file": "nowhere.csv", "detrend": "parabola"}, "profile.detrend"),
         ("layer", {}, "layer.thickness"),
         ("layer", {"thickness": 0.0}, "layer.thickness"),
         ("layer", {"thickness": math.nan}, "layer.thickness"),
@@ -288,6 +289,7 @@ def test_scan_next_to_the_scene_is_found(tmp_path):
     write_scan(tmp_path, x, 1e-5 * np.cos(2 * np.pi * x / 0.01))
     (tmp_path / "scene.toml").write_text(
         '[solid]\nyoungs_modulus = 1e6\npoisson_ratio = 0.5\n[profile]\nkind = "samples"\nfile = "scan.csv"\n'
+        'unit_x = "m"\nunit_h = "m"\n'
         '[loading]\ncontrol = "separation"\ntargets = [5e-6]\n'
     )
     scene = load_scene(tmp_path / "scene.toml")
@@ -299,7 +301,7 @@ def test_scan_next_to_the_scene_is_found(tmp_path):
 
 def test_resolved_scan_is_told_by_name_and_digest_not_by_folder(tmp_path):
     write_scan(tmp_path, np.arange(8.0), np.cos(np.arange(8.0)))
-    data = scene_with("profile", {"kind": "samples", "file": str(tmp_path / "scan.csv")})
+    data = scene_with("profile", {"kind": "samples", "file": str(tmp_path / "scan.csv"), **METRES})
     profile = parse_scene(data).resolved()["profile"]
     assert profile["file"] == "scan.csv"
     assert len(profile["sha256"]) == 64
@@ -312,7 +314,7 @@ def test_resolved_scan_is_told_by_name_and_digest_not_by_folder(tmp_path):
 )
 def test_scan_bounds_period_and_harmonics(extra, where, tmp_path):
     write_scan(tmp_path, np.arange(8.0), np.cos(np.arange(8.0)))
-    data = scene_with("profile", {"kind": "samples", "file": "scan.csv", **extra})
+    data = scene_with("profile", {"kind": "samples", "file": "scan.csv", **METRES, **extra})
     assert paths_of(data, tmp_path) == [where]
 
 

@@ -28,7 +28,7 @@ def _scan(start: float, folder: Path) -> tuple[bem.Profile, bem.Result]:
     posed = parse_scene(
         {
             "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-            "profile": {"kind": "samples", "file": "scan.csv", "harmonics": SAMPLES // 2},
+            "profile": {"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m", "harmonics": SAMPLES // 2},
             "loading": {"control": "penetration", "targets": [1e-6]},
         },
         folder,

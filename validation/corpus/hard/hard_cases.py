@@ -25,6 +25,8 @@ from validation.corpus.hard.hard_case_scenes import (
 )
 from validation.corpus.hard.hard_case_sweeps import swept_cases
 
+SCAN = {"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m"}
+
 # m.  With 1000 harmonics the lowest pressure of complete contact lies Q = 635 kPa below its mean, and K = 283 Pa m^0.5:
 # by lone_crack.py the load is tensile below a gap of 1.27e-5 periods, a separation of 6.0e-13 m; with 8 harmonics
 # (Q = 60 kPa) below 7.2e-10 m.
@@ -162,8 +164,8 @@ def _hard_cases() -> list[HardCase]:
                  same * 3, ("closing_gaps", "target_alone")),
         HardCase("samples_50000",
                  "50,000 noisy samples, cut at some harmonics",
-                 scene({"kind": "samples", "file": "scan.csv", "harmonics": 100}, "separation", low, WORK, True),
-                 scene({"kind": "samples", "file": "scan.csv", "harmonics": 1000}, "separation", low, WORK, True),
+                 scene(SCAN | {"harmonics": 100}, "separation", low, WORK, True),
+                 scene(SCAN | {"harmonics": 1000}, "separation", low, WORK, True),
                  same * 2, samples=Samples(50_000, 1e-7)),
         HardCase("shift_and_mirror",
                  "a shifted and a mirrored profile have the same states",

@@ -234,7 +234,14 @@ def _sampled(rng: np.random.Generator, period: float, rms: float, most: int) -> 
     height = wave.height(x) + rng.normal(0.0, 0.05 * rms, number) + tilt * x
     count = int(rng.integers(1, min(most, (number - 1) // 2) + 1))
     detrend = str(rng.choice(["mean", "line"]))
-    table: Table = {"kind": "samples", "file": SCAN, "detrend": detrend, "harmonics": count}
+    table: Table = {
+        "kind": "samples",
+        "file": SCAN,
+        "unit_x": "m",
+        "unit_h": "m",
+        "detrend": detrend,
+        "harmonics": count,
+    }
     if (number - 1) // 2 <= most and rng.random() < 0.3:
         del table["harmonics"]
         count = (number - 1) // 2

@@ -10,6 +10,7 @@ on what else the machine does; a case that waits is cut off by the clock.
 
 from __future__ import annotations
 
+import os
 import shutil
 import signal
 import sys
@@ -25,6 +26,7 @@ from tempfile import TemporaryDirectory
 from types import FrameType
 from typing import Any
 
+from bem.compiled.kernels import VARIABLE
 from validation.harness.schema import CaseRecord
 from validation.studies.faults.fault_table import Fault, FaultError, Studied
 
@@ -90,12 +92,13 @@ def examine(studied: Studied, folder: Path, task: Task) -> Examined:
 
 @contextmanager
 def _imported_from(tree: Path, packages: tuple[str, ...]) -> Iterator[None]:
-    """In the block, the packages are imported from a copy; behind it, they are as before."""
+    """In the block, the packages are imported from a copy, with kernels in NumPy; behind it, they are as before."""
 
     def taken_out() -> dict[str, Any]:
         return {name: sys.modules.pop(name) for name in list(sys.modules) if name.split(".")[0] in packages}
 
-    before = taken_out()
+    before, asked = taken_out(), os.environ.get(VARIABLE)
+    os.environ[VARIABLE] = "numpy"  # compiled ones do not see what was changed
     sys.path.insert(0, str(tree))
     try:
         for package in packages:
@@ -105,6 +108,10 @@ def _imported_from(tree: Path, packages: tuple[str, ...]) -> Iterator[None]:
         yield
     finally:
         sys.path.remove(str(tree))
+        if asked is None:
+            del os.environ[VARIABLE]
+        else:
+            os.environ[VARIABLE] = asked
         taken_out()
         sys.modules.update(before)
 

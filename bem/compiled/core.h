@@ -1,0 +1,134 @@
+/* What the kernels share: arrays of Python objects, BLAS and LAPACK, a logarithm that vectorises. */
+
+#ifndef LINECONTACT_CORE_H
+#define LINECONTACT_CORE_H
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+typedef Py_ssize_t Size;
+
+#define PI 3.14159265358979323846
+
+/* Loops compiled for the vector instructions of a processor, chosen when the extension is loaded. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__)
+#define VECTORISED __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define VECTORISED
+#endif
+
+#if defined(_MSC_VER)
+#define RESTRICT __restrict
+#else
+#define RESTRICT restrict
+#endif
+
+/* Buffers of the arguments of one call, released together by `leave`.  An argument that is no such array sets the
+   exception, once, and `failed`: a kernel looks at it after it has taken all arguments. */
+#define MOST_HELD 512
+
+typedef struct {
+    Py_buffer views[MOST_HELD];
+    PyObject *objects[MOST_HELD];
+    int n_views, n_objects, failed;
+} Call;
+
+int enter(Call *call, Size n_given, Size n_wanted);                              /* TypeError where they differ */
+void leave(Call *call);
+PyObject *attribute(Call *call, PyObject *object, const char *name);            /* borrowed until `leave` */
+double *reals(Call *call, PyObject *array, int dimensions, Size *shape);        /* C-contiguous float64 */
+int64_t *integers(Call *call, PyObject *array, Size *size);                     /* (n,) int64 */
+double number(Call *call, PyObject *object);
+Size count(Call *call, PyObject *object);
+void expect(Call *call, int holds, const char *what);                           /* ValueError unless it holds */
+PyObject *new_reals(Call *call, int dimensions, Size n, Size m, double **data); /* numpy.empty */
+double *workspace(Size n);                                                      /* malloc; sets MemoryError */
+
+/* Tables of n Gauss-Chebyshev nodes, chebyshev.Basis.packed: n and each part one behind the other. */
+typedef struct {
+    Size n;
+    const double *nodes, *at_edges, *slopes, *values, *moments;
+} Table;
+
+Table *tables_of(Call *call, PyObject *tuple); /* PyMem_Free it */
+
+/* BLAS and LAPACK of SciPy; matrices by columns. */
+typedef struct {
+    void (*dgemm)(char *, char *, int *, int *, int *, double *, double *, int *, double *, int *, double *, double *,
+                  int *);
+    void (*dgemv)(char *, int *, int *, double *, double *, int *, double *, int *, double *, double *, int *);
+    void (*dsyrk)(char *, char *, int *, int *, double *, double *, int *, double *, double *, int *);
+    void (*dtrsm)(char *, char *, char *, char *, int *, int *, double *, double *, int *, double *, int *);
+    void (*dpotrf)(char *, int *, double *, int *, int *);
+    void (*dpstrf)(char *, int *, double *, int *, int *, int *, double *, double *, int *);
+} Blas;
+
+extern Blas blas;
+
+/* C = alpha op(A) op(B) + beta C, C of m rows and n columns, k terms. */
+static inline void product(char ta, char tb, Size m, Size n, Size k, double alpha, const double *a, Size lda,
+                           const double *b, Size ldb, double beta, double *c, Size ldc)
+{
+    int im = (int)m, in = (int)n, ik = (int)k, ia = (int)lda, ib = (int)ldb, ic = (int)ldc;
+    if (m > 0 && n > 0)
+        blas.dgemm(&ta, &tb, &im, &in, &ik, &alpha, (double *)a, &ia, (double *)b, &ib, &beta, c, &ic);
+}
+
+/* y = alpha op(A) x + beta y, A of m rows and n columns. */
+static inline void times(char ta, Size m, Size n, double alpha, const double *a, Size lda, const double *x, double beta,
+                         double *y)
+{
+    int im = (int)m, in = (int)n, ia = (int)lda, one = 1;
+    blas.dgemv(&ta, &im, &in, &alpha, (double *)a, &ia, (double *)x, &one, &beta, y, &one);
+}
+
+/* op(U) X = B for the upper triangle U of n rows, in place; B of m columns. */
+static inline void solve_upper(char ta, Size n, Size m, const double *u, Size ldu, double *b, Size ldb)
+{
+    char side = 'L', upper = 'U', non_unit = 'N';
+    int in = (int)n, im = (int)m, iu = (int)ldu, ib = (int)ldb;
+    double one = 1.0;
+    if (m > 0)
+        blas.dtrsm(&side, &upper, &ta, &non_unit, &in, &im, &one, (double *)u, &iu, b, &ib);
+}
+
+/* log|x|, -inf at 0 and below the smallest normal number; at most 1.1e-16 of itself off (measured).  With
+   |x| = 2^k (1 + f), 1 + f between the roots of 1/2 and 2, and s = f / (2 + f): log(1 + f) = f - s (f - r),
+   r = 2 s^2 (1/3 + s^2/5 + ...).  Without branches, so that loops of it are vectorised. */
+static inline double log_of_size(double x)
+{
+    const uint64_t root_half = UINT64_C(0x3fe6a09e667f3bcd), one = UINT64_C(0x3ff0000000000000);
+    uint64_t bits, shifted, whole;
+    double f, k, s, z, r, result;
+    memcpy(&bits, &x, 8);
+    bits &= UINT64_C(0x7fffffffffffffff);
+    shifted = bits + (one - root_half);
+    whole = (shifted >> 52) | UINT64_C(0x4330000000000000);
+    memcpy(&k, &whole, 8);
+    k -= 4503599627370496.0 + 1023.0;
+    whole = (shifted & UINT64_C(0x000fffffffffffff)) + root_half;
+    memcpy(&f, &whole, 8);
+    f -= 1.0;
+    s = f / (2.0 + f);
+    z = s * s;
+    r = 1.0 / 23;
+    r = r * z + 1.0 / 21;
+    r = r * z + 1.0 / 19;
+    r = r * z + 1.0 / 17;
+    r = r * z + 1.0 / 15;
+    r = r * z + 1.0 / 13;
+    r = r * z + 1.0 / 11;
+    r = r * z + 1.0 / 9;
+    r = r * z + 1.0 / 7;
+    r = r * z + 1.0 / 5;
+    r = r * z + 1.0 / 3;
+    r = 2.0 * z * r;
+    result = k * 6.93147180369123816490e-01 + (f - (s * (f - r) - k * 1.90821492927058770002e-10));
+    return bits >= UINT64_C(0x0010000000000000) ? (x - x == 0.0 ? result : x * x) : -HUGE_VAL;
+}
+
+#endif

@@ -1,0 +1,23 @@
+/* The kernels: what Python calls.  Each takes its arguments by position. */
+
+#ifndef LINECONTACT_KERNELS_H
+#define LINECONTACT_KERNELS_H
+
+#define DECLARED(name) PyObject *kernel_##name(PyObject *module, PyObject *const *given, Py_ssize_t n_given)
+
+DECLARED(taylor);
+DECLARED(sampled_series);
+DECLARED(skeleton_columns);
+DECLARED(solved_leaf);
+DECLARED(joined_gram);
+DECLARED(stress_intensity_jacobian);
+DECLARED(slopes_at_edges);
+DECLARED(without_uniform);
+DECLARED(uncoupled);
+DECLARED(integral);
+DECLARED(columns);
+DECLARED(coordinates);
+DECLARED(near_patch);
+DECLARED(pair_by_pair);
+
+#endif

@@ -1,0 +1,307 @@
+"""From a line as measured to the samples of a periodic profile, every step recorded.
+
+In this order, each as [profile] asks for it:
+
+outliers   Samples that lie more than `OUTLIER` median steps between neighbours from the running median of `WIDTH`
+           samples are counted and, with "replace", set to that median (Tukey, Exploratory Data Analysis, 1977,
+           chapter 7).  Steps are |h_{i+1} - h_i| > 0.
+missing    "interpolate" fills gaps along straight lines and cuts off what is missing at either end.
+spacing    Positions must be uniform within `UNIFORMITY` of the sample distance; "resample" puts as many samples at
+           equal distances on a curve through the measured ones that does not overshoot (Fritsch, Butland, SIAM J. Sci.
+           Stat. Comput. 5 (1984) 300).
+detrend    A least-squares polynomial is subtracted: degree 0 (mean) to 3 (cubic).  A profile has no mean in any case.
+periodic   "as_is": n samples at distance dx are the period n dx.  "mirror": followed by the same in reverse, 2 n dx.
+           "window": multiplied by a cosine-tapered window (Tukey's; Harris, Proc. IEEE 66 (1978) 51) that goes to zero
+           over `TAPER` of the line at either end.
+cut        Harmonics from 1 to profile.harmonics are kept (Profile.from_samples).
+
+Each step has the rms height and the rms slope before and after: of the samples about their mean, and of the steps
+between neighbours over their distance; after the cut, of the harmonics.  scipy is imported by the steps that need it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from bem.geometry.arrays import FloatArray
+from bem.scans.scan_file import RawScan
+from bem.scans.scan_text import FEWEST, Refusal, ScanFileError
+
+UNIFORMITY = 1e-3  # admitted deviation of a position, in sample distances
+OUTLIER = 15.0  # median steps; of a normal distribution of steps, ten standard deviations
+WIDTH = 5  # samples of the running median: spikes of one or two
+TAPER = 0.1  # of the line, at either end
+DRAWN = 4000  # samples kept for figures
+MOST_MISSING = 0.5  # of the samples
+DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
+DEFAULTS = {
+    "missing": "refuse",
+    "outliers": "keep",
+    "detrend": "mean",
+    "periodic": "as_is",
+    "unequal_spacing": "refuse",
+}
+
+Line = tuple[FloatArray, FloatArray]
+Step = dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Uniform samples of a period, and how they came about.
+
+    Parameters
+    ----------
+    x, h : (n,) arrays
+        Positions and heights, m.
+    sha256 : str
+        Of the file's bytes.
+    measured : tuple of two (n_measured,) arrays
+        Positions and heights as read, m; missing heights are NaN.
+    steps : tuple of dict
+        What was done, step by step, as plain values.
+
+    Examples
+    --------
+    >>> x = np.array([0.0, 0.5, 1.0])
+    >>> line = Scan(x, np.zeros(3), "", (x, np.zeros(3)), ())
+    >>> line.spacing, line.period, line.max_harmonics
+    (0.5, 1.5, 1)
+    """
+
+    x: FloatArray
+    h: FloatArray
+    sha256: str
+    measured: Line
+    steps: tuple[Step, ...]
+
+    @property
+    def spacing(self) -> float:
+        """Sample distance dx, m."""
+        return float(self.x[-1] - self.x[0]) / (self.x.size - 1)
+
+    @property
+    def period(self) -> float:
+        """Period n dx, m."""
+        return self.spacing * self.x.size
+
+    @property
+    def max_harmonics(self) -> int:
+        """Highest order below half the number of samples."""
+        return int(self.x.size - 1) // 2
+
+    @cached_property
+    def _moments(self) -> tuple[FloatArray, FloatArray]:
+        """Mean squares of height (m^2) and slope of the orders up to each, (max_harmonics,) each."""
+        power = np.abs(np.fft.rfft(self.h)[1 : self.max_harmonics + 1]) ** 2 * (2 / self.h.size**2)
+        wavenumbers = 2 * np.pi / self.period * np.arange(1, power.size + 1)
+        return np.cumsum(power), np.cumsum(power * wavenumbers**2)
+
+    def slope_share(self, harmonics: int) -> float:
+        """rms slope of the orders up to `harmonics` over that of all; 1 if the samples are flat."""
+        slopes = self._moments[1]
+        return float(np.sqrt(slopes[harmonics - 1] / slopes[-1])) if slopes[-1] > 0 else 1.0
+
+    @cached_property
+    def end_jump(self) -> float:
+        """Step from the last sample to the first of the next period over the rms step between neighbours."""
+        rms = float(np.sqrt(np.mean(np.diff(self.h) ** 2)))
+        return abs(float(self.h[0] - self.h[-1])) / rms if rms > 0 else 0.0
+
+    def drawn(self) -> dict[str, FloatArray]:
+        """Samples as measured (scan_x, scan_h) and prepared (profile_x, profile_h), m, as few as a figure needs."""
+        pairs = {"scan": self.measured, "profile": (self.x, self.h)}
+        thin = {name: _thinned(*line) for name, line in pairs.items()}
+        return {
+            f"{name}_{axis}": values for name, line in thin.items() for axis, values in zip("xh", line, strict=True)
+        }
+
+    def preparation(self, harmonics: int) -> tuple[Step, ...]:
+        """All steps, the cut with them."""
+        before = roughness(self.x, self.h)
+        after = [float(np.sqrt(moment[harmonics - 1])) for moment in self._moments]
+        share = self.slope_share(harmonics)
+        facts = {"harmonics": harmonics, "of": self.max_harmonics, "slope_share_kept": share}
+        return (*self.steps, {"step": "cut"} | facts | _compared(before, (after[0], after[1])))
+
+
+def roughness(x: FloatArray, h: FloatArray) -> tuple[float, float]:
+    """rms height (m) about the mean and rms slope of a line, missing samples left out.
+
+    Examples
+    --------
+    >>> roughness(np.arange(4.0), np.array([1.0, -1.0, 1.0, -1.0]))
+    (1.0, 2.0)
+    """
+    known = np.isfinite(h)
+    slopes = np.diff(h[known]) / np.diff(x[known])
+    return float(np.std(h[known])), float(np.sqrt(np.mean(slopes**2)))
+
+
+def _thinned(x: FloatArray, h: FloatArray) -> Line:
+    """A line of at most `DRAWN` samples: of each stretch of a longer one the lowest and the highest."""
+    if x.size <= DRAWN:
+        return x, h
+    stretches = np.array_split(np.arange(x.size), DRAWN // 2)
+    low = np.where(np.isnan(h), np.inf, h)
+    high = np.where(np.isnan(h), -np.inf, h)
+    kept = [sorted((part[np.argmin(low[part])], part[np.argmax(high[part])])) for part in stretches]
+    chosen = np.array(kept).ravel()
+    return x[chosen], h[chosen]
+
+
+def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
+    """Samples of a period.
+
+    Parameters
+    ----------
+    raw : RawScan
+    values : mapping
+        Of [profile]: missing, outliers, detrend, periodic, unequal_spacing, as far as they are given.
+
+    Raises
+    ------
+    ScanFileError
+        Positions that do not increase or are unequal, missing samples, fewer than three.
+    """
+    asked = DEFAULTS | {key: values[key] for key in DEFAULTS if key in values}
+    _increasing(raw)
+    line: Line = (raw.x, raw.h)
+    before = _known(raw)
+    facts = raw.facts | {"samples": raw.h.size, "rms_height": before[0], "rms_slope": before[1]}
+    steps: list[Step] = [{"step": "read"} | facts]
+    for step, work in (("outliers", _outliers), ("missing", _missing)):
+        line = _done(steps, step, asked[step], line, work(raw, line, asked[step]))
+    line = _done(steps, "spacing", asked["unequal_spacing"], line, _even(raw, line, asked["unequal_spacing"]))
+    line = _done(steps, "detrend", asked["detrend"], line, _detrended(line, asked["detrend"]))
+    line = _done(steps, "periodic", asked["periodic"], line, _periodic(line, asked["periodic"]))
+    scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps))
+    steps[-1] |= {"period": scan.period, "end_jump": scan.end_jump}
+    return scan
+
+
+def _done(steps: list[Step], name: str, method: str, before: Line, outcome: tuple[Line, Step]) -> Line:
+    """The line after a step, which is recorded."""
+    line, facts = outcome
+    compared = _compared(roughness(*before), roughness(*line))
+    steps.append({"step": name, "method": method} | facts | compared)
+    return line
+
+
+def _compared(before: tuple[float, float], after: tuple[float, float]) -> Step:
+    """rms height and slope before and after a step."""
+    return {"rms_height": [before[0], after[0]], "rms_slope": [before[1], after[1]]}
+
+
+def _known(raw: RawScan) -> tuple[float, float]:
+    """Roughness as measured; ScanFileError for too few samples."""
+    known = int(np.isfinite(raw.h).sum())
+    if known < FEWEST:
+        found = f"holds {known} samples with a height"
+        raise ScanFileError([Refusal("file", found, f"at least {FEWEST} of them")])
+    if known < (1 - MOST_MISSING) * raw.h.size:
+        found = f"lacks {raw.h.size - known} of {raw.h.size} heights"
+        raise ScanFileError([Refusal("file", found, f"at most {MOST_MISSING:.0%} missing")])
+    return roughness(raw.x, raw.h)
+
+
+def _increasing(raw: RawScan) -> None:
+    """Whether positions increase."""
+    backward = np.flatnonzero(np.diff(raw.x) <= 0)
+    if backward.size:
+        k = int(backward[0]) + 1
+        found = f"is not increasing in x: {raw.place(k)} at {raw.x[k]:g} m follows {raw.x[k - 1]:g} m"
+        raise ScanFileError(
+            [
+                Refusal(
+                    "file",
+                    found,
+                    "positions that increase from line to line; columns = [2, 1] where heights come first",
+                )
+            ]
+        )
+
+
+def _outliers(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
+    """Samples far from the running median of those that are there."""
+    x, h = line
+    known = np.flatnonzero(np.isfinite(h))
+    steps = np.abs(np.diff(h[known]))
+    threshold = OUTLIER * float(np.median(steps[steps > 0])) if steps.any() else np.inf
+    middle = import_module("scipy.ndimage").median_filter(h[known], WIDTH, mode="mirror")
+    excess = np.abs(h[known] - middle)
+    far = excess > threshold
+    facts: Step = {"count": int(far.sum()), "width": WIDTH, "median_steps": OUTLIER}
+    if far.any():
+        facts |= {"threshold": threshold, "largest": float(excess.max()), "first": raw.place(int(known[far][0]))}
+    if method == "keep" or not far.any():
+        return line, facts
+    replaced = h.copy()
+    replaced[known[far]] = middle[far]
+    return (x, replaced), facts
+
+
+def _missing(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
+    """Gaps filled, ends cut."""
+    x, h = line
+    gone = np.flatnonzero(np.isnan(h))
+    facts: Step = {"count": int(gone.size)}
+    if not gone.size:
+        return line, facts
+    if method == "refuse":
+        places = ", ".join(raw.place(int(k)) for k in gone[:3]) + (", .." if gone.size > 3 else "")
+        found = f'= "refuse", and {gone.size} of {h.size} heights are missing ({places})'
+        raise ScanFileError([Refusal("missing", found, '"interpolate" fills gaps along straight lines')])
+    known = np.flatnonzero(np.isfinite(h))
+    first, last = int(known[0]), int(known[-1])
+    runs = np.diff(known) - 1
+    facts |= {"longest_gap": int(runs.max()), "cut_at_ends": [first, h.size - 1 - last]}
+    inside = slice(first, last + 1)
+    return (x[inside], np.interp(x[inside], x[known], h[known])), facts
+
+
+def _even(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
+    """Uniform positions, or a refusal."""
+    x, h = line
+    grid = x[0] + (x[-1] - x[0]) * np.arange(x.size) / (x.size - 1)
+    deviation = np.abs(x - grid) * ((x.size - 1) / (x[-1] - x[0]))
+    worst = int(np.argmax(deviation))
+    facts: Step = {"deviation": float(deviation[worst])}
+    if deviation[worst] <= UNIFORMITY:
+        return line, facts
+    if method == "refuse":
+        found = f"is not uniform in x: {raw.place(worst)} is {deviation[worst]:.2g} sample distances off a uniform grid"
+        allowed = f'{UNIFORMITY:g} of them; unequal_spacing = "resample" for a scan of unequal steps'
+        raise ScanFileError([Refusal("file", found, allowed)])
+    curve = import_module("scipy.interpolate").PchipInterpolator(x, h)
+    gaps = np.diff(x)
+    facts |= {"least": float(gaps.min()), "most": float(gaps.max())}
+    return (grid, np.asarray(curve(grid))), facts
+
+
+def _detrended(line: Line, method: str) -> tuple[Line, Step]:
+    """The line less a polynomial, whose range it is told."""
+    if method == "none":
+        return line, {}
+    x, h = line
+    if DEGREES[method] == 0:
+        return (x, h - h.mean()), {"removed": [float(h.mean())] * 2}
+    trend = np.polynomial.Polynomial.fit(x, h, DEGREES[method])(x)
+    return (x, h - trend), {"removed": [float(trend[0]), float(trend[-1])]}
+
+
+def _periodic(line: Line, method: str) -> tuple[Line, Step]:
+    """A line that can be repeated."""
+    x, h = line
+    if method == "mirror":
+        step = (x[-1] - x[0]) / (x.size - 1)
+        return (x[0] + step * np.arange(2 * x.size), np.concatenate([h, h[::-1]])), {}
+    if method == "window":
+        return (x, h * import_module("scipy.signal.windows").tukey(x.size, 2 * TAPER)), {"taper": TAPER}
+    return line, {}

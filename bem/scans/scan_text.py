@@ -1,0 +1,267 @@
+"""Tables of numbers in text files as instruments and spreadsheets write them: found out, never guessed.
+
+A line is a row of the table if all its cells are numbers, or words for a missing one; how cells are parted (tab,
+semicolon, comma, blanks) and which decimal mark they have is a *reading*.  Of all readings the one with the most rows
+of one length is taken; two that explain as many rows by different numbers are refused (`0,5` may be two columns or a
+decimal comma; csv.Sniffer takes the likelier one).  What stands before the first row is the header, of any length;
+after it every line must be a row.  `#` begins a comment.  Encodings: UTF-8 and UTF-16 by their marks, else Latin-1.
+"""
+
+from __future__ import annotations
+
+import codecs
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.geometry.arrays import FloatArray
+
+Row = tuple[float | None, ...]
+
+SHOWN = 3  # mistakes of one sort that are spelt out
+JUDGED = 2000  # lines at either end of a file that tell how it is to be read
+FEWEST = 3  # samples that carry one harmonic
+DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
+MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none", "missing", "bad", "invalid", "void"}
+MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
+COMMENT = re.compile(r"(?:^|\s)#(?!n/a)", re.IGNORECASE)
+SHAPE = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+
+class Refusal(NamedTuple):
+    """Why a scan cannot be used: the key of [profile] concerned, what was found, what is allowed."""
+
+    key: str
+    found: str
+    allowed: str
+
+
+class ScanFileError(ValueError):
+    """A scan that cannot be used; `refusals` says everything that is wrong with it."""
+
+    def __init__(self, refusals: Iterable[Refusal]) -> None:
+        self.refusals = tuple(refusals)
+        super().__init__("; ".join(f"{key}: {found}; allowed: {allowed}" for key, found, allowed in self.refusals))
+
+
+class Reading(NamedTuple):
+    """How cells are parted ("" for blanks), and their decimal mark."""
+
+    delimiter: str
+    decimal: str
+
+    def cells(self, line: str) -> list[str]:
+        """The cells of a line, bare."""
+        if not self.delimiter:
+            return line.split()
+        return [cell.strip().strip('"').strip() for cell in line.split(self.delimiter)]
+
+    def row(self, line: str) -> Row | None:
+        """The numbers of a line, None for a missing one; no row if a cell is neither."""
+        cells = self.cells(line)
+        values: list[float | None] = []
+        for cell in cells:
+            if cell.lower() in MISSING:
+                values.append(None)
+                continue
+            text = cell if self.decimal == "." else cell.replace(".", "?").replace(",", ".")
+            if not SHAPE.fullmatch(text):
+                return None
+            values.append(float(text))
+        return tuple(values)
+
+
+READINGS = tuple(Reading(delimiter, mark) for mark in ".," for delimiter in DELIMITERS if delimiter != mark)
+
+
+@dataclass(frozen=True, eq=False)
+class TextTable:
+    """A table read from text.
+
+    Parameters
+    ----------
+    values : (n_rows, n_columns) array
+        NaN where the file has none.
+    lines : (n_rows,) int array
+        Line of each row, from 1.
+    header : tuple of (int, str)
+        Lines before the first row that are not empty, with their numbers; comment signs removed.
+    encoding : str
+    reading : Reading
+    """
+
+    values: FloatArray
+    lines: NDArray[np.int64]
+    header: tuple[tuple[int, str], ...]
+    encoding: str
+    reading: Reading
+
+
+def read_table(content: bytes, decimal: str | None = None) -> TextTable:
+    """The table in the bytes of a text file.
+
+    Parameters
+    ----------
+    content : bytes
+    decimal : "." or ",", optional
+        The decimal mark, where the file alone does not tell.
+
+    Raises
+    ------
+    ScanFileError
+        Two readings fit, no table, or lines that are no rows, with their numbers.
+
+    Examples
+    --------
+    >>> table = read_table("x in mm;h in µm\\n0,0;1,5\\n0,1;NaN\\n0,2;1,25\\n".encode("latin-1"))
+    >>> table.values.tolist(), table.encoding, table.reading
+    ([[0.0, 1.5], [0.1, nan], [0.2, 1.25]], 'latin-1', Reading(delimiter=';', decimal=','))
+    """
+    text, encoding = _decoded(content)
+    lines = [(number, bare) for number, line in enumerate(text.splitlines(), 1) if (bare := _without_comment(line))]
+    reading, width = _reading_of(lines, decimal)
+    header = [(number, line) for number, line in _texts(text, lines, reading, width)]
+    table, numbers = _rows(lines, reading, width)
+    if not reading.delimiter or not np.isnan(table[:, -1]).all() or width == 1:
+        return TextTable(table, numbers, tuple(header), encoding, reading)
+    return TextTable(table[:, :-1], numbers, tuple(header), encoding, reading)  # every line ends with the delimiter
+
+
+def _decoded(content: bytes) -> tuple[str, str]:
+    """The text and its encoding."""
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        try:
+            return content.decode("utf-16"), "utf-16"
+        except UnicodeDecodeError as error:
+            raise ScanFileError([Refusal("file", f"is not text: {error.reason}", "a text file")]) from error
+    try:
+        return content.decode("utf-8-sig"), "utf-8"
+    except UnicodeDecodeError:
+        return content.decode("latin-1"), "latin-1"
+
+
+def _without_comment(line: str) -> str:
+    """A line up to its comment."""
+    found = COMMENT.search(line) if "#" in line else None
+    return (line if found is None else line[: found.start()]).strip(" \r\n")
+
+
+def _reading_of(lines: Sequence[tuple[int, str]], decimal: str | None) -> tuple[Reading, int]:
+    """How the file is to be read, and its number of columns."""
+    judged = lines if len(lines) <= 2 * JUDGED else [*lines[:JUDGED], *lines[-JUDGED:]]
+    found: list[tuple[int, Reading, int, dict[int, Row]]] = []
+    for reading in READINGS:
+        if decimal is not None and reading.decimal != decimal:
+            continue
+        rows = {n: row for n, line in judged if (row := reading.row(line)) is not None and _has_number(row)}
+        if not rows:
+            continue
+        width = Counter(map(len, rows.values())).most_common(1)[0][0]
+        kept = {n: row for n, row in rows.items() if len(row) == width}
+        found.append((len(kept), reading, width, kept))
+    most = max((count for count, *_ in found), default=0)
+    if most < FEWEST:
+        allowed = f"a text file with at least {FEWEST} lines of numbers"
+        raise ScanFileError([Refusal("file", f"holds {most} samples", allowed)])
+    best = [item for item in found if item[0] == most]
+    _, reading, width, rows = best[0]
+    for _, other, columns, others in best[1:]:
+        if others != rows:
+            number = next(n for n in rows if rows.get(n) != others.get(n))
+            line = dict(lines)[number]
+            told = " or ".join(f"{count} column{'s' * (count != 1)}" for count in (width, columns))
+            allowed = f'decimal = "{reading.decimal}" for the first, decimal = "{other.decimal}" for the second'
+            raise ScanFileError(
+                [Refusal("decimal", f"is needed: line {number} ({line[:40]!r}) may be {told}", allowed)]
+            )
+    return reading, width
+
+
+def _has_number(row: Row) -> bool:
+    return any(value is not None for value in row)
+
+
+def _texts(text: str, lines: Sequence[tuple[int, str]], reading: Reading, width: int) -> Iterator[tuple[int, str]]:
+    """The header: all lines before the first row, comments without their sign."""
+    first = next(n for n, line in lines if _is_row(reading.row(line), width))
+    for number, line in enumerate(text.splitlines()[: first - 1], 1):
+        bare = line.strip().lstrip("#%!;/").strip()
+        if bare:
+            yield number, bare
+
+
+def _is_row(row: Row | None, width: int) -> bool:
+    return row is not None and len(row) == width and _has_number(row)
+
+
+def _rows(lines: Sequence[tuple[int, str]], reading: Reading, width: int) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Rows from the first one on, (n_rows, width), and their lines; every other line is a mistake."""
+    start = next(k for k, (_, line) in enumerate(lines) if _is_row(reading.row(line), width))
+    ragged: list[str] = []
+    invalid: list[str] = []
+    number, line = lines[start - 1]
+    if start and number == lines[start][0] - 1 and _half_a_row(line, reading, width):
+        invalid.append(f"line {number} ({line[:40]!r}) is no row of {width}")
+    body = lines[start:]
+    quick = None if invalid else _quick(body, reading)
+    if quick is not None and quick.shape == (len(body), width):
+        return quick, np.array([number for number, _ in body])
+    values: list[Row] = []
+    numbers: list[int] = []
+    for number, line in body:
+        row = reading.row(line)
+        if row is None:
+            invalid.append(f"line {number} ({line[:40]!r}) holds more than numbers")
+        elif len(row) != width:
+            ragged.append(f"line {number} has {len(row)} column{'s' * (len(row) != 1)}, others have {width}")
+        else:
+            values.append(row)
+            numbers.append(number)
+    mistakes = [
+        *(Refusal("file", text, "the same number of columns in every line") for text in _shortened(ragged)),
+        *(Refusal("file", text, f"numbers, or a word for a missing one such as NaN, {_marks(reading)}: correct the "
+                  "line, remove it or begin it with #") for text in _shortened(invalid)),
+    ]  # fmt: skip
+    if mistakes:
+        raise ScanFileError(mistakes)
+    table = np.array([[math.nan if value is None else value for value in row] for row in values])
+    return table, np.array(numbers)
+
+
+def _quick(lines: Sequence[tuple[int, str]], reading: Reading) -> FloatArray | None:
+    """All rows at once where every cell is a finite number; None where the lines have to be looked at."""
+    text = [line for _, line in lines]
+    if reading.decimal == ",":
+        if any("." in line for line in text):
+            return None
+        text = [line.replace(",", ".") for line in text]
+    try:
+        table = np.loadtxt(text, delimiter=reading.delimiter or None, ndmin=2, comments=None)
+    except ValueError:
+        return None
+    return table if np.isfinite(table).all() else None
+
+
+def _half_a_row(line: str, reading: Reading, width: int) -> bool:
+    """Whether the line before the first row may be a damaged one: a number among as many cells, or numbers alone."""
+    cells = reading.cells(line)
+    if len(cells) == width > 1 and any(_is_row(reading.row(cell), 1) for cell in cells):
+        return True
+    return any(each.row(line) is not None for each in READINGS)
+
+
+def _marks(reading: Reading) -> str:
+    """A reading in words."""
+    return f"decimal mark {reading.decimal!r}, columns parted by {DELIMITERS[reading.delimiter]}"
+
+
+def _shortened(mistakes: list[str]) -> list[str]:
+    """The first mistakes of one sort, and how many more there are."""
+    rest = len(mistakes) - SHOWN
+    return mistakes if rest <= 0 else [*mistakes[:SHOWN], f"and {rest} more lines like that"]

@@ -1,0 +1,188 @@
+"""Is this scene what was meant?  The groups that decide what comes out, and what is out of the ordinary.
+
+A profile in the wrong unit is solved as accurately as one in the right one; only its dimensionless groups tell.  With
+the harmonics h_m of the profile, q_m = 2 pi m / period and E* = E / (1 - nu^2):
+
+rms_height, rms_slope                 h_rms = sqrt(sum h_m^2 / 2) in m, h'_rms = sqrt(sum q_m^2 h_m^2 / 2)
+rms_height_over_period
+pressure_scale                        E* h'_rms in Pa: mean pressures of this size press a half-space flat
+adhesion_over_elastic_energy          w / (E* sum q_m h_m^2 / 8): work of adhesion over the elastic energy of complete
+                                      contact on a half-space, which it pays for by itself above 1 (Persson, Tosatti,
+                                      J. Chem. Phys. 115 (2001) 5597); of one wave 2 pi alpha^2 with the alpha of
+                                      Johnson, Int. J. Solids Struct. 32 (1995) 423
+thickness_over_period                 of [layer]
+least_target, largest_target          over the rms height, or under mean pressures over E* h'_rms
+least_mean_pressure, largest_..       of the states found, over E* h'_rms
+slope_share_kept                      of samples: rms slope of the harmonics kept over that of all
+end_jump_over_step                    of samples: step from the last to the first of the next period over the rms step
+
+The constants below are the limits beyond which a caution is given.  Nothing here changes what is computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from bem.scans.scan_units import METRES
+from bem.scene.result import Caution, State
+from bem.scene.scene import Scene
+
+LARGEST_SLOPE = 1.0  # small strains
+LEAST_SLOPE = 1e-7  # smoother than a silicon wafer
+PERIODS = (1e-9, 1.0)  # m
+MODULI = (1e2, 1e13)  # Pa: weakest gel to beyond diamond
+LARGEST_WORK = 10.0  # J/m^2
+LEAST_SHARE = 0.9  # of the rms slope that the cut keeps
+LARGEST_JUMP = 3.0  # rms steps
+HEIGHTS = (0.01, 20.0)  # rms heights: separations at which surfaces touch, but not all over
+PRESSURES = (1e-7, 10.0)  # of E* h'_rms
+LARGEST_ADHESION = 10.0  # of the elastic energy of complete contact
+MUCH_MISSING = 0.1  # of the samples
+LARGEST_TABLE = 1e9  # bytes
+BYTES = 16 * 14 * 8 * 2 * 1.5  # of the tables of a profile for each harmonic, at most twice this
+
+
+def groups_of(scene: Scene) -> dict[str, float]:
+    """The groups of a scene; those that need a rough profile only if it is one.
+
+    Examples
+    --------
+    >>> from bem.scene.scene import parse_scene
+    >>> scene = parse_scene({
+    ...     "solid": {"youngs_modulus": 0.75e6, "poisson_ratio": 0.5},
+    ...     "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-5], "phases": [0.0]},
+    ...     "loading": {"control": "mean_pressure", "targets": [1e3]},
+    ... })
+    >>> groups = groups_of(scene)
+    >>> round(groups["pressure_scale"]), round(groups["largest_target"], 3), cautions_of(scene, groups)
+    (4443, 0.225, ())
+    """
+    surface, period = scene.surface(), float(scene.profile.period or np.nan)
+    modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
+    height, slope = surface.rms_height, surface.rms_slope
+    groups = {"rms_height": height, "rms_height_over_period": height / period, "rms_slope": slope}
+    groups["pressure_scale"] = modulus * slope
+    if scene.layer is not None:
+        groups["thickness_over_period"] = scene.layer.thickness / period
+    if scene.scan is not None and isinstance(scene.profile.harmonics, int):
+        groups["slope_share_kept"] = scene.scan.slope_share(scene.profile.harmonics)
+        groups["end_jump_over_step"] = scene.scan.end_jump
+    if slope == 0:
+        return groups
+    if scene.adhesion is not None:
+        energy = modulus * float(np.sum(surface.q0 * surface.orders * surface.amplitudes**2)) / 8
+        groups["adhesion_over_elastic_energy"] = scene.adhesion.work_of_adhesion / energy
+    unit = groups["pressure_scale"] if scene.loading.control == "mean_pressure" else height
+    return groups | _ends("target", [target / unit for target in scene.loading.targets])
+
+
+def pressure_groups(groups: Mapping[str, float], states: Sequence[State]) -> dict[str, float]:
+    """Mean pressures of the states found, over E* h'_rms."""
+    scale = groups["pressure_scale"]
+    found = [state.mean_pressure / scale for state in states if np.isfinite(state.mean_pressure)] if scale > 0 else []
+    return _ends("mean_pressure", found)
+
+
+def _ends(name: str, values: Sequence[float]) -> dict[str, float]:
+    return {f"least_{name}": min(values), f"largest_{name}": max(values)} if values else {}
+
+
+def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...]:
+    """What is out of the ordinary in a scene with these groups, with the probable cause."""
+    judged = (_profile_cautions, _path_cautions, _material_cautions, _sample_cautions)
+    return tuple(Caution(*said) for judge in judged for said in judge(scene, groups))
+
+
+Said = Iterator[tuple[str, str]]
+
+
+def _profile_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
+    """Slopes and periods of another order of magnitude than those of surfaces."""
+    slope, period = groups["rms_slope"], float(scene.profile.period or np.nan)
+    scanned = scene.scan is not None
+    if slope > LARGEST_SLOPE or 0 < slope < LEAST_SLOPE:
+        side = f"is above {LARGEST_SLOPE:g}" if slope > LARGEST_SLOPE else f"is below {LEAST_SLOPE:g}"
+        cause = _slope_in_other_units(scene, slope) if scanned else "unit of the heights or of the period?"
+        yield "rms_slope", f"the rms slope {slope:.3g} {side}: {cause}"
+    if not PERIODS[0] <= period <= PERIODS[1]:
+        side = f"above {PERIODS[1]:g} m" if period > PERIODS[1] else f"below {PERIODS[0]:g} m"
+        cause = f'unit_x = "{scene.profile.unit_x}"?' if scanned else "unit?"
+        yield "profile.period", f"the period {period:.3g} m is {side}: {cause}"
+    size = float(max(scene.profile.orders)) if scene.profile.orders else float(scene.profile.harmonics or 1)
+    if size * BYTES > LARGEST_TABLE:
+        yield "profile.harmonics", f"tables of the profile take up to {2 * size * BYTES / 1e9:.2g} GB of memory"
+
+
+def _slope_in_other_units(scene: Scene, slope: float) -> str:
+    """Which single unit of a scan, read as another, gives an ordinary slope."""
+    tried = []
+    for key in ("unit_h", "unit_x"):
+        own = str(getattr(scene.profile, key))
+        for unit, metres in METRES.items():
+            ratio = metres / METRES[own]
+            other = slope * (ratio if key == "unit_h" else 1 / ratio)
+            if 1e-3 <= other <= LARGEST_SLOPE:
+                tried.append(f'{key} = "{own}"? read as "{unit}" it is {other:.2g}')
+    return "; or ".join(tried) or f'unit_x = "{scene.profile.unit_x}", unit_h = "{scene.profile.unit_h}"?'
+
+
+def _path_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
+    """Targets at which nothing touches, or everything does."""
+    if "least_target" not in groups:
+        return
+    least, largest, control = groups["least_target"], groups["largest_target"], scene.loading.control
+    units = "unit of the targets or of the heights?"
+    if scene.scan is not None:
+        units = f'unit of the targets, or unit_h = "{scene.profile.unit_h}"?'
+    if control == "separation" and least > HEIGHTS[1]:
+        yield "loading.targets", f"all separations are above {HEIGHTS[1]:g} rms heights, nothing touches: {units}"
+    if control == "separation" and 0 < largest < HEIGHTS[0]:
+        yield "loading.targets", f"all separations are below {HEIGHTS[0]:g} rms heights, nearly all touches: {units}"
+    if control == "penetration" and least > HEIGHTS[1]:
+        yield "loading.targets", f"all penetrations are above {HEIGHTS[1]:g} rms heights: {units}"
+    if control == "mean_pressure" and least > PRESSURES[1]:
+        yield "loading.targets", f"all pressures are above {PRESSURES[1]:g} E* h'_rms, all touches: unit, or {units}"
+    if control == "mean_pressure" and max(abs(least), abs(largest)) < PRESSURES[0] and (least or largest):
+        yield "loading.targets", f"all pressures are below {PRESSURES[0]:g} E* h'_rms, hardly a load: unit, or {units}"
+
+
+def _material_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
+    """Moduli and works of adhesion of no known material."""
+    modulus = scene.solid.youngs_modulus
+    if not MODULI[0] <= modulus <= MODULI[1]:
+        yield "solid.youngs_modulus", f"{modulus:.3g} Pa is outside {MODULI[0]:g} to {MODULI[1]:g} Pa: unit?"
+    if scene.adhesion is not None and scene.adhesion.work_of_adhesion > LARGEST_WORK:
+        work = scene.adhesion.work_of_adhesion
+        yield "adhesion.work_of_adhesion", f"{work:.3g} J/m^2 is above {LARGEST_WORK:g} J/m^2: unit?"
+    share = groups.get("adhesion_over_elastic_energy", 0.0)
+    if share > LARGEST_ADHESION:
+        yield (
+            "adhesion_over_elastic_energy",
+            f"adhesion is {share:.3g} times the elastic energy of complete contact, which comes by itself: "
+            "unit of the heights, or of the work of adhesion?",
+        )
+
+
+def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
+    """What the cut, the end of the period, spikes and gaps do to a scan."""
+    scan = scene.scan
+    if scan is None:
+        return
+    share, jump = groups["slope_share_kept"], groups["end_jump_over_step"]
+    if share < LEAST_SHARE:
+        cut = (
+            f"profile.harmonics = {scene.profile.harmonics} of {scan.max_harmonics} keeps {share:.0%} of the rms slope"
+        )
+        yield "profile.harmonics", f'{cut}: contact areas depend on it; more of them, or "all"'
+    if jump > LARGEST_JUMP:
+        remedy = 'detrend = "line", periodic = "mirror" or "window"?'
+        yield "profile.periodic", f"the step at the end of the period is {jump:.3g} times the rms step: {remedy}"
+    steps = {step["step"]: step for step in scan.steps}
+    spikes, gaps, count = steps["outliers"], steps["missing"], steps["read"]["samples"]
+    if spikes["count"] and spikes["method"] == "keep":
+        told = f"{spikes['count']} of {count} samples are spikes, the first at {spikes['first']}"
+        yield "profile.outliers", f'{told}: outliers = "replace" sets them to the running median'
+    if gaps["count"] > MUCH_MISSING * count:
+        yield "profile.missing", f"{gaps['count']} of {count} heights were missing"

@@ -1,0 +1,241 @@
+"""The kernels in C say what the functions in NumPy say that they mirror, to rounding."""
+
+import os
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bem.adhesive.adhesion import true_length
+from bem.compiled import kernels
+from bem.elastic import collocation, hierarchical, sensitivities
+from bem.elastic.collocation import Elastic
+from bem.elastic.gap import gap_field
+from bem.elastic.kernel_series import kernel_series
+from bem.elastic.layer import LayerEffect
+from bem.elastic.separated_kernel import separated_kernel
+from bem.geometry import chebyshev
+from bem.geometry.patches import TWO_PI, Patches, ordered
+from bem.geometry.profile import Profile
+
+CORE = kernels.compiled("")
+pytestmark = pytest.mark.skipif(CORE is None, reason="the kernels in C are not built")
+ROUNDING = 1e-12  # measured up to 3e-13
+LAYER = kernel_series(LayerEffect(1.0, 0.5, 0.0), 1e-14)
+ROUGH = Profile.self_affine(TWO_PI, 0.7, 1.0, 400, 5).scaled()
+
+
+def random_patches(count, seed, share=0.5):
+    """Patches of random widths and gaps, which fill a share of the circle."""
+    random = np.random.default_rng(seed)
+    width, gap = random.exponential(size=(2, count)) + 0.05
+    width, gap = share * TWO_PI * width / width.sum(), (1 - share) * TWO_PI * gap / gap.sum()
+    left = np.cumsum(width + gap) - width
+    return ordered(left, left + width)
+
+
+def near_merging():
+    patches = random_patches(6, 1)
+    return Patches(patches.left, patches.right + np.array([0, 0, 1, 0, 0, 0]) * (patches.gap_after - 1e-4))
+
+
+def near_vanishing():
+    patches = random_patches(7, 2)
+    right = patches.right.copy()
+    right[3] = patches.left[3] + 1e-7
+    return Patches(patches.left, right)
+
+
+PATCHES = {
+    "one": lambda: Patches(np.array([1.0]), np.array([1.3])),
+    "one, beyond the period": lambda: Patches(np.array([3.0]), np.array([8.5])),
+    "near merging": near_merging,
+    "near vanishing": near_vanishing,
+    "sixty": lambda: random_patches(60, 3),
+    "three hundred": lambda: random_patches(300, 4, 0.2),
+}
+
+
+@pytest.fixture(params=PATCHES, ids=str, scope="module")
+def posed(request):
+    """What the kernels are given, made by the references: of some patches at a tolerance, with a cut in two halves."""
+    patches, reference = PATCHES[request.param](), SimpleNamespace(**kernels.REFERENCES)
+    resolution = collocation.resolve(Elastic(ROUGH), patches, 1e-4)
+    coupled, sampling = chebyshev.by_modes(resolution.modes), chebyshev.by_nodes(resolution.nodes)
+    series = reference.sampled_series(ROUGH, patches, sampling)
+    x, force, at_edges = reference.skeleton_columns(patches, coupled, series)
+    skeleton = hierarchical.Skeleton(patches, coupled, x, at_edges, force, None)
+    shared = np.stack([force, np.ones(x.size)], axis=1)
+    return SimpleNamespace(
+        patches=patches, reference=reference, sampling=sampling, coupled=coupled, series=series, skeleton=skeleton,
+        shared=shared, resolution=resolution,
+    )  # fmt: skip
+
+
+def check(found, expected):
+    """Whether arrays agree to rounding of the largest entry."""
+    assert found.shape == expected.shape
+    assert np.abs(found - expected).max() <= ROUNDING * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("points", [1, 40, 1000])
+def test_profile(points):
+    x = np.random.default_rng(1).uniform(-7, 15, points)
+    given = ROUGH._table, x, ROUGH._table.shape[0] / TWO_PI, 2
+    for found, expected in zip(CORE.taylor(*given), kernels.REFERENCES["taylor"](*given), strict=True):
+        check(found, expected)
+
+
+def test_series_on_the_patches(posed):
+    found = CORE.sampled_series(ROUGH, posed.patches, posed.sampling)
+    check(found, posed.series)
+
+
+def test_columns_of_the_coupled_modes(posed):
+    found = CORE.skeleton_columns(posed.patches, posed.coupled, posed.series)
+    for one, other in zip(found, (posed.skeleton.x, posed.skeleton.force, posed.skeleton.at_edges), strict=True):
+        check(one, other)
+
+
+@pytest.mark.parametrize("layered", [False, True], ids=["half-space", "layer"])
+def test_leaf(posed, layered):
+    addition = LAYER.matrix(posed.skeleton.x) if layered else None
+    given = posed.skeleton, 0, posed.patches.count, posed.shared, addition, hierarchical.UNIFORM
+    found, expected = CORE.solved_leaf(*given), posed.reference.solved_leaf(*given)
+    check(found[0], expected[0])
+    check(np.tril(found[1]), np.tril(expected[1]))
+    check(found[2], expected[2])
+
+
+def test_matrix_that_is_not_positive_definite(posed):
+    given = posed.skeleton, 0, posed.patches.count, posed.shared, None, -100.0
+    assert CORE.solved_leaf(*given) is None
+    assert posed.reference.solved_leaf(*given) is None
+
+
+@pytest.mark.parametrize("posed", ["near merging", "near vanishing", "sixty", "three hundred"], indirect=True)
+def test_two_clusters(posed):
+    patches, skeleton, count = posed.patches, posed.skeleton, posed.patches.count
+    middle = count // 2
+    beta = patches.right[middle - 1] + patches.gap_after[middle - 1] / 2
+    delta = patches.right[-1] + patches.gap_after[-1] / 2
+    kernel = separated_kernel(skeleton.x, beta, delta, 1e-12)
+    wider, split = np.concatenate([posed.shared, kernel.columns], axis=1), posed.coupled.starts[middle]
+    leaf, core = posed.reference.solved_leaf, -kernel.core + np.diag(np.arange(kernel.core.shape[0]) == 1) * 0.03
+    first = leaf(skeleton, 0, middle, wider[:split], None, hierarchical.UNIFORM)[0]
+    second = leaf(skeleton, middle, count, np.ascontiguousarray(wider[split:]), None, hierarchical.UNIFORM)[0]
+    given = np.ascontiguousarray(first), np.ascontiguousarray(second), core, 2
+    for found, expected in zip(CORE.joined_gram(*given), posed.reference.joined_gram(*given), strict=True):
+        check(found, expected)
+    assert CORE.joined_gram(*given[:2], 100 * core, 2) is None
+    assert posed.reference.joined_gram(*given[:2], 100 * core, 2) is None
+
+
+def test_derivatives_of_the_stress_intensities(posed):
+    state = collocation.evaluate(Elastic(ROUGH), posed.patches, 1.0, 1e-6)
+    check(
+        CORE.stress_intensity_jacobian(state),
+        kernels.REFERENCES[sensitivities.stress_intensity_jacobian.__name__](state),
+    )
+
+
+def test_sums_over_the_uncoupled_modes(posed):
+    given = posed.series, posed.resolution.modes
+    (*found, energy), (*expected, energy_expected) = CORE.uncoupled(*given), posed.reference.uncoupled(*given)
+    for one, other in zip(found, expected, strict=True):
+        check(one, other)
+    assert energy == pytest.approx(energy_expected, rel=ROUNDING)
+
+
+def test_uniform_charge_taken_out(posed):
+    leaf = posed.reference.solved_leaf(posed.skeleton, 0, posed.patches.count, posed.shared, None, 0.03)
+    gram, charges = np.ascontiguousarray(leaf[0]), np.ascontiguousarray(leaf[2].T)
+    for found, expected in zip(
+        CORE.without_uniform(gram, charges, 0.03), posed.reference.without_uniform(gram, charges, 0.03), strict=True
+    ):
+        check(found, expected)
+    assert CORE.without_uniform(gram, charges, 1 / gram[1, 1]) is None
+    assert posed.reference.without_uniform(gram, charges, 1 / gram[1, 1]) is None
+
+
+def test_slopes_at_the_edges(posed):
+    charges = np.random.default_rng(1).normal(size=(2, posed.skeleton.x.size))
+    given = posed.coupled, charges
+    check(CORE.slopes_at_edges(*given), posed.reference.slopes_at_edges(*given))
+
+
+@pytest.mark.parametrize("points", [1, 300])
+def test_potential_of_charges(points):
+    random = np.random.default_rng(2)
+    given = random.normal(size=(2, points)), random.normal(size=(2, 777)), random.normal(size=777)
+    check(CORE.pair_by_pair(*given), kernels.REFERENCES["pair_by_pair"](*given))
+
+
+def test_logarithm_of_nothing_and_of_what_is_no_number():
+    chords = np.array([0.0, np.nan, np.inf, 1.0, -1e300, 5e-324])
+    given = np.stack([chords, np.zeros(6)]), np.array([[1.0], [0.0]]), np.ones(1)
+    found = CORE.pair_by_pair(*given)
+    assert found[0] == found[5] == -np.inf  # numbers below the smallest normal one are as good as zero
+    assert np.isnan(found[1])
+    assert found[2] == np.inf
+    assert found[3:5] == pytest.approx([0.0, np.log(1e300)], rel=2e-16)
+
+
+def test_potential_beside_a_patch(posed):
+    state = collocation.evaluate(Elastic(ROUGH), posed.patches, 1.0, 1e-4)
+    field, random = gap_field(Elastic(ROUGH), state), np.random.default_rng(3)
+    which = random.integers(0, posed.patches.count, 100)
+    apart = np.where(random.random(100) < 0.3, 1e-9, random.random(100))  # of the gap behind the patch
+    x = posed.patches.right[which] + apart * posed.patches.gap_after[which]
+    given = posed.patches.center, posed.patches.half_width, field._skeletons, field._series, which, x
+    check(CORE.near_patch(*given), kernels.REFERENCES["near_patch"](*given))
+
+
+def test_kernel_between_two_arcs():
+    x, modes = (
+        np.concatenate([np.linspace(0.2, 3, 40), np.linspace(3.3, 6, 50)]),
+        np.random.default_rng(5).normal(size=(37, 21)),
+    )
+    given = x, 3.1, -0.1
+    for found, expected in zip(CORE.coordinates(*given), kernels.REFERENCES["coordinates"](*given), strict=True):
+        check(found, expected)
+    given = x, np.cos(np.linspace(0, np.pi, 90)), modes
+    check(CORE.columns(*given), kernels.REFERENCES["columns"](*given))
+
+
+def test_true_length():
+    x, length = np.random.default_rng(4).uniform(-20, 20, 500), true_length(ROUGH, 0.3)
+    given = length.start, length.width, length.series, length.whole, x
+    check(CORE.integral(*given), kernels.REFERENCES["integral"](*given))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda: CORE.taylor(ROUGH._table, np.zeros(3)),
+        lambda: CORE.taylor(ROUGH._table, np.zeros(3, dtype=np.float32), 1.0, 0),
+        lambda: CORE.taylor(ROUGH._table, np.zeros(6)[::2], 1.0, 0),
+        lambda: CORE.taylor(ROUGH._table, np.zeros(3), 1.0, 3),
+        lambda: CORE.stress_intensity_jacobian(None),
+    ],
+    ids=["too few", "of another type", "not contiguous", "order too high", "no state"],
+)
+def test_arguments_that_a_kernel_cannot_take(wrong):
+    with pytest.raises((TypeError, ValueError, AttributeError)):
+        wrong()
+
+
+def in_use(asked):
+    """Kernels that a new process uses, and what it prints about errors."""
+    code = "from bem.compiled import kernels; print(kernels.IN_USE)"
+    environment = os.environ | {kernels.VARIABLE: asked}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    return done.stdout.strip(), done.stderr
+
+
+def test_the_environment_chooses():
+    assert in_use("numpy")[0] == "NumPy"
+    assert in_use("compiled")[0] == in_use("")[0] == "compiled"
+    assert "LINECONTACT_KERNELS: 'fast' must be numpy, compiled or empty" in in_use("fast")[1]

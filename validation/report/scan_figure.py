@@ -1,0 +1,72 @@
+"""A scan before and after its preparation: heights as measured and as they are solved, and in words what was done.
+
+The numbers are those that a result stores (`Scan.drawn` in bem/scans/scan_preparation.py): scan_x, scan_h and
+profile_x, profile_h in m.  Both lines are drawn about their own mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.harness.schema import Figure, Panel, Series
+
+PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
+SAID = {
+    "outliers": {"keep": "spikes found and kept: {count}", "replace": "spikes replaced: {count}"},
+    "missing": {"interpolate": "missing heights interpolated: {count}"},
+    "spacing": {"resample": "resampled at equal distances"},
+    "detrend": {
+        "line": "a line subtracted",
+        "quadratic": "a quadratic trend subtracted",
+        "cubic": "a cubic trend subtracted",
+    },
+    "periodic": {"mirror": "mirrored", "window": "tapered to zero at both ends"},
+}
+
+
+def preparation_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[Mapping[str, Any]]) -> Figure | None:
+    """The figure of a result, from its fields and `profile_preparation`; None where its profile is no scan.
+
+    Examples
+    --------
+    >>> line = np.array([0.0, 1e-3, 2e-3]), np.array([1e-6, 0.0, 2e-6])
+    >>> fields = dict(zip(("scan_x", "scan_h", "profile_x", "profile_h"), (*line, *line), strict=True))
+    >>> figure = preparation_figure(fields, [{"step": "read", "samples": 3}, {"step": "periodic", "method": "mirror"}])
+    >>> figure.caption, figure.solution.xlabel, [series.label for series in figure.solution.series]
+    ('Scan of 3 samples: mirrored.', 'x / mm', ['as measured', 'as prepared'])
+    >>> preparation_figure({}, []) is None
+    True
+    """
+    if "scan_x" not in fields:
+        return None
+    length, across = _unit(fields["profile_x"] - fields["profile_x"][0])
+    height, upward = _unit(fields["scan_h"] - np.nanmean(fields["scan_h"]))
+    series = []
+    for name, label, style in (("scan", "as measured", "thin"), ("profile", "as prepared", "line")):
+        x, h = fields[f"{name}_x"] / length, fields[f"{name}_h"] / height
+        heights = [float(value) if np.isfinite(value) else None for value in h - np.nanmean(h)]
+        series.append(Series.model_validate({"label": label, "x": x.tolist(), "y": heights, "style": style}))
+    panel = Panel(xlabel=f"x / {across}", ylabel=f"height / {upward}", series=series)
+    return Figure(id="preparation", caption=caption_of(steps), solution=panel)
+
+
+def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:
+    """What was done to a scan, in a sentence."""
+    samples = next(step["samples"] for step in steps if step["step"] == "read")
+    done = [SAID.get(step["step"], {}).get(step.get("method", ""), "").format_map(step) for step in steps
+            if step.get("count") != 0]  # fmt: skip
+    cut = next((step for step in steps if step["step"] == "cut"), None)
+    if cut is not None:
+        done.append(f"{cut['harmonics']} of {cut['of']} harmonics keep {cut['slope_share_kept']:.1%} of the rms slope")
+    told = "; ".join(filter(None, done))
+    return f"Scan of {samples} samples: {told or 'taken as it is'}."
+
+
+def _unit(values: NDArray[np.float64]) -> tuple[float, str]:
+    """The unit of length in which the largest of some lengths is from 1 to 1000, in m, and its name."""
+    largest = float(np.nanmax(np.abs(values)))
+    return next((unit for unit in PREFIXES if largest >= unit[0]), PREFIXES[-1])
