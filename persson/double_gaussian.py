@@ -27,6 +27,8 @@ LEAST_POINTS = 4  # one more than there are parameters with a free amplitude
 STARTS = (0.02, 0.2, 0.6, 1.5)  # of sigma_a, in standard deviations of the density given
 LEAST = 1e-3  # of the largest density: where ln P is fitted
 FLOOR = 1e-8  # of the largest density: what ln P sees of a fit that has ended
+WIDEST = 14.0  # standard deviations of sigma_a, and logarithms of G and amplitude: what noise alone may ask for
+MOST_EVALUATIONS = 5000  # of one fit: noise has long valleys
 
 
 @dataclass(frozen=True)
@@ -113,11 +115,12 @@ def fit_double_gaussian(
             return np.asarray(np.log(np.maximum(found, FLOOR * peak)) - np.log(target[kept]))
         return np.asarray((found - target[kept]) / peak)
 
-    lowest = [0.0, -np.inf, -np.inf][: 2 + free_amplitude]
     spread = np.log(variance / (2 * mean_pressure**2))
+    lowest = [0.0, spread - WIDEST, -WIDEST][: 2 + free_amplitude]
+    highest = [WIDEST, spread + WIDEST, WIDEST][: 2 + free_amplitude]
     fits = [
-        least_squares(misfit, np.array([start, spread, 0.0][: len(lowest)]), bounds=(lowest, np.inf),
-                      xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        least_squares(misfit, np.array([start, spread, 0.0][: len(lowest)]), bounds=(lowest, highest),
+                      xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=MOST_EVALUATIONS)
         for start in STARTS
     ]  # fmt: skip
     ended = [fit for fit in fits if fit.success]
