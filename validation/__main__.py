@@ -18,10 +18,10 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from bem.command_line.folder_lock import FolderInUseError, locked
+from bem.scene.atomic_file import write_atomically
 from bem.scene.result import RESULT_FILE, CorruptResultError
 from validation.harness import baseline
 from validation.harness.executors import ExecutorError, opener_of
-from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance
 from validation.harness.registry import CaseError, registry, select
 from validation.harness.runner import Note, run_cases

@@ -15,7 +15,6 @@ import hashlib
 import io
 import json
 import math
-import os
 import platform
 import zipfile
 from collections.abc import Mapping
@@ -29,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.compiled.kernels import IN_USE
+from bem.scene.atomic_file import write_atomically
 from bem.scene.result_views import Views
 
 SCHEMA = "linecontact-result/1"
@@ -297,8 +297,8 @@ def write_result(result: Result, folder: Path) -> None:
     )
     content["checksum"] = digest(content)
     if arrays:
-        _replace(folder / FIELDS_FILE, arrays)
-    _replace(folder / RESULT_FILE, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
+        write_atomically(folder / FIELDS_FILE, arrays)
+    write_atomically(folder / RESULT_FILE, json.dumps(content, indent=1, allow_nan=False) + "\n")
     if not arrays:
         (folder / FIELDS_FILE).unlink(missing_ok=True)
 
@@ -366,19 +366,6 @@ def _digest_or_none(content: dict[str, Any]) -> str | None:
         return digest(content)
     except ValueError:
         return None
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write under a temporary name, flush to disk, rename."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with temporary.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _plain(value: Any) -> Any:

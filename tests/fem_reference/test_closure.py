@@ -221,14 +221,14 @@ def test_small_contacts_are_found(fraction):
     assert found.contact_fraction == pytest.approx(fraction, rel=1.5e-3)
 
 
-def test_three_unequal_patches_close():
-    layer = LAYER | {"poisson_ratio": 0.3, "thickness": 0.2, "harmonics": ([1, 3], [0.001, 0.01], [0.3, -0.4])}
+def test_four_unequal_patches_close():
+    layer = LAYER | {"poisson_ratio": 0.3, "thickness": 0.2, "harmonics": ([1, 4], [0.001, 0.01], [0.3, -0.4])}
     found = solve(
-        **layer, control="penetration", value=0.006, work_of_adhesion=1e-6, patches=3, resolution=Resolution(2, 6, 5)
+        **layer, control="penetration", value=0.006, work_of_adhesion=1e-6, patches=4, resolution=Resolution(2, 6, 5)
     )
     assert found.status == "converged"
     assert found.stable
     widths = np.diff(found.edges, axis=1)[:, 0]
-    assert np.min(np.diff(np.sort(widths))) > 2e-3  # measured 0.095, 0.101, 0.108: no two alike
+    assert np.min(np.diff(np.sort(widths))) > 2e-3  # measured 0.070, 0.073, 0.077, 0.079: no two alike
     pull = np.sqrt(2 * 1e-6 / (1 - 0.3**2))
     np.testing.assert_allclose(found.stress_intensity, pull, rtol=2e-8)  # closed to 1e-8

@@ -7,8 +7,8 @@ from html.parser import HTMLParser
 import pytest
 from report_parts import figure, row
 
+from bem.scene.atomic_file import write_atomically
 from validation.__main__ import main, read_report
-from validation.harness.kept import write_atomically
 from validation.harness.schema import (
     Band,
     CaseRecord,

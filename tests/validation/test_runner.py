@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from bem.scene.atomic_file import write_atomically
 from validation.harness import runner
 from validation.harness.execution import Running, Started, run_in_processes
 from validation.harness.executors import Workers
-from validation.harness.kept import write_atomically
 from validation.harness.runner import run_cases
 from validation.harness.verdict import case_verdicts
 

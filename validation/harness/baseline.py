@@ -21,8 +21,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from bem.scene.atomic_file import write_atomically
 from validation.harness.compare import combined_tolerance
-from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance, sources_digest, versions, working_tree
 from validation.harness.schema import CaseRecord, Row
 from validation.harness.verdict import case_verdicts

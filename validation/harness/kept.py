@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
+
+from bem.scene.atomic_file import write_atomically
 
 Answer = TypeVar("Answer")
 
@@ -69,30 +70,6 @@ def kept(path: Path, form: type[Answer], key: str) -> Answer | None:
         return None
     except (ValueError, KeyError, TypeError, ValidationError) as error:
         raise DamagedError(f"{path.name} is damaged") from error
-
-
-def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write a file under a temporary name, flush it to disk and rename it.
-
-    Parameters
-    ----------
-    path : Path
-    content : str or bytes
-
-    Raises
-    ------
-    OSError
-        The disk is full, or the folder is not there; the old file is left as it was, and nothing beside it.
-    """
-    temporary = path.with_name(path.name + ".part")
-    try:
-        with temporary.open("wb") as stream:
-            stream.write(content.encode() if isinstance(content, str) else content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _digest(plain: Any) -> str:

@@ -10,7 +10,7 @@ import io
 from collections.abc import Iterable
 from pathlib import Path
 
-from validation.harness.kept import write_atomically
+from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure
 from validation.report.figures import canvas_of, save
 

@@ -16,7 +16,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 
-from validation.harness.kept import write_atomically
+from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure, Panel, Series
 
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # distinguished by colour-blind readers

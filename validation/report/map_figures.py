@@ -18,7 +18,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from validation.harness.kept import write_atomically
+from bem.scene.atomic_file import write_atomically
 from validation.report.figures import SETTINGS, save
 
 DARK = 0.55  # of the colour scale, from where the text is white

@@ -16,8 +16,8 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from bem.scene.atomic_file import write_atomically
 from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance
-from validation.harness.kept import write_atomically
 from validation.harness.schema import CaseRecord, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counts, verdict_of
 from validation.report.figures import svg_of

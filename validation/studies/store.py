@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.harness.kept import write_atomically
+from bem.scene.atomic_file import write_atomically
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:

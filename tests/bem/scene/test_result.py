@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import os
 from dataclasses import fields, replace
 
 import numpy as np
@@ -189,7 +190,7 @@ def test_write_that_fails_leaves_the_old_result_and_no_rubbish(tmp_path, monkeyp
     def full_disk(_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(result_module.os, "fsync", full_disk)
+    monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(OSError, match="No space"):
         write_result(replace(RESULT, status="unreachable"), tmp_path)
     assert_same(read_result(tmp_path), RESULT)

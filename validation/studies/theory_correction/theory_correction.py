@@ -18,12 +18,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from bem.scene.atomic_file import write_atomically
 from persson.corrected_data import SCHEMA as CALIBRATION_SCHEMA
 from persson.corrected_data import calibration
 from persson.corrected_variance import Correction
 from validation.harness.ensemble import run_ensemble
 from validation.harness.executors import Opener, local_processes
-from validation.harness.kept import write_atomically
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note, record_of
 from validation.harness.schema import SCHEMA as REPORT_SCHEMA

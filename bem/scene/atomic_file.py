@@ -1,0 +1,25 @@
+"""Files that are there whole or not at all: written under a temporary name, flushed to disk and renamed."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+
+def write_atomically(path: Path, content: str | bytes) -> None:
+    """Write a file under a temporary name, flush it to disk and rename it.
+
+    Raises
+    ------
+    OSError
+        The disk is full, or the folder is not there; the old file is left as it was, and nothing beside it.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with temporary.open("wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
