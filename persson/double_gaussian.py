@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
+from scipy.special import erf
 
 FloatArray = NDArray[np.float64]
 
@@ -40,6 +41,12 @@ class DoubleGaussian:
     diffusivity: float
     amplitude: float
     residual: float
+
+    @property
+    def load(self) -> float:
+        """int sigma P dsigma in Pa: amplitude (sigma_0 - sigma_a A/A0) with A/A0 = erf(1 / (2 sqrt G))."""
+        area = erf(1 / (2 * np.sqrt(self.diffusivity)))
+        return float(self.amplitude * (self.mean_pressure - self.detachment_stress * area))
 
     def __call__(self, pressure: ArrayLike) -> FloatArray:
         """P in 1/Pa at pressures in Pa; zero below -sigma_a."""

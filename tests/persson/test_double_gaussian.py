@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import erf
 
-from persson import double_gaussian, fit_double_gaussian
+from persson import DoubleGaussian, double_gaussian, fit_double_gaussian
 
 STRESS = np.linspace(-0.5, 6.0, 200)
 
@@ -42,8 +42,10 @@ def test_it_solves_the_diffusion_equation_above_a_barrier():
 
 
 def test_its_load_is_what_the_barrier_leaves():
-    area, load = (quad(lambda p, k=k: p**k * float(double_gaussian(p, 1.0, 0.8, 0.6)), -0.8, 30)[0] for k in (0, 1))
-    assert load == pytest.approx(1.0 - 0.8 * area, rel=1e-9)
+    fit = DoubleGaussian(1.0, 0.8, 0.6, 1.7, 0.0)
+    area, load = (quad(lambda p, k=k: p**k * float(fit(p)), -0.8, 30)[0] for k in (0, 1))
+    assert load == pytest.approx(1.7 - 0.8 * area, rel=1e-9)
+    assert fit.load == pytest.approx(load, rel=1e-9)
 
 
 def test_scaling_the_stresses_scales_the_fit(adhesive, modulus):

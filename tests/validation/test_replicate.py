@@ -15,15 +15,15 @@ from example_members import here
 from persson import double_gaussian
 from validation import __main__ as command_line
 from validation.harness.ensemble import Outcome
-from validation.harness.schema import CaseRecord, Figure, Panel, Report, Series
+from validation.harness.schema import CaseRecord, Figure, Panel, Reference, Report, Series
 from validation.harness.verdict import verdict_of
-from validation.replicate import gather, members, realisations, scene_text
+from validation.replicate import gather, members, realisations, scene_text, summary
 from validation.replicate.area import line_through
 from validation.replicate.double_gaussian_fit import WAYS, Sample, window_figure, window_table
 from validation.replicate.evidence import jackknife, joined, mean_and_error
 from validation.replicate.members import LOADS, PAPER, Size
 from validation.replicate.pressure import decay_power, density
-from validation.replicate.spectra import _line, _power_law, banded, exponent, exponent_of
+from validation.replicate.spectra import _line, _power_law, _shift_rows, banded, exponent, exponent_of
 from validation.replicate.statements import Alternative, disagreement, stale, statement
 from validation.report.figure_files import linked, table_of, write_figure
 from validation.report.render import render
@@ -194,6 +194,45 @@ def test_stored_difference_that_moved_is_counted(ours, counts):
     assert verdict_of(found) == ("deviates" if counts else "agrees")
 
 
+def test_band_that_holds_agreement_is_refused():
+    with pytest.raises(ValueError, match="holds 1, where the two agree"):
+        disagreement("moment", 2.1, 0.0, 3.0, (0.6, 1.1), "few waves", where="section 5")
+
+
+def test_difference_within_two_standard_errors_is_no_finding():
+    row = disagreement("moment", 2.1, 0.5, 3.0, (0.6, 0.8), "few waves", where="section 5")
+    assert (verdict_of(row), row.message) == ("not run", "no finding: 1.8 errors apart")
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.5, "agrees"), (1.0, "deviates"), (1.15, "deviates")])
+def test_shift_of_a_spectrum_is_found_whatever_its_exponent(factor, verdict):
+    order = np.arange(1.0, 201.0)
+    power = np.outer([0.99, 1.0, 1.01], factor * order**-2.7)
+    (row,) = _shift_rows(0.02, power, order**-2.7, "")
+    assert verdict_of(row) == verdict
+    assert row.message == f"over the theory's: {factor:.2f} +- 0.01"
+
+
+def test_shift_within_its_scatter_is_not_found():
+    order = np.arange(1.0, 201.0)
+    power = np.outer([0.5, 2.3], order**-2.7)
+    assert verdict_of(_shift_rows(0.02, power, order**-2.7, "")[0]) == "deviates"
+
+
+def test_every_statement_of_the_paper_is_on_the_page_with_its_verdict():
+    ours = claimed(-2.65).model_copy(update={"reference": Reference(kind="exact", source="JKR edges")})
+    known = disagreement("moment", [2.9, 2.1], 0.1, [3.0, 3.0], (0.6, 0.8), "few waves", where="section 4: Gaussian")
+    case = CaseRecord(id="replicate-one", group="paper", level="full", question="One?", equations="a = b", sources=[],
+                      rows=[claimed(-2.5), ours, known])  # fmt: skip
+    outcome = summary.compute([case])
+    assert outcome.tables[0].rows == [
+        ["one", "section 5", "exponent", -2.73, -2.5, None, "+- 0.1", "deviates", "excludes -2.4, full contact", "☐"],
+        ["one", "section 4: Gaussian", "moment", 3.0, 2.1, 0.1, "x 0.6 to 0.8", "changed", "few waves", "☐"],
+    ]
+    assert (outcome.rows[0].computed, verdict_of(outcome.rows[0])) == ([2.0], "deviates")
+    assert verdict_of(summary.compute([case], "short form").rows[0]) == "not run"
+
+
 def test_scene_is_shown_as_it_would_be_read():
     import tomllib
 
@@ -302,7 +341,7 @@ def test_short_form_runs_from_end_to_end(replicated):
     folder, report, code = replicated
     assert code == 0
     assert report["level"] == "replicate, short form"
-    assert [case["status"] for case in report["cases"]] == ["run"] * 8
+    assert [case["status"] for case in report["cases"]] == ["run"] * 9
     assert (folder / "report.html").stat().st_size > 1e5
 
 
@@ -318,7 +357,7 @@ def test_short_form_states_that_it_replicates_nothing(replicated):
 @pytest.mark.slow
 def test_report_states_harmonics_and_final_load_of_every_realisation(replicated):
     _, report, _ = replicated
-    table = report["cases"][0]["tables"][0]
+    table = report["cases"][1]["tables"][0]
     stated = [dict(zip(table["columns"], row, strict=True)) for row in table["rows"]]
     assert [line["harmonics"] for line in stated] == [16, 16]
     assert [line["highest load / E*"] for line in stated] == pytest.approx([0.025, 0.025])
@@ -383,5 +422,6 @@ def test_topics_without_an_ensemble_are_not_run_with_the_reason(tmp_path, monkey
     replicate = import_module("validation.replicate")
     monkeypatch.setattr(replicate, "run_ensemble", lambda *_: Outcome((), (), (), {"loading-00": "no memory"}))
     report = replicate.replicate(tmp_path, TINY, 1, here, lambda note: None, "replicate")
-    assert {case.status for case in report.cases[1:]} == {"not run"}
-    assert all("2 at least are needed" in case.message for case in report.cases[1:])
+    assert {case.status for case in report.cases[2:]} == {"not run"}
+    assert all("2 at least are needed" in case.message for case in report.cases[2:])
+    assert [line[7] for line in report.cases[0].tables[0].rows] == ["not run"] * 7

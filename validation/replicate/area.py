@@ -101,7 +101,7 @@ def compute(evidence: Evidence) -> Outcome:
                      shortfall=short),
         statement("larger underestimate than for isotropic surfaces without adhesion", float("nan"), 0.0, 1.0, 0.4,
                   Alternative(0.0, "no larger"), measured=0.0, where="abstract: the discrepancy is larger than in 2D",
-                  shortfall="not testable here: roughness in two directions is not computed"),
+                  shortfall=short or "not testable here: roughness in two directions is not computed"),
     )  # fmt: skip
     slopes = Table(
         caption="Straight lines A/A0 = a + b p/E* through 0.005 to 0.025 E*; errors are standard errors of the mean.",

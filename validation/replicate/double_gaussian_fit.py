@@ -115,7 +115,8 @@ def window_figure(samples: Sequence[Sample]) -> Figure:
     series.append(trace("above: half the detached width is closer", across, [NEARER, NEARER], "dashed", hue=5))
     return drawn(
         "double-gaussian-window",
-        r"Fitted $\sigma_a$ over the theory's, against the stress from which the double Gaussian is fitted, to 0.7 E*.",
+        "Fitted detachment stress over the theory's, against the stress from which the double Gaussian is fitted, to "
+        "0.7 E*; the windows are ours.",
         axes(r"fitted from $\sigma/E^*$", r"fitted $\sigma_a$ / theory's $\sigma_a$", *series),
     )
 
@@ -136,6 +137,7 @@ def window_table(samples: Sequence[Sample], theories: Sequence[FloatArray]) -> T
                 stress,
                 stress / one.detachment_stress,
                 variance,
+                fit.load / one.load,
                 fit.residual,
             ]
 
@@ -146,9 +148,10 @@ def window_table(samples: Sequence[Sample], theories: Sequence[FloatArray]) -> T
         ]
         lines.append(line("ours: Persson's own P, printed, P", WINDOWS[0], sample.over(WINDOWS[0], said, False, False)))
     return Table(
-        caption="Double Gaussian fitted from different lower ends to 0.7 E*; variance over that of full contact, rms "
-        "residual of P over the largest P.",
+        caption="Double Gaussian fitted from different lower ends to 0.7 E*; variance over that of full contact, load "
+        "of the fit, amplitude (sigma_0 - sigma_a A/A0), over that of the contact, rms residual of P over the largest "
+        "P. Windows, weights and a free amplitude are ours.",
         columns=["p/E*", "what is fitted", "from sigma/E*", "amplitude", "sigma_a/E*", "over the theory's", "variance",
-                 "residual"],
+                 "load", "residual"],
         rows=lines
     )  # fmt: skip

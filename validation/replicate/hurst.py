@@ -39,7 +39,6 @@ def compute(evidence: Evidence) -> Outcome:
     rows: list[Row] = []
     series: list[Series] = []
     lines: list[list[str | float | int | None]] = []
-    single: list[tuple[list[float], list[float]]] = []
     for hue, (value, group) in enumerate(evidence.hurst.items()):
         if len(group) < 2:
             return Outcome(skipped=f"H = {value:g}: {len(group)} realisations, 2 at least are needed")
@@ -55,10 +54,11 @@ def compute(evidence: Evidence) -> Outcome:
         rows.append(_row(value, found, said, evidence.shortfall))
         bands = [banded(one, 16) for one in power]
         mean, spread = mean_and_error([y for _, y in bands])
-        single += bands
+        thin_x, thin_y = joined(bands)
         x = bands[0][0]
         every = [float(order) for order in range(1, orders + 1)]
         series += [
+            trace(f"H = {value:g}, realisations", thin_x, thin_y, "thin", hue=hue),
             shaded(f"H = {value:g}, mean and standard error", x, mean - spread, mean + spread, hue),
             marks(f"H = {value:g}, mean", x, mean, hue=hue),
             trace(f"H = {value:g}, Persson's A(q)/A0", every, theory.contact_fractions, hue=hue),
@@ -70,8 +70,6 @@ def compute(evidence: Evidence) -> Outcome:
                  "lowest", "highest", "Persson's exponent"],
         rows=lines
     )  # fmt: skip
-    thin_x, thin_y = joined(single)
-    series.append(trace("realisations", thin_x, thin_y, "thin"))
     figure = drawn(
         "short-wavelengths",
         "Part of the roughness that the solid follows, C_u / C, against the order in bands, for H = 0.8, level "

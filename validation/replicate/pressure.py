@@ -179,7 +179,7 @@ def _figures(
                         marks("mean", CENTRES, shown(mean), hue=0),
                         trace("double Gaussian, fitted", smooth, shown(sample.fit(smooth)), hue=3),
                         trace("Persson with adhesion", smooth, shown(said(smooth)), hue=1),
-                        trace(f"the same with {FACTOR:g} σ_a", smooth, shown(raised(smooth)), "dashed", hue=1),
+                        trace(rf"the same with {FACTOR:g} $\sigma_a$", smooth, shown(raised(smooth)), "dashed", hue=1),
                     ],
                 ),
             )
@@ -190,19 +190,17 @@ def _figures(
 def _tail_figure(evidence: Evidence) -> Figure:
     centres = np.sqrt(TAIL_BOUNDS[1:] * TAIL_BOUNDS[:-1])
     series: list[Series] = []
-    single: list[tuple[list[float], list[float]]] = []
     for hue, load in enumerate(SPECTRA_AT):
         there = evidence.with_fields_at(load)
         values = [density(one, load, TAIL_BOUNDS) for one in there]
-        single += [(centres.tolist(), one.tolist()) for one in values]
+        single_x, single_y = joined([(centres.tolist(), one.tolist()) for one in values])
         limit = float(np.mean([one.field("tail_coefficient", load) for one in there])) / MODULUS**2
         x, y = centres.tolist(), np.mean(values, axis=0).tolist()
         series += [
+            trace(f"realisations, {load:g} E*", single_x, single_y, "thin", hue=hue),
             marks(f"mean, {load:g} E*", x, y, hue=hue),
             trace(f"limit from the edges, {load:g} E*", x, limit * centres**-3.0, hue=hue),
         ]
-    x, y = joined(single)
-    series.append(trace("realisations", x, y, "thin"))
     return drawn(
         "tensile-tail",
         "Tensile tail of the distribution: P falls as the third power, with the factor that the edges give.",

@@ -6,7 +6,9 @@ of its own, the standard error that our 11 show; where it only says "about" the 
 
 A row that would agree with anything says nothing.  So each names the alternative that it excludes, and what it accepts
 is at most half the distance to it: an ensemble that scatters more is no test, and its row is not run.  Where we find
-otherwise the row is a known discrepancy: the band of the ratio ours / paper's, and the cause.
+otherwise the row is a known discrepancy: the band of the ratio ours / paper's, which leaves 1 out, and the cause; it is
+not run where the two differ by less than two standard errors.  Where the paper only says that two things differ, the
+row is yes or no.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
 """
@@ -132,8 +134,16 @@ def disagreement(
     unit: str = "",
     shortfall: str = "",
 ) -> Row:
-    """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause."""
-    return Row(
+    """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause.
+
+    Raises
+    ------
+    ValueError
+        If the band holds 1, where there is no disagreement.
+    """
+    if band[0] <= 1 <= band[1]:
+        raise ValueError(f"{quantity}: a band of {band[0]:g} to {band[1]:g} holds 1, where the two agree")
+    row = Row(
         quantity=quantity,
         unit=unit,
         reference=Reference(kind="independent code", source=f"{PAPER}, {where}"),
@@ -145,6 +155,17 @@ def disagreement(
         status="not run" if shortfall else "run",
         message=shortfall,
     )
+    apart = abs(error_of(row.model_copy(update={"band": None})))
+    if row.status == "run" and apart < 2 * error:
+        return row.model_copy(update={"status": "not run", "message": f"no finding: {apart / error:.1f} errors apart"})
+    return row
+
+
+def differs(quantity: str, found: bool, message: str, *, where: str, shortfall: str = "") -> Row:
+    """A row where the paper says that two things differ, without a number: yes (1) or no (0), with what was found."""
+    row = counted(f"{quantity} (yes: 1)", Reference(kind="independent code", source=f"{PAPER}, {where}"), [1.0],
+                  [float(found)], message=shortfall or message)  # fmt: skip
+    return row.model_copy(update={"status": "not run"}) if shortfall else row
 
 
 def _values(value: float | Sequence[float]) -> list[float | None]:

@@ -187,8 +187,8 @@ CASES = (
         question="Which stresses does the contact carry, how well does the double Gaussian fit, and what does half the "
         "detached width change?",
         equations=(
-            "P = [exp(-(sigma - sigma_0)^2 / 4 G sigma_0^2) - exp(-(sigma + sigma_0 + sigma_a)^2 / 4 G sigma_0^2)] "
-            "/ (2 sigma_0 sqrt(pi G)), a fit in sigma_a and G"
+            "P = [exp(-(s - sigma_0)^2 / 4 G sigma_0^2) - exp(-(s + sigma_0)^2 / 4 G sigma_0^2)] "
+            "/ (2 sigma_0 sqrt(pi G)), s = sigma + sigma_a, a fit in sigma_a and G"
         ),
         sources=("carbone2009",),
         compute=_distribution,
