@@ -85,7 +85,7 @@ def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable
     evidence = gather(size, folder / "members", outcome.failed)
     say(Note("figures and statements"))
     topics = [_record(case) for case in cases(evidence)]
-    records = [_record(_summary(topics, evidence.shortfall)), *topics]
+    records = [_record(_summary(topics)), *topics]
     for record in records:
         for figure in record.figures:
             write_figure(figure, folder / FIGURES)
@@ -138,13 +138,13 @@ def cases(evidence: Evidence) -> list[Case]:
             for name, question, equations, compute in TOPICS]  # fmt: skip
 
 
-def _summary(topics: list[CaseRecord], shortfall: str) -> Case:
+def _summary(topics: list[CaseRecord]) -> Case:
     """The statements of all topics on one page."""
     return Case(id="replicate-statements", group=GROUP, level="full",
                 question="What does the paper state, what do we find, and do they agree?",
                 equations="accepted: the tolerance, or twice the uncertainties, and at most half the way to the "
                 "alternative that the row excludes",
-                sources=("carbone2009",), compute=partial(summary.compute, topics, shortfall))  # fmt: skip
+                sources=("carbone2009",), compute=partial(summary.compute, topics))  # fmt: skip
 
 
 def scene_text(scene: Mapping[str, Any]) -> str:

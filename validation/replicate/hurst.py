@@ -3,7 +3,9 @@
 C_u / C at a wavenumber q is the part of the roughness of that wavelength that the solid follows.  The theory has C_u
 / C = A(q)/A0: level at high q for H > 0.5, where within the contact the short waves are in full contact, and falling
 about as q^-(1 - H) for H < 0.5.  Compared are the exponents of C_u / C near the last decade of orders (several
-windows), each against the theory's own over the same orders.
+windows), each against the theory's own over the same orders.  What the theory gives is the mean over realisations, so
+that the mean spectrum is fitted; the logarithm of a single one scatters more at short waves, where its fit falls
+steeper.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
@@ -23,7 +25,7 @@ from validation.replicate.evidence import (
     mean_and_error,
     theory_with_adhesion,
 )
-from validation.replicate.spectra import Exponent, banded, exponent, exponent_of
+from validation.replicate.spectra import Exponent, banded, exponent, exponent_of, exponent_of_mean
 from validation.replicate.statements import Alternative, disagreement, statement
 
 WINDOWS = ((0.1, 1.0), (0.07, 0.7), (0.15, 1.0))  # of the highest order
@@ -45,13 +47,13 @@ def compute(evidence: Evidence) -> Outcome:
         orders = group[0].surface.max_order
         windows = [(low * orders, high * orders) for low, high in WINDOWS]
         power = np.array([_followed(one, orders) for one in group])
-        found = exponent_of(power, windows)
+        found, alone = exponent_of_mean(power, windows), exponent_of(power, windows)
         theory = theory_with_adhesion(group[0], group[0].final_load)
         said = float(np.mean([exponent(theory.contact_fractions, window) for window in windows]))
         area = float(np.mean([one.result.targets[-1].contact_fraction for one in group]))
         lines.append([value, len(group), orders, group[0].final_load, area, theory.contact_fraction, found.value,
-                      found.error, found.low, found.high, said])  # fmt: skip
-        rows.append(_row(value, found, said, evidence.shortfall))
+                      found.error, found.low, found.high, alone.value, alone.error, said])  # fmt: skip
+        rows.append(_row(value, found, alone, said, evidence.shortfall))
         bands = [banded(one, 16) for one in power]
         mean, spread = mean_and_error([y for _, y in bands])
         thin_x, thin_y = joined(bands)
@@ -64,10 +66,10 @@ def compute(evidence: Evidence) -> Outcome:
             trace(f"H = {value:g}, Persson's A(q)/A0", every, theory.contact_fractions, hue=hue),
         ]
     table = Table(
-        caption="Exponents of C_u / C near the last decade of orders, fitted to each realisation: mean over the "
-        "windows, and the lowest and highest of them.",
+        caption="Exponents of C_u / C near the last decade of orders, fitted to the mean of the realisations: mean "
+        "over the windows, and the lowest and highest of them; and fitted to each realisation.",
         columns=["H", "realisations", "harmonics", "p/E*", "A/A0", "Persson's A/A0", "exponent", "standard error",
-                 "lowest", "highest", "Persson's exponent"],
+                 "lowest", "highest", "of each", "standard error of these", "Persson's exponent"],
         rows=lines
     )  # fmt: skip
     figure = drawn(
@@ -79,16 +81,17 @@ def compute(evidence: Evidence) -> Outcome:
     return Outcome(rows=tuple(rows), figures=(figure,), tables=(table,))
 
 
-def _row(value: float, found: Exponent, theory: float, short: str) -> Row:
+def _row(value: float, found: Exponent, alone: Exponent, theory: float, short: str) -> Row:
     """Level at short waves for H > 0.5; falling, otherwise than in the theory, for H < 0.5."""
     name = f"exponent of C_u / C at short waves, H = {value:g}"
     where = "section 5: full contact at short wavelengths as the theory, computed here, expects for H > 0.5"
+    reported = f"{found.reported()}; fitted to each realisation {alone.value:.3f} +- {alone.error:.3f}"
     if value < LEVEL:
-        return disagreement(f"{name}, over that of the theory", found.value, found.error, theory, (0.7, 0.95), CAUSE,
-                            where=where, shortfall=short)  # fmt: skip
+        return disagreement(f"{name}, over that of the theory", found.value, found.error, theory, (0.7, 0.97), CAUSE,
+                            where=where, shortfall=short, reported=reported)  # fmt: skip
     return statement(name, found.value, found.error, theory, 0.25,
-                     Alternative(-(1 - 0.3), "the fall of H = 0.3, about -(1 - H)"), measured=0.15, where=where,
-                     reported=found.reported, shortfall=short)  # fmt: skip
+                     Alternative(-(1 - 0.3), "the fall of H = 0.3, about -(1 - H)"), measured=0.137, where=where,
+                     reported=reported, shortfall=short)  # fmt: skip
 
 
 def _followed(one: Realisation, orders: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -133,6 +133,7 @@ def disagreement(
     where: str,
     unit: str = "",
     shortfall: str = "",
+    reported: str = "",
 ) -> Row:
     """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause.
 
@@ -153,7 +154,7 @@ def disagreement(
         uncertainty=error,
         band=Band(low=band[0], high=band[1], cause=cause, source=f"{PAPER}, {where}", review=REVIEW),
         status="not run" if shortfall else "run",
-        message=shortfall,
+        message=shortfall or reported,
     )
     apart = abs(error_of(row.model_copy(update={"band": None})))
     if row.status == "run" and apart < 2 * error:

@@ -25,8 +25,8 @@ COLUMNS = [
 ]  # fmt: skip
 
 
-def compute(records: Sequence[CaseRecord], shortfall: str = "") -> Outcome:
-    """Row and table of the topics that were judged; the row is not run where the ensemble is not the paper's."""
+def compute(records: Sequence[CaseRecord]) -> Outcome:
+    """Row and table of the topics that were judged."""
     table = Table(
         caption="The paper's statements. Accepted: the distance from the paper's number, or, where we find otherwise, "
         "the band of the ratio to it. Ours, where the paper prints none: loads, windows, weights and lower ends of "
@@ -36,10 +36,8 @@ def compute(records: Sequence[CaseRecord], shortfall: str = "") -> Outcome:
         columns=COLUMNS,
         rows=[line for record in records for line in _lines(record)],
     )
-    moved = stale([row for record in records for row in record.rows])
-    if shortfall:
-        moved = moved.model_copy(update={"status": "not run", "message": shortfall})
-    return Outcome(rows=(moved,), tables=(table,))
+    judged = [row for record in records for row in record.rows if _of_paper(row)]
+    return Outcome(rows=(stale(judged),), tables=(table,))
 
 
 def _lines(record: CaseRecord) -> list[Line]:
@@ -47,7 +45,11 @@ def _lines(record: CaseRecord) -> list[Line]:
     topic = record.id.removeprefix("replicate-")
     if not record.rows:
         return [[topic, record.question, None, None, None, None, None, record.status, record.message, BOX]]
-    return [_line(topic, row) for row in record.rows if row.reference.source.startswith(f"{PAPER}, ")]
+    return [_line(topic, row) for row in record.rows if _of_paper(row)]
+
+
+def _of_paper(row: Row) -> bool:
+    return row.reference.source.startswith(f"{PAPER}, ")
 
 
 def _line(topic: str, row: Row) -> Line:
