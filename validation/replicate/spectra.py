@@ -47,8 +47,8 @@ MIDST = float(np.log(DRAWN[0] * DRAWN[1]) / 2)  # logarithm of its middle
 BANDS = 24  # of orders, equal in ln q, in figures
 HOW_DRAWN = (
     "Dots: mean over the realisations, order by order; thin lines and shaded bands: single realisations and their mean "
-    "with its standard error, averaged over bands of orders; lines: the theory. Fits: the mean of the straight lines "
-    "of the realisations, which lies below the logarithm of their mean. Loads and windows are ours."
+    "with its standard error, averaged over bands of orders; lines: the theory. Fits: the slope fitted to each "
+    "realisation, at the level of their mean. Loads and windows are ours."
 )
 
 
@@ -248,9 +248,9 @@ def _displacement_figure(evidence: Evidence) -> Figure:
         if DRAWN[1] <= len(order):
             slope, level = _mean_line(power, DRAWN)
             series += [
-                trace(f"{load:g} E*, fit, slope {slope:.2f}", *_power_law(slope, level), hue=hue),
+                trace(f"{load:g} E*, fit, slope {slope:.2f}", *_power_law(slope, level), "dashed", hue=hue),
                 trace(f"{load:g} E*, the paper's slope {PAPERS}", *_power_law(PAPERS, level + MIDST * (slope - PAPERS)),
-                      "dashed", hue=hue),
+                      "dashed", hue=5),
             ]  # fmt: skip
     return drawn("displacement-spectrum", f"Spectrum C_u of the displacement against the order. {HOW_DRAWN}",
                  loglog("$q/q_0$", "$C_u$ / m³", *series))  # fmt: skip
@@ -303,9 +303,11 @@ def _line(power: FloatArray, window: Window) -> tuple[float, float]:
 
 
 def _mean_line(power: FloatArray, window: Window) -> tuple[float, float]:
-    """Mean over the realisations, (n_realisations, n_orders), of the lines fitted to each."""
-    slope, level = np.mean([_line(one, window) for one in power], axis=0)
-    return float(slope), float(level)
+    """Mean slope of the lines fitted to each realisation, (n_realisations, n_orders), and the level of their mean."""
+    slope = float(np.mean([_line(one, window)[0] for one in power]))
+    order = np.arange(1, power.shape[1] + 1)
+    inside = (order >= window[0]) & (order <= window[1])
+    return slope, float(np.mean(np.log(power.mean(axis=0)[inside]) - slope * np.log(order[inside])))
 
 
 def _power_law(slope: float, level: float, window: Window = DRAWN) -> tuple[list[float], list[float]]:
