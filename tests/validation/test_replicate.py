@@ -23,7 +23,7 @@ from validation.replicate.double_gaussian_fit import WAYS, Sample, window_figure
 from validation.replicate.evidence import jackknife, joined, mean_and_error
 from validation.replicate.members import LOADS, PAPER, Size
 from validation.replicate.pressure import decay_power, density
-from validation.replicate.spectra import _line, _power_law, _shift_rows, banded, exponent, exponent_of
+from validation.replicate.spectra import _line, _power_law, _shift_rows, banded, exponent, exponent_of, exponent_of_mean
 from validation.replicate.statements import Alternative, disagreement, stale, statement
 from validation.report.figure_files import linked, table_of, write_figure
 from validation.report.render import render
@@ -63,6 +63,15 @@ def test_windows_of_a_curved_spectrum_are_told():
     assert found.low == pytest.approx(exponent(curved, (10, 100)), rel=1e-12)
     assert found.high - found.low > 0.1
     assert f"{found.low:.3f} to {found.high:.3f}" in found.reported()
+
+
+def test_scatter_that_grows_with_the_order_steepens_single_fits_and_not_that_of_the_mean():
+    order = np.arange(1.0, 201.0)
+    spread = 0.9 * order / 200
+    power = order**-2.0 * np.array([1 + spread, 1 - spread])
+    windows = [(10.0, 100.0), (20.0, 200.0)]
+    assert exponent_of_mean(power, windows).value == pytest.approx(-2.0, abs=1e-9)
+    assert exponent_of(power, windows).value < -2.1  # -2.169
 
 
 def test_jackknife_of_a_mean_is_its_standard_error():
