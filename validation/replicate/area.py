@@ -57,7 +57,7 @@ def curvature(load: ArrayLike, area: ArrayLike) -> float:
     --------
     >>> load = np.linspace(0.005, 0.025, 9)
     >>> abs(curvature(load, 0.01 + 3 * load)) < 1e-12, round(curvature(load, np.sqrt(load)), 4)
-    (True, -0.0415)
+    (True, -0.0341)
     """
     place, values = np.asarray(load, dtype=np.float64), np.asarray(area, dtype=np.float64)
     scaled = (2 * place - place[0] - place[-1]) / (place[-1] - place[0])
