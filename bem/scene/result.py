@@ -27,7 +27,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.compiled.kernels import IN_USE
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result_views import Views
 
@@ -254,6 +253,8 @@ def installed_version() -> str:
 
 def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
     """Versions, kernels, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
+    from bem.compiled.kernels import IN_USE  # loads SciPy's linear algebra, which reading a result does without
+
     return {
         "linecontact": installed_version(),
         "python": platform.python_version(),

@@ -13,8 +13,6 @@ from typing import Any
 
 from threadpoolctl import threadpool_info
 
-from bem.compiled.kernels import IN_USE
-
 PACKAGES = (
     "linecontact",
     "numpy",
@@ -32,6 +30,8 @@ SOURCES = ("bem", "fem_reference", "persson", "validation")
 def provenance() -> dict[str, Any]:
     """Facts about code and machine, as plain values."""
     import numpy  # noqa: F401  (its BLAS is what is asked about)
+
+    from bem.compiled.kernels import IN_USE
 
     blas = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
     return {

@@ -8,16 +8,17 @@ from __future__ import annotations
 import io
 import math
 import re
+from contextlib import AbstractContextManager
 from html import escape
 from pathlib import Path
-from typing import Any
-
-import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as Canvas
+from typing import TYPE_CHECKING, Any
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure, Panel, Series
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
 
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # distinguished by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")
@@ -40,9 +41,18 @@ WITHOUT_DATE = {
 }
 
 
+def styled(**settings: Any) -> AbstractContextManager[None]:
+    """Matplotlib with the settings of all figures and these; it is imported where something is drawn."""
+    from matplotlib import rc_context
+
+    return rc_context(SETTINGS | settings)
+
+
 def canvas_of(figure: Figure) -> Canvas:
     """The figure drawn."""
-    with mpl.rc_context(SETTINGS):
+    from matplotlib.figure import Figure as Canvas
+
+    with styled():
         if figure.error is None:
             count = len(figure.solution.series)
             rows = -(-count // 2) if count > MOST_INSIDE else 0
@@ -70,7 +80,7 @@ def save(canvas: Canvas, path: Path) -> None:
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     stream, kind = io.BytesIO(), path.suffix.removeprefix(".")
-    with mpl.rc_context({**SETTINGS, "pdf.fonttype": 42}):
+    with styled(**{"pdf.fonttype": 42}):
         canvas.savefig(stream, format=kind, metadata=WITHOUT_DATE[kind])
     write_atomically(path, stream.getvalue())
 
@@ -84,7 +94,7 @@ def svg_of(figure: Figure, prefix: str) -> str:
     prefix : str
         Makes its ids unique on the page.
     """
-    with mpl.rc_context(SETTINGS):
+    with styled():
         stream = io.StringIO()
         canvas_of(figure).savefig(stream, format="svg", metadata=WITHOUT_DATE["svg"])
     text = stream.getvalue()
