@@ -206,7 +206,9 @@ class Jumps:
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
         system, value = self.system, relaxed.target
-        found = at_rest(system, relaxed.balance, value, self._fine)
+        fine, finest = self._fine
+        energies = finest if system.elastic.kernel else fine  # their error falls with the square of the tolerance
+        found = at_rest(system, relaxed.balance, value, (fine, energies))
         self.effort.evaluations += 2
         here, after, uncertain = (relaxed.balance, self._exact(relaxed.balance, value, value), np.inf)
         if found is not None:
