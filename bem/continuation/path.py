@@ -27,7 +27,7 @@ from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.events import interpenetration
 from bem.continuation import crossing
 from bem.continuation.bare_states import BareStates
-from bem.continuation.jumps import Jumps
+from bem.continuation.jumps import Jumps, TouchedFold
 from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import Flaw
 from bem.continuation.path_point import Equilibrium, Point, WithEdges
@@ -312,6 +312,9 @@ class Path:
         limit = self.jumps.limit_point(point, reach, thorough)
         if limit is None:
             return []
+        if isinstance(limit, TouchedFold):
+            within = direction * (limit.value - ends[1]) <= 0
+            return self.jumps.from_touch(point, limit, limit.found) if within else []
         if direction * (limit.exact.value - ends[1]) <= 0:  # also behind the point: coarse states go a little too far
             return self.jumps.from_limit(limit, reach)
         if limit.kind == "broken_symmetry":
