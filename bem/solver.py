@@ -3,8 +3,9 @@
 The order of things is that of the method: the scene is posed in dimensionless form, complete contact is written down,
 the path is followed from target to target (with adhesion event by event, without adhesion target by target), and
 every stored state is refined, assessed by a finer evaluation and certified by an independent one.  Increments
-between targets are stored at most once per largest increment, at the same accuracy as targets.  BLAS runs on one
-thread: the matrices are small, two threads are slower, and digits do not depend on the number of cores.
+between targets are stored at most once per largest increment (under load of the penetration too), at the same accuracy
+as targets.  BLAS runs on one thread: the matrices are small, two threads are slower, and digits do not depend on the
+number of cores.
 
 From a target the path continues from the numbers stored of it, not from those in memory: an interrupted path takes up
 its last target and continues to the same states and events, bit for bit on the same machine.
@@ -230,7 +231,7 @@ class _Run:
             if self._lost_under_load(point, goal.value):
                 self._keep(point, target=True, status="unreachable")
                 return "unreachable"
-            if not point.last and point.value != goal.value and abs(point.value - self.kept) >= spacing:
+            if not point.last and point.value != goal.value and self._is_due(point, spacing):
                 between = self._refined(point, direction)
                 if self._fails(between):
                     return "not_converged"
@@ -254,6 +255,18 @@ class _Run:
         joined = self.problem.control.value(self.problem.profile.max_height, self.complete.least_load)
         start, stop = (min(max(value, -joined), joined) for value in (self.point.value, goal))
         return max(self.path.increments.largest, abs(stop - start) / MOST_BETWEEN)
+
+    def _is_due(self, point: AnyPoint, spacing: float) -> bool:
+        """Whether a point between targets is stored: a spacing of the control from the last one.
+
+        Under load that is a small part of the way; there it must be a largest increment of the penetration as well.
+        """
+        if abs(point.value - self.kept) < spacing:
+            return False
+        if self.problem.control.penetration_weight or point.state is None or not self.record.states:
+            return True
+        before = self.record.states[-1].penetration / self.problem.scales.height
+        return bool(abs(point.state.penetration - before) >= self.scene.accuracy.max_increment)
 
     def _refined(self, point: AnyPoint, direction: float) -> AnyPoint:
         """The point at the accuracy of a target, the events on the way to which are kept."""
