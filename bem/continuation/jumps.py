@@ -84,7 +84,7 @@ class Jumps:
         width = abs(ahead.value - point.value)
         touch = locate_touch(
             self.system,
-            lambda value: _interpolated(point, ahead, value),
+            lambda value: interpolated(point, ahead, value),
             before.penetration,
             Bracket((point.value, ahead.value), gaps, found, self.increments.smallest, isinstance(ahead, TouchedFold)),
             self._fine,
@@ -346,7 +346,7 @@ def _departed(start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
     return float(moved.max()) > 2 * float(np.max(np.abs(outward) / start.edge_scale))
 
 
-def _interpolated(first: Equilibrium, last: Equilibrium | TouchedFold, value: float) -> Patches:
+def interpolated(first: Equilibrium, last: Equilibrium | TouchedFold, value: float) -> Patches:
     """Edges between two points of a branch, by the cubic that has their places and tangents.
 
     Towards a fold the edges are quadratic in the root of the distance from it.

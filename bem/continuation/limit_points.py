@@ -202,10 +202,12 @@ def _neutral(
 ) -> LimitPoint | None:
     """A fold, or the point where a symmetry breaks: reached by coarse evaluations, then improved by finer ones."""
     near = _approached(system, soft, reach, tolerances[0], breaking)
-    if near is not None and refused is not None and _ends_branch(near.soft, near.gradient, reach):
-        if refused(near.soft.here, near.soft.value + near.change):
-            raise LostError
-    improved = None if near is None else _improved(system, near, tolerances[1:], breaking)
+    if near is None:
+        return None
+    here, value = near.soft.here, near.soft.value + near.change
+    if refused is not None and _ends_branch(near.soft, near.gradient, reach) and refused(here, value):
+        raise LostError
+    improved = _improved(system, near, tolerances[1:], breaking)
     if improved is None:
         return None
     at, found = improved
