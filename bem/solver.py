@@ -257,14 +257,10 @@ class _Run:
         return max(self.path.increments.largest, abs(stop - start) / MOST_BETWEEN)
 
     def _is_due(self, point: AnyPoint, spacing: float) -> bool:
-        """Whether a point between targets is stored: a spacing of the control from the last one.
-
-        Under load that is a small part of the way; there it must be a largest increment of the penetration as well.
-        """
-        if abs(point.value - self.kept) < spacing:
-            return False
-        if self.problem.control.penetration_weight or point.state is None or not self.record.states:
-            return True
+        """Whether a point is a spacing of the control, and under load a largest increment, from the state before."""
+        far = abs(point.value - self.kept) >= spacing
+        if not far or self.problem.control.penetration_weight or point.state is None or not self.record.states:
+            return far
         before = self.record.states[-1].penetration / self.problem.scales.height
         return bool(abs(point.state.penetration - before) >= self.scene.accuracy.max_increment)
 

@@ -18,7 +18,7 @@ from bem.adhesive.branch import misses_energy, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.adhesive.events import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import LimitPoint, locate_limit_point
+from bem.continuation.limit_points import LimitPoint, Search, locate_limit_point
 from bem.continuation.opening import complete_potential
 from bem.continuation.path_point import BranchEnd, Equilibrium, Point
 from bem.continuation.rest import at_rest
@@ -115,10 +115,13 @@ class Jumps:
             return bool(touched)
 
         start, value = point.balance, point.value
-        limit = locate_limit_point(self.system, start, value, reach, (coarse, fine, finest), thorough, is_touched)
+        limit = locate_limit_point(
+            self.system, start, value, Search(reach, (coarse, fine, finest), thorough, is_touched)
+        )
         if limit is None and thorough and not touched:  # coarse states may end farther from it than `reach`
             near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(value)), reach))
-            limit = locate_limit_point(self.system, start, value, near, (fine, fine, finest), thorough, is_touched)
+            search = Search(near, (fine, fine, finest), thorough, is_touched)
+            limit = locate_limit_point(self.system, start, value, search)
         if limit is None:
             return touched[0] if touched else None
         self.effort.evaluations += limit.evaluations

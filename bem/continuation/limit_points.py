@@ -81,24 +81,14 @@ class LimitPoint:
     evaluations: int
 
 
-def locate_limit_point(
-    system: System,
-    start: Balance,
-    value: float,
-    reach: float,
-    tolerances: tuple[float, float, float],
-    thorough: bool = False,
-    refused: Callable[[Balance, float], bool] | None = None,
-) -> LimitPoint | None:
-    """The limit point that ends the branch of an equilibrium, None where none is found.
+@dataclass(frozen=True)
+class Search:
+    """Where a limit point is looked for, and how.
 
     Parameters
     ----------
-    system : System
-    start : Balance
-        At `value` of the control, before the limit point.
-    value, reach : float
-        Of the control, and how far it may change, with the sign of its motion.
+    reach : float
+        How far the control may change, with the sign of its motion.
     tolerances : (float, float, float)
         Of coarse evaluations, finer ones, and the last.
     thorough : bool
@@ -106,22 +96,34 @@ def locate_limit_point(
     refused : callable, optional
         Whether a fold is of no use, from the forces next to it and its value, while it is known coarsely.
     """
+
+    reach: float
+    tolerances: tuple[float, float, float]
+    thorough: bool = False
+    refused: Callable[[Balance, float], bool] | None = None
+
+
+def locate_limit_point(system: System, start: Balance, value: float, search: Search) -> LimitPoint | None:
+    """The limit point that ends the branch of an equilibrium, None where none is found.
+
+    Parameters
+    ----------
+    system : System
+    start : Balance
+        At `value` of the control, before the limit point.
+    value : float
+        Of the control.
+    search : Search
+    """
     try:
-        return if_solvable(_located, system, start, value, reach, tolerances, thorough, refused)
+        return if_solvable(_located, system, start, value, search)
     except (LostError, np.linalg.LinAlgError):
         return None
 
 
-def _located(
-    system: System,
-    start: Balance,
-    value: float,
-    reach: float,
-    tolerances: tuple[float, float, float],
-    thorough: bool,
-    refused: Callable[[Balance, float], bool] | None,
-) -> LimitPoint | None:
+def _located(system: System, start: Balance, value: float, search: Search) -> LimitPoint | None:
     """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
+    reach, tolerances = search.reach, search.tolerances
     soft, broken = softness(system, start, value, start.scale), None
     if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
         soft = softness(system, start, value, start.scale, every=True)
@@ -135,10 +137,10 @@ def _located(
         found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
         if found is not None:
             return found
-    found = _neutral(system, soft, reach, tolerances, breaking=False, refused=refused)
-    if found is None and (thorough or broken is not None):
+    found = _neutral(system, soft, reach, tolerances, breaking=False, refused=search.refused)
+    if found is None and (search.thorough or broken is not None):
         found = _around(system, soft, reach, tolerances)
-    return found or (broken if thorough else None)
+    return found or (broken if search.thorough else None)
 
 
 def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, float]:

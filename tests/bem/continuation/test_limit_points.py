@@ -10,7 +10,7 @@ from bem.adhesive.equilibrium import System, correct, forces
 from bem.adhesive.events import interpenetration
 from bem.continuation.departure import departure
 from bem.continuation.jumps import Jumps, TouchedFold, interpolated
-from bem.continuation.limit_points import before_fold, locate_limit_point
+from bem.continuation.limit_points import Search, before_fold, locate_limit_point
 from bem.continuation.path_point import Equilibrium
 from bem.continuation.rest import at_rest
 from bem.continuation.softness import softness
@@ -66,7 +66,7 @@ def test_a_fold_is_where_johnsons_branch_turns(control, quantity):
     system, exact = wave(control), lowest(quantity)
     start = 0.7 * exact
     here = resting(system, [2 * np.pi], 0.8, start)
-    found = locate_limit_point(system, here, start, exact - start, TOLERANCES)
+    found = locate_limit_point(system, here, start, Search(exact - start, TOLERANCES))
     assert found.kind == "fold"
     assert found.exact.value == pytest.approx(exact, rel=1e-11)  # measured 3e-13
     assert abs(found.exact.value - exact) <= 3 * found.error.value + 1e-13
@@ -94,7 +94,7 @@ def test_edges_between_a_point_and_a_touched_fold_follow_the_branch():
     system, exact = wave(DisplacementControl()), lowest("penetration")
     values = exact * np.array([0.8, 0.95])
     here, between = (resting(system, [2 * np.pi], 0.8, value) for value in values)
-    fold = locate_limit_point(system, here, values[0], exact - values[0], TOLERANCES)
+    fold = locate_limit_point(system, here, values[0], Search(exact - values[0], TOLERANCES))
     point = Equilibrium(values[0], here, tangent(system.control, here))
     touched = TouchedFold(fold.exact.value, fold.balance.state, interpenetration(system, here.state, 1.0))
     found = interpolated(point, touched, values[1]).half_width[0]
@@ -105,13 +105,13 @@ def test_edges_between_a_point_and_a_touched_fold_follow_the_branch():
 def test_no_fold_is_found_far_from_it():
     system = wave(DisplacementControl())
     here = resting(system, [2 * np.pi], 1.0, 0.5)
-    assert locate_limit_point(system, here, 0.5, -0.01, TOLERANCES) is None
+    assert locate_limit_point(system, here, 0.5, Search(-0.01, TOLERANCES)) is None
 
 
 def test_before_a_fold_the_branch_is_where_its_parabola_says():
     system, exact = wave(DisplacementControl()), lowest("penetration")
     here = resting(system, [2 * np.pi], 0.8, 0.7 * exact)
-    fold = locate_limit_point(system, here, 0.7 * exact, 0.3 * exact, TOLERANCES)
+    fold = locate_limit_point(system, here, 0.7 * exact, Search(0.3 * exact, TOLERANCES))
     value = exact * (1 - 1e-5)
     near = before_fold(fold, value)
     found = correct(system, near, value, value, Accuracy(1e-8, 1e-9)).balance
@@ -136,7 +136,7 @@ def test_equal_crests_lose_their_symmetry_before_they_pull_off(count):
     system = equal_crests(count)
     start = -0.05
     here = symmetric_state(system, count, start)
-    found = locate_limit_point(system, here, start, -0.05, TOLERANCES, thorough=True)
+    found = locate_limit_point(system, here, start, Search(-0.05, TOLERANCES, thorough=True))
     assert found.kind == "broken_symmetry"
     assert found.modes.shape[1] == (1 if count == 2 else 2)
     pull = found.balance.load_gradient
@@ -157,7 +157,7 @@ def test_a_fold_of_almost_equal_crests_lies_before_the_symmetric_one():
     for delta in (0.0, 1e-6, 1e-5):
         system = equal_crests(2, delta)
         here = symmetric_state(system, 2, -0.05)
-        found = locate_limit_point(system, here, -0.05, -0.05, TOLERANCES, thorough=True)
+        found = locate_limit_point(system, here, -0.05, Search(-0.05, TOLERANCES, thorough=True))
         values.append(found.exact.value)
         assert found.kind == ("fold" if delta else "broken_symmetry")
     apart = np.array(values[1:]) - values[0]
@@ -168,7 +168,7 @@ def test_a_fold_of_almost_equal_crests_lies_before_the_symmetric_one():
 def test_the_way_from_a_fold_leads_down():
     system, exact = wave(DisplacementControl()), lowest("penetration")
     here = resting(system, [2 * np.pi], 0.8, 0.7 * exact)
-    fold = locate_limit_point(system, here, 0.7 * exact, 0.3 * exact, TOLERANCES)
+    fold = locate_limit_point(system, here, 0.7 * exact, Search(0.3 * exact, TOLERANCES))
     outward, leads_on, _ = departure(system, fold, Accuracy(1e-3, 1e-4))
     assert leads_on
     assert np.all(outward < 0)  # it pulls off
