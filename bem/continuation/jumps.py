@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.branch import misses_energy, tangent, unstable_patches
+from bem.adhesive.branch import misses_energy, strays, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.adhesive.events import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
@@ -93,6 +93,8 @@ class Jumps:
             return []
         self.effort.evaluations += touch.evaluations
         end = self._equilibrium(touch.exact.value, touch.balance, last=True)
+        if isinstance(ahead, TouchedFold) and self.leaps(point, end):  # the fold was of another branch
+            return []
         state = touch.balance.state
         deeper = interpenetration(self.system, state, DEEPER)
         if deeper.position.size:  # another minimum of the gap closed before, which at `ahead` there was none of
@@ -193,6 +195,11 @@ class Jumps:
         error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
         return self.behind(pushed, error, relaxed, changes, bool(relaxed.changes)) or self._resting(relaxed)
+
+    def leaps(self, start: Equilibrium, end: Equilibrium) -> bool:
+        """Whether Newton leapt from one branch to another, as motions of the edges or energies say."""
+        ends, rates, change = (start.balance, end.balance), (start.rate, end.rate), end.value - start.value
+        return strays(ends, rates, change, self.increments.coarse.residual) or self.misses_energy(start, end)
 
     def misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether more energy went missing between two points than the forces along one branch account for.

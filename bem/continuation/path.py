@@ -21,7 +21,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from bem.adhesive.branch import strays, tangent
+from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.events import interpenetration
@@ -274,8 +274,7 @@ class Path:
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
         rate = tangent(self.system.control, corrected.balance)
         ahead = Equilibrium(value, corrected.balance, rate, (rate - point.rate) / (2 * change))
-        ends, rates = (point.balance, corrected.balance), (point.rate, rate)
-        if strays(ends, rates, change, inc.coarse.residual) or self.jumps.misses_energy(point, ahead):
+        if self.jumps.leaps(point, ahead):
             return Attempt()
         found = interpenetration(self.system, corrected.balance.state, inc.coarse.allowed)
         return Attempt(ahead, found if found.position.size else None)
