@@ -93,7 +93,7 @@ class Jumps:
             return []
         self.effort.evaluations += touch.evaluations
         end = self._equilibrium(touch.exact.value, touch.balance, last=True)
-        if isinstance(ahead, TouchedFold) and self.leaps(point, end):  # the fold was of another branch
+        if isinstance(ahead, TouchedFold) and self.misses_energy(point, end):  # the fold was of another branch
             return []
         state = touch.balance.state
         deeper = interpenetration(self.system, state, DEEPER)
