@@ -222,34 +222,37 @@ class _Walk:
         if not self._is_free(trial):
             return "not_converged"
         wanted = _at_least(resolve(self.system.elastic, trial, self.accuracy.tolerance), self.resolution)
-        if self.resolution is None or not _equal(wanted, self.resolution):
-            self.resolution = wanted
-            again = self._balance(self.patches, self.penetration, wanted)
-            self.here = again or here
-            return "ill_conditioned" if again is None else "again"
         ahead = self._balance(trial, here.state.penetration, wanted)
         if ahead is None:
             return "ill_conditioned"
-        ratio = self._ratio(here, ahead, step)
+        alike = self.resolution is not None and _equal(wanted, self.resolution)
+        ratio = self._ratio(here, ahead, step, alike)
         compressed = ahead.state.stress_intensity <= 0
         if not (ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1] and np.all(step.parts[compressed] > 0)):
-            self.radius = min(self.radius, step.size) / 3
-            return "again"
+            if alike:
+                self.radius = min(self.radius, step.size) / 3
+                return "again"
+            self.resolution, self.here = wanted, self._balance(self.patches, self.penetration, wanted)
+            return "ill_conditioned" if self.here is None else "again"
         if self.steps.ahead is not None:
             self.touching, self.seen = self.steps.ahead(self.seen, ahead)
         self.patches, self.here, self.penetration = trial, ahead, ahead.state.penetration
+        self.resolution = wanted
         if self.touching is not None:
             return "touched"
         if 0.5 < ratio < 1.5:
             self.radius = min(2 * self.radius, self.steps.largest)
         return "again"
 
-    def _ratio(self, here: Balance, ahead: Balance, step: _Step) -> float:
-        """Fall of the potential over that predicted; by the work of the forces, where energies cancel."""
+    def _ratio(self, here: Balance, ahead: Balance, step: _Step, alike: bool) -> float:
+        """Fall of the potential over that predicted; by the work of the forces, where energies cancel.
+
+        Energies of resolutions that are not `alike` differ by more than either is off, and are not compared.
+        """
         noise = 1e-13 * (abs(here.potential) + abs(ahead.potential))
         noise += energy_noise(self.system, here, ahead, self.accuracy.tolerance)
         actual = here.potential - ahead.potential
-        if step.predicted < 100 * noise:
+        if step.predicted < 100 * noise or not alike:
             actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.scale))
         return actual / step.predicted if step.predicted > 0 else -1.0
 

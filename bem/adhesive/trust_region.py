@@ -1,18 +1,22 @@
-"""The minimiser of a quadratic model in a ball: by Cholesky inside it, by eigendecomposition on its surface.
+"""The minimiser of a quadratic model in a ball: by Cholesky inside it and on its surface.
 
+On the surface the shift that makes the step as long as the radius is found by Newton (More and Sorensen), one Cholesky
+factorisation each; of the eigenvalues only the smallest is needed, and only where the Hessian is indefinite.
 Source: Conn, Gould, Toint, Trust-Region Methods (2000), section 7.3.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
+from scipy.linalg import eigh, lapack
 
 from bem.geometry.arrays import FloatArray
 
+HARD_CASE = 1e-3  # of the square of the radius: a shorter step gets what is missing along the most negative mode
+
 
 def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:
-    """Minimiser of the quadratic model in a ball, (n,): by Cholesky inside, by eigendecomposition on its surface.
+    """Minimiser of the quadratic model in a ball, (n,).
 
     In the hard case (no force along the most negative mode) the step leaves along that mode, in the direction
     in which its largest component is positive.
@@ -24,41 +28,54 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
     >>> trust_region_step(np.array([3.0, 4.0]), np.eye(2), 1.0).round(9).tolist()
     [-0.6, -0.8]
     """
-    try:
-        newton = -cho_solve(cho_factor(hessian, check_finite=False), gradient, check_finite=False)
-        if np.linalg.norm(newton) <= radius:
-            return np.asarray(newton)
-    except LinAlgError:  # not positive definite
-        pass
-    values, vectors = eigh(hessian)
-    force = vectors.T @ gradient
-    shift = _shift(values, force, radius)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        step = np.where(values + shift > 0, -force / (values + shift), 0.0)
+    newton = _shifted(gradient, hessian, 0.0)
+    if newton is not None:
+        step = newton[0] if np.linalg.norm(newton[0]) <= radius else _on_surface(gradient, hessian, radius, 0.0)
+        return np.asarray(step)
+    values, modes = eigh(hessian, subset_by_index=[0, 0], check_finite=False)
+    mode = modes[:, 0]
+    step = _on_surface(gradient, hessian, radius, max(0.0, -float(values[0])))
     missing = radius**2 - float(step @ step)
-    if values[0] < 0 and missing > 1e-3 * radius**2:
-        leading = vectors[np.argmax(np.abs(vectors[:, 0])), 0]
-        step[0] = np.copysign(np.sqrt(step[0] ** 2 + missing), step[0] if step[0] != 0 else leading)
-    return np.asarray(vectors @ step)
+    if values[0] < 0 and missing > HARD_CASE * radius**2:
+        along = float(step @ mode)
+        leading = along if along != 0 else mode[np.argmax(np.abs(mode))]
+        step = step + (np.copysign(np.sqrt(along**2 + missing), leading) - along) * mode
+    return np.asarray(step)
 
 
-def _shift(values: FloatArray, force: FloatArray, radius: float) -> float:
-    """The shift of all eigenvalues, >= max(0, -the smallest), at which the step is as long as the radius.
+def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: float) -> FloatArray:
+    """The step that a shift of all eigenvalues makes as long as the radius, (n,); `low` is the least shift there is.
 
     The length falls as the shift grows, and its inverse is nearly linear: Newton on that, within bounds that close in.
-    Where every step is shorter (the hard case) the bounds close in on the most negative eigenvalue.
+    Where every step is shorter (the hard case) the bounds close in on the least shift, and so is the step.
     """
-    low, resolved = max(0.0, -float(values[0])), 1e-15 * float(np.abs(values).max())
-    high = low + float(np.sqrt(force @ force)) / radius
-    shift = low + 1e-3 * (high - low)
+    resolved = 1e-15 * float(np.abs(hessian).sum(axis=1).max())
+    high = low + float(np.linalg.norm(gradient)) / radius
+    shift, step = low + 1e-3 * (high - low), np.zeros(gradient.size)
     while high - low > max(1e-10 * high, resolved):
-        apart = values + shift
-        step = force / apart
+        found = _shifted(gradient, hessian, shift)
+        if found is None:
+            low, shift = shift, (shift + high) / 2
+            continue
+        step, bend = found
         square = float(step @ step)
         excess = np.sqrt(square) / radius - 1
         if abs(excess) <= 1e-10:
-            return shift
+            return step
         low, high = (shift, high) if excess > 0 else (low, shift)
-        newton = shift + excess * square / float(step @ (step / apart))
+        newton = shift + excess * square / bend
         shift = newton if low < newton < high else (low + high) / 2
-    return high
+    found = _shifted(gradient, hessian, high)
+    return step if found is None else found[0]
+
+
+def _shifted(gradient: FloatArray, hessian: FloatArray, shift: float) -> tuple[FloatArray, float] | None:
+    """-(H + shift)^-1 g, (n,), and its product with (H + shift)^-1 itself; None where H + shift is not definite."""
+    matrix = hessian.T.copy()
+    matrix.flat[:: gradient.size + 1] += shift
+    factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
+    if info != 0:
+        return None
+    step, _ = lapack.dpotrs(factor, -gradient, lower=0)
+    half, _ = lapack.dtrtrs(factor, step, lower=0, trans=1)
+    return step, float(half @ half)

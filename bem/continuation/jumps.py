@@ -14,11 +14,11 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.branch import misses_energy, tangent, unstable_patches
+from bem.adhesive.branch import misses_energy, strays, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.adhesive.events import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import LimitPoint, locate_limit_point
+from bem.continuation.limit_points import LimitPoint, Search, locate_limit_point
 from bem.continuation.opening import complete_potential
 from bem.continuation.path_point import BranchEnd, Equilibrium, Point
 from bem.continuation.rest import at_rest
@@ -38,6 +38,15 @@ DEEPER = 1e-8  # rms heights, by which a gap beside the one that touches is clos
 DOUBT = 3.0  # times its error: less energy is not released
 TIED = 1e-6  # relative difference of patches that move alike
 MOVING = 0.3  # of the largest motion in units of the edge scale: patches that move with a mode
+
+
+@dataclass(frozen=True, eq=False)
+class TouchedFold:
+    """A fold beside which crests have touched, with the evaluation next to it: their touch ends the branch."""
+
+    value: float
+    state: Evaluation
+    found: GapMinima
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +73,7 @@ class Jumps:
         finest = self.increments.fine.tolerance
         return max(min(FINE, self.increments.coarse.tolerance), finest), finest
 
-    def from_touch(self, point: Equilibrium, ahead: Equilibrium, found: GapMinima) -> list[Point]:
+    def from_touch(self, point: Equilibrium, ahead: Equilibrium | TouchedFold, found: GapMinima) -> list[Point]:
         """The touch between two points of a branch and the state behind its jump; nothing where it is not located."""
         before = point.state
         behind = before.patches.right[found.gap]
@@ -75,15 +84,17 @@ class Jumps:
         width = abs(ahead.value - point.value)
         touch = locate_touch(
             self.system,
-            lambda value: _interpolated(point, ahead, value),
+            lambda value: interpolated(point, ahead, value),
             before.penetration,
-            Bracket((point.value, ahead.value), gaps, found, self.increments.smallest),
+            Bracket((point.value, ahead.value), gaps, found, self.increments.smallest, isinstance(ahead, TouchedFold)),
             self._fine,
         )
         if touch is None:
             return []
         self.effort.evaluations += touch.evaluations
         end = self._equilibrium(touch.exact.value, touch.balance, last=True)
+        if isinstance(ahead, TouchedFold) and self.misses_energy(point, end):  # the fold was of another branch
+            return []
         state = touch.balance.state
         deeper = interpenetration(self.system, state, DEEPER)
         if deeper.position.size:  # another minimum of the gap closed before, which at `ahead` there was none of
@@ -92,18 +103,33 @@ class Jumps:
         after = self.behind(touch.exact, touch.error, relaxed, relaxed.changes)
         return [] if after is None else [end, after]
 
-    def limit_point(self, point: Equilibrium, reach: float, thorough: bool) -> LimitPoint | None:
-        """The limit point that ends the branch of a point within about `reach` of the control, if there is one."""
+    def limit_point(self, point: Equilibrium, reach: float, thorough: bool) -> LimitPoint | TouchedFold | None:
+        """The limit point that ends the branch of a point within about `reach` of the control, if there is one.
+
+        A fold beside which crests have touched is not located any better: the branch ends before.
+        """
         coarse, (fine, finest) = self.increments.coarse.tolerance, self._fine
-        limit = locate_limit_point(self.system, point.balance, point.value, reach, (coarse, fine, finest), thorough)
-        if limit is None and thorough:  # coarse states may end farther from it than `reach`
-            near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(point.value)), reach))
-            limit = locate_limit_point(self.system, point.balance, point.value, near, (fine, fine, finest), thorough)
+        touched: list[TouchedFold] = []
+
+        def is_touched(here: Balance, value: float, allowed: float = coarse) -> bool:
+            found = interpenetration(self.system, here.state, allowed)
+            touched.extend([TouchedFold(value, here.state, found)] if found.position.size else [])
+            return bool(touched)
+
+        start, value = point.balance, point.value
+        limit = locate_limit_point(
+            self.system, start, value, Search(reach, (coarse, fine, finest), thorough, is_touched)
+        )
+        if limit is None and thorough and not touched:  # coarse states may end farther from it than `reach`
+            near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(value)), reach))
+            search = Search(near, (fine, fine, finest), thorough, is_touched)
+            limit = locate_limit_point(self.system, start, value, search)
         if limit is None:
-            return None
+            return touched[0] if touched else None
         self.effort.evaluations += limit.evaluations
-        touched = interpenetration(self.system, limit.balance.state, self.increments.fine.allowed)
-        return None if touched.position.size else limit
+        if is_touched(limit.balance, limit.exact.value, self.increments.fine.allowed):
+            return touched[0] if limit.kind == "fold" else None
+        return limit
 
     def from_limit(self, limit: LimitPoint, reach: float) -> list[Point]:
         """A limit point and the state behind its jump; nothing where the forces lead to no other state.
@@ -170,6 +196,11 @@ class Jumps:
         changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
         return self.behind(pushed, error, relaxed, changes, bool(relaxed.changes)) or self._resting(relaxed)
 
+    def leaps(self, start: Equilibrium, end: Equilibrium) -> bool:
+        """Whether Newton leapt from one branch to another, as motions of the edges or energies say."""
+        ends, rates, change = (start.balance, end.balance), (start.rate, end.rate), end.value - start.value
+        return strays(ends, rates, change, self.increments.coarse.residual) or self.misses_energy(start, end)
+
     def misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether more energy went missing between two points than the forces along one branch account for.
 
@@ -206,7 +237,9 @@ class Jumps:
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
         system, value = self.system, relaxed.target
-        found = at_rest(system, relaxed.balance, value, self._fine)
+        fine, finest = self._fine
+        energies = finest if system.elastic.kernel else fine  # their error falls with the square of the tolerance
+        found = at_rest(system, relaxed.balance, value, (fine, energies))
         self.effort.evaluations += 2
         here, after, uncertain = (relaxed.balance, self._exact(relaxed.balance, value, value), np.inf)
         if found is not None:
@@ -323,11 +356,17 @@ def _departed(start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
     return float(moved.max()) > 2 * float(np.max(np.abs(outward) / start.edge_scale))
 
 
-def _interpolated(first: Equilibrium, last: Equilibrium, value: float) -> Patches:
-    """Edges between two points of a branch, by the cubic that has their places and tangents."""
+def interpolated(first: Equilibrium, last: Equilibrium | TouchedFold, value: float) -> Patches:
+    """Edges between two points of a branch, by the cubic that has their places and tangents.
+
+    Towards a fold the edges are quadratic in the root of the distance from it.
+    """
     width = last.value - first.value
     here, there = first.state.patches, last.state.patches
     moved = np.concatenate([here.left - there.left, there.right - here.right])
     t = (value - first.value) / width
+    if isinstance(last, TouchedFold):
+        root = float(np.sqrt(np.clip(1 - t, 0.0, 1.0)))
+        return here.moved((1 - root) * ((1 - root) * moved + 2 * root * width * first.rate))
     curved = (1 - t) * (first.rate * width - moved) + t * (moved - last.rate * width)
     return here.moved(t * moved + t * (1 - t) * curved)

@@ -8,7 +8,8 @@ motions of the edges being in units of the root of edge scale over work of adhes
 
 At a fold the load works on the mode (v . dg/dtau != 0): Newton on both equations at once, the last row of which is
 d mu = D_v H v . dx + v . dH/dtau v dtau (Seydel, Practical Bifurcation and Stability Analysis, 2010, section 5.4).
-D_v H is a difference of exact Hessians, dH/dtau is exact: K is linear in tau at fixed edges.  Where the mode breaks a
+D_v H is a difference of exact Hessians, at a fold improved by the secant as long as steps shrink with it (Broyden);
+dH/dtau is exact: K is linear in tau at fixed edges.  Where the mode breaks a
 symmetry that loading keeps, the load does no work on it, and the branch continues unstable: mu changes sign along it.
 Newton on the same equations finds that, with the modes that break the symmetry at rest.  Coarse evaluations lead to
 the point, finer ones improve it, and what the last of these changes, with another resolution, is its error.
@@ -17,6 +18,7 @@ Dimensionless.  Limits: at a fold one mode alone is neutral.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -79,14 +81,29 @@ class LimitPoint:
     evaluations: int
 
 
-def locate_limit_point(
-    system: System,
-    start: Balance,
-    value: float,
-    reach: float,
-    tolerances: tuple[float, float, float],
-    thorough: bool = False,
-) -> LimitPoint | None:
+@dataclass(frozen=True)
+class Search:
+    """Where a limit point is looked for, and how.
+
+    Parameters
+    ----------
+    reach : float
+        How far the control may change, with the sign of its motion.
+    tolerances : (float, float, float)
+        Of coarse evaluations, finer ones, and the last.
+    thorough : bool
+        Whether the branch is followed around its fold where Newton fails: almost symmetric profiles turn sharply.
+    refused : callable, optional
+        Whether a fold is of no use, from the forces next to it and its value, while it is known coarsely.
+    """
+
+    reach: float
+    tolerances: tuple[float, float, float]
+    thorough: bool = False
+    refused: Callable[[Balance, float], bool] | None = None
+
+
+def locate_limit_point(system: System, start: Balance, value: float, search: Search) -> LimitPoint | None:
     """The limit point that ends the branch of an equilibrium, None where none is found.
 
     Parameters
@@ -94,23 +111,19 @@ def locate_limit_point(
     system : System
     start : Balance
         At `value` of the control, before the limit point.
-    value, reach : float
-        Of the control, and how far it may change, with the sign of its motion.
-    tolerances : (float, float, float)
-        Of coarse evaluations, finer ones, and the last.
-    thorough : bool
-        Whether the branch is followed around its fold where Newton fails: almost symmetric profiles turn sharply.
+    value : float
+        Of the control.
+    search : Search
     """
     try:
-        return if_solvable(_located, system, start, value, reach, tolerances, thorough)
+        return if_solvable(_located, system, start, value, search)
     except (LostError, np.linalg.LinAlgError):
         return None
 
 
-def _located(
-    system: System, start: Balance, value: float, reach: float, tolerances: tuple[float, float, float], thorough: bool
-) -> LimitPoint | None:
+def _located(system: System, start: Balance, value: float, search: Search) -> LimitPoint | None:
     """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
+    reach, tolerances = search.reach, search.tolerances
     soft, broken = softness(system, start, value, start.scale), None
     if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
         soft = softness(system, start, value, start.scale, every=True)
@@ -124,10 +137,10 @@ def _located(
         found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
         if found is not None:
             return found
-    found = _neutral(system, soft, reach, tolerances, breaking=False)
-    if found is None and (thorough or broken is not None):
+    found = _neutral(system, soft, reach, tolerances, breaking=False, refused=search.refused)
+    if found is None and (search.thorough or broken is not None):
         found = _around(system, soft, reach, tolerances)
-    return found or (broken if thorough else None)
+    return found or (broken if search.thorough else None)
 
 
 def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, float]:
@@ -135,15 +148,20 @@ def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, fl
 
     `slope` is the derivative of the smallest eigenvalue by the edges, (2 L,).
     """
-    basis = soft.modes[:, ~_broken(soft)] if breaking else np.eye(soft.pull.size)
-    size = basis.shape[1]
+    if breaking:
+        basis = soft.modes[:, ~_broken(soft)]
+        hessian, pull, force = basis.T @ soft.hessian @ basis, basis.T @ soft.pull, basis.T @ soft.gradient
+        slope = slope @ basis
+    else:
+        hessian, pull, force = soft.hessian, soft.pull, soft.gradient
+    size = pull.size
     matrix = np.empty((size + 1, size + 1))
-    matrix[:size, :size], matrix[:size, size] = basis.T @ soft.hessian @ basis, basis.T @ soft.pull
-    matrix[size, :size], matrix[size, size] = slope @ basis, soft.eigenvalue_rate
-    step = np.linalg.solve(matrix, -np.append(basis.T @ soft.gradient, soft.eigenvalues[0]))
+    matrix[:size, :size], matrix[:size, size] = hessian, pull
+    matrix[size, :size], matrix[size, size] = slope, soft.eigenvalue_rate
+    step = np.linalg.solve(matrix, -np.append(force, soft.eigenvalues[0]))
     if not np.all(np.isfinite(step)):
         raise LostError
-    return np.asarray(basis @ step[:size]), float(step[size])
+    return np.asarray(basis @ step[:size] if breaking else step[:size]), float(step[size])
 
 
 def _broken(soft: Soft) -> NDArray[np.bool_]:
@@ -154,7 +172,10 @@ def _broken(soft: Soft) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class _Newton:
-    """An iterate of Newton's method on the equilibrium and its neutrality, with the step to the next."""
+    """An iterate of Newton's method on the equilibrium and its neutrality, with the step to the next.
+
+    `gradient` is the derivative of the smallest eigenvalue by the edges, (2 L,).
+    """
 
     soft: Soft
     gradient: FloatArray
@@ -174,11 +195,21 @@ class _Newton:
 
 
 def _neutral(
-    system: System, soft: Soft, reach: float, tolerances: tuple[float, float, float], breaking: bool
+    system: System,
+    soft: Soft,
+    reach: float,
+    tolerances: tuple[float, float, float],
+    breaking: bool,
+    refused: Callable[[Balance, float], bool] | None = None,
 ) -> LimitPoint | None:
     """A fold, or the point where a symmetry breaks: reached by coarse evaluations, then improved by finer ones."""
     near = _approached(system, soft, reach, tolerances[0], breaking)
-    improved = None if near is None else _improved(system, near, tolerances[1:], breaking)
+    if near is None:
+        return None
+    here, value = near.soft.here, near.soft.value + near.change
+    if refused is not None and _ends_branch(near.soft, near.gradient, reach) and refused(here, value):
+        raise LostError
+    improved = _improved(system, near, tolerances[1:], breaking)
     if improved is None:
         return None
     at, found = improved
@@ -192,21 +223,29 @@ def _neutral(
         shift = pushed / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
         error = replace(error, value=error.value + shift)
         return LimitPoint("broken_symmetry", soft.here, found[-1], error, modes, 0.0, at.evaluations)
+    if not _ends_branch(soft, at.gradient, reach):
+        return None
     cubic, work = float(at.gradient @ soft.mode), float(soft.pull @ soft.mode)
-    if soft.eigenvalues[1:2].min(initial=1.0) <= 0 or cubic * work * reach <= 0:
-        return None  # another limit point lies before this one, or this one begins a branch
     mode = -np.sign(cubic) * soft.mode * soft.scale
     return LimitPoint("fold", soft.here, found[-1], error, mode[:, None], cubic / (2 * work), at.evaluations)
 
 
+def _ends_branch(soft: Soft, gradient: FloatArray, reach: float) -> bool:
+    """Whether a fold ends its branch: not where another limit point lies before it, or where it begins a branch."""
+    cubic, work = float(gradient @ soft.mode), float(soft.pull @ soft.mode)
+    return bool(soft.eigenvalues[1:2].min(initial=1.0) > 0 and cubic * work * reach > 0)
+
+
 def _approached(system: System, soft: Soft, reach: float, tolerance: float, breaking: bool) -> _Newton | None:
     """Newton until the next step is short; None where steps do not shrink, or lead farther than `reach`."""
-    begin, evaluations, size = soft.value, 0, np.inf
+    begin, size = soft.value, np.inf
     resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
+    gradient, evaluations = eigenvalue_gradient(system, soft, tolerance), 1
     for count in range(STEPS):
-        gradient = eigenvalue_gradient(system, soft, tolerance)
         step, change = _step(soft, gradient, breaking)
-        evaluations += 1
+        if count and (breaking or soft.size(step) > max(size / 2, NEAR)):  # the secant is not good enough
+            gradient, evaluations = eigenvalue_gradient(system, soft, tolerance), evaluations + 1
+            step, change = _step(soft, gradient, breaking)
         size, before = soft.size(step), size
         if size <= NEAR:
             return _Newton(soft, gradient, step, change, evaluations)
@@ -217,9 +256,17 @@ def _approached(system: System, soft: Soft, reach: float, tolerance: float, brea
         if not -0.5 <= (value - begin) / reach <= 2:
             return None
         here = forces_at(system, soft, part * step, value, tolerance, resolution)
-        soft = softness(system, here, value, soft.scale, soft.mode, breaking)
-        evaluations += 1
+        ahead = softness(system, here, value, soft.scale, soft.mode, breaking)
+        gradient = _secant(soft, ahead, gradient, part * step)
+        soft, evaluations = ahead, evaluations + 1
     return None
+
+
+def _secant(soft: Soft, ahead: Soft, gradient: FloatArray, step: FloatArray) -> FloatArray:
+    """The derivative of the smallest eigenvalue with what a step shows of its change (Broyden), (2 L,)."""
+    rate = (soft.eigenvalue_rate + ahead.eigenvalue_rate) / 2
+    missed = ahead.eigenvalues[0] - soft.eigenvalues[0] - rate * (ahead.value - soft.value) - gradient @ step
+    return np.asarray(gradient + missed / (step @ step) * step)
 
 
 def _improved(
@@ -231,11 +278,11 @@ def _improved(
     for last, tolerance in (*(((False, fine),) * STEPS), (True, finest)):
         if found and not last and at.close:
             continue
-        value, gradient, evaluations = at.soft.value + at.change, at.gradient, at.evaluations + 1
+        value, gradient, evaluations, before = at.soft.value + at.change, at.gradient, at.evaluations + 1, at.size
         here = refined(system, at.soft, at.step, value, tolerance, last)
         soft = softness(system, here, value, at.soft.scale, at.soft.mode, breaking)
         at = _Newton(soft, gradient, *_step(soft, gradient, breaking), evaluations)
-        if not last and not at.close:
+        if not last and not at.close and (breaking or at.size > before / 4):
             gradient = eigenvalue_gradient(system, soft, tolerance)
             at = _Newton(soft, gradient, *_step(soft, gradient, breaking), evaluations + 1)
         if at.size > 10 * NEAR:

@@ -21,13 +21,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from bem.adhesive.branch import strays, tangent
+from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.events import interpenetration
 from bem.continuation import crossing
 from bem.continuation.bare_states import BareStates
-from bem.continuation.jumps import Jumps
+from bem.continuation.jumps import Jumps, TouchedFold
 from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import Flaw
 from bem.continuation.path_point import Equilibrium, Point, WithEdges
@@ -274,8 +274,7 @@ class Path:
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
         rate = tangent(self.system.control, corrected.balance)
         ahead = Equilibrium(value, corrected.balance, rate, (rate - point.rate) / (2 * change))
-        ends, rates = (point.balance, corrected.balance), (point.rate, rate)
-        if strays(ends, rates, change, inc.coarse.residual) or self.jumps.misses_energy(point, ahead):
+        if self.jumps.leaps(point, ahead):
             return Attempt()
         found = interpenetration(self.system, corrected.balance.state, inc.coarse.allowed)
         return Attempt(ahead, found if found.position.size else None)
@@ -312,6 +311,9 @@ class Path:
         limit = self.jumps.limit_point(point, reach, thorough)
         if limit is None:
             return []
+        if isinstance(limit, TouchedFold):
+            within = direction * (limit.value - ends[1]) <= 0
+            return self.jumps.from_touch(point, limit, limit.found) if within else []
         if direction * (limit.exact.value - ends[1]) <= 0:  # also behind the point: coarse states go a little too far
             return self.jumps.from_limit(limit, reach)
         if limit.kind == "broken_symmetry":

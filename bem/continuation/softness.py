@@ -1,19 +1,20 @@
 """Forces near a neutral equilibrium in fixed units of length, the softest modes of their Hessian, and steps from there.
 
 The derivative of the smallest eigenvalue mu along a motion of the edges, D_v H v, is a difference of exact Hessians;
-that by the control is exact in K, which is linear in the control at fixed edges.  Dimensionless.
+that by the control is exact: K is linear in the control at fixed edges.  Dimensionless.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from bem.adhesive.equilibrium import Balance, System, balance, forces
+from bem.adhesive.equilibrium import Balance, System, balance
 from bem.elastic.collocation import Resolution, finer, resolve
+from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.loading.path_events import EventNumbers
 
 FloatArray = NDArray[np.float64]
@@ -62,13 +63,7 @@ def softness(
     eigenvalues, modes = eigh(hessian, subset_by_index=None if every else [0, 1], check_finite=False)
     if last is not None:
         modes *= np.sign(modes[:, 0] @ last) or 1.0
-    state, mode = here.state, modes[:, 0]
-    rate = system.control.rate(state)
-    change = 1e-2 * float(np.median(np.abs(state.stress_intensity / (state.stress_intensity_rate * rate))))
-    ahead, behind = (
-        float(mode @ _scaled(forces(system, state.shifted(by * rate), value + by), scale) @ mode)
-        for by in (change, -change)
-    )
+    rate = system.control.rate(here.state)
     return Soft(
         here=here,
         value=value,
@@ -78,8 +73,18 @@ def softness(
         pull=here.load_gradient * scale * rate,
         eigenvalues=eigenvalues,
         modes=modes,
-        eigenvalue_rate=(ahead - behind) / (2 * change),
+        eigenvalue_rate=_stiffening(system, here, modes[:, 0] * scale),
     )
+
+
+def _stiffening(system: System, here: Balance, outward: FloatArray) -> float:
+    """v . dH/dtau v for a motion v of the edges; at fixed edges K and its Jacobian are linear in the control."""
+    state, rate = here.state, system.control.rate(here.state)
+    growing = replace(state, stress_intensity=state.stress_intensity_rate, edge_slope=state.edge_slope_rate)
+    twice = (outward * state.stress_intensity_rate) @ (here.jacobian @ outward)
+    twice += (outward * state.stress_intensity) @ (stress_intensity_jacobian(growing) @ outward)
+    carried = float(here.load_gradient @ outward) * float(state.stress_intensity_rate**2 @ outward)
+    return float(rate * (twice / 2 - system.control.load_weight * rate * carried))
 
 
 def _scaled(here: Balance, scale: FloatArray) -> FloatArray:

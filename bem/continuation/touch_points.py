@@ -23,6 +23,7 @@ from bem.loading.path_events import EventNumbers
 
 STEPS = 20
 TOUCHED = 1e-10  # of the rms height: a gap that is closed
+AT_TOUCH = 1e-9  # the same: how near to it the last evaluation must be; the rest of the way is extrapolated
 NEARLY = 1e-6  # the same for the evaluations that are not the last
 TIED = 1e-9  # of the rms height: gaps that close together
 DISTINCT = (1e-7, 1e-10)  # of the rms height: gaps farther apart give a slope, in the first evaluations and the last
@@ -64,12 +65,15 @@ class Bracket:
         Where these gaps are.
     beside : float
         How far from the ends the touch may be: they are states of less accuracy, beside a fold of much less.
+    folds : bool
+        Whether the second end is a fold, near which gaps are linear in the root of the distance from it.
     """
 
     ends: tuple[float, float]
     gaps: tuple[FloatArray, FloatArray]
     found: GapMinima
     beside: float
+    folds: bool = False
 
     def reaches(self, value: float) -> bool:
         """Whether a value of the control lies between the ends, or not far from them."""
@@ -97,8 +101,8 @@ def locate_touch(
         Of the evaluations that lead to the touch, and of the last.
     """
     first, last = bracket.ends
-    crossing = bracket.gaps[0] / (bracket.gaps[0] - bracket.gaps[1])
-    value = first + (last - first) * float(np.clip(crossing.min(), 0.0, 1.0))
+    crossing = float(np.clip(np.min(bracket.gaps[0] / (bracket.gaps[0] - bracket.gaps[1])), 0.0, 1.0))
+    value = first + (last - first) * (crossing * (2 - crossing) if bracket.folds else crossing)
     before: EventNumbers | None = None
     slope = float(bracket.gaps[1].min() - bracket.gaps[0].min()) / (last - first)
     near, patches, evaluations = bracket.found, branch(value), 0
@@ -124,7 +128,7 @@ def locate_touch(
         known.append((value, depth))
         change = -depth / slope
         exact = _at_touch(system, here, value, change)
-        if before is not None and abs(depth) <= TOUCHED:
+        if before is not None and abs(depth) <= AT_TOUCH:
             tied = near.depth <= near.depth.min() + TIED
             touching = GapMinima(near.position[tied], np.full(int(tied.sum()), -TOUCHED), near.gap[tied])
             error = exact.apart(before, system.control.force(here.state))

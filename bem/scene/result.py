@@ -20,6 +20,7 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -243,10 +244,11 @@ def digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
-def installed_version() -> str:
-    """Version of the installed package, `bem.__version__`."""
+@cache
+def installed_version(package: str = "linecontact") -> str:
+    """Version of an installed package, by default this one: `bem.__version__`."""
     try:
-        return metadata.version("linecontact")
+        return metadata.version(package)
     except metadata.PackageNotFoundError:
         return "not installed"
 
@@ -260,7 +262,7 @@ def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
         "numpy": np.__version__,
-        "scipy": metadata.version("scipy"),
+        "scipy": installed_version("scipy"),
         "kernels": IN_USE,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "scene_sha256": digest(resolved_scene),
@@ -299,7 +301,7 @@ def write_result(result: Result, folder: Path) -> None:
     content["checksum"] = digest(content)
     if arrays:
         write_atomically(folder / FIELDS_FILE, arrays)
-    write_atomically(folder / RESULT_FILE, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    write_atomically(folder / RESULT_FILE, _lines(content))
     if not arrays:
         (folder / FIELDS_FILE).unlink(missing_ok=True)
 
@@ -368,6 +370,16 @@ def _read_fields(path: Path, sha256: str | None) -> dict[str, NDArray[Any]]:
             return {name: archive[name] for name in archive.files}
     except (ValueError, zipfile.BadZipFile) as error:
         raise CorruptResultError(f"{path}: corrupt ({error})") from error
+
+
+def _lines(content: dict[str, Any]) -> str:
+    """JSON of a mapping with a line for each of its values, and for each entry of those that are lists."""
+    parts = []
+    for name, value in content.items():
+        entries = [json.dumps(entry, allow_nan=False) for entry in value] if isinstance(value, list) else None
+        text = json.dumps(value, allow_nan=False) if not entries else "[\n  " + ",\n  ".join(entries) + "\n ]"
+        parts.append(f" {json.dumps(name)}: {text}")
+    return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
 def _digest_or_none(content: dict[str, Any]) -> str | None:
