@@ -4,8 +4,8 @@ The order of things is that of the method: the scene is posed in dimensionless f
 the path is followed from target to target (with adhesion event by event, without adhesion target by target), and
 every stored state is refined, assessed by a finer evaluation and certified by an independent one.  Increments
 between targets are stored at most once per largest increment, of the control and by default of the penetration, at
-the same accuracy as targets.  BLAS runs on one
-thread: the matrices are small, two threads are slower, and digits do not depend on the number of cores.
+the same accuracy as targets.  BLAS runs on one thread: the matrices are small, two threads are slower, and digits do
+not depend on the number of cores.
 
 From a target the path continues from the numbers stored of it, not from those in memory: an interrupted path takes up
 its last target and continues to the same states and events, bit for bit on the same machine.
@@ -18,33 +18,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bem.continuation.opening import flaw_of
-from bem.continuation.path import Path
-from bem.continuation.path_point import Point, WithEdges
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.flat import flat_states
 from bem.geometry.patches import ordered
 from bem.geometry.profile import Profile
-from bem.loading.complete_contact import CompleteContact, complete_contact
-from bem.loading.loading_path import LoadingPath
+from bem.loading.complete_contact import complete_contact
 from bem.loading.path_point import Complete, Separated
-from bem.nonadhesive.completed_body import CompletedBody
-from bem.nonadhesive.convex_path import ContactPoint, ConvexPath, ConvexPoint
-from bem.problem import Problem, increments_of, pose
+from bem.path_for import path_for
+from bem.problem import Problem, pose
 from bem.record import AnyPoint, Record, Recorder
 from bem.scene.result import NotFiniteError, Progress, Result, State
 from bem.scene.scene import Scene
-from bem.scene.scene_rules import Mistake, SceneError
 from bem.scene_objects import Described, Tables, scene_of
 from bem.states import flat_state
 
-TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
 MOST_BETWEEN = 500  # states stored between two targets
 DEEPER = 0.05  # rms heights of penetration between two states stored, or the largest increment where that is less
 NUMERICAL_FAILURES = (IllConditionedSystemError, NotFiniteError, FloatingPointError, np.linalg.LinAlgError, MemoryError)
@@ -125,7 +117,7 @@ class _Run:
     ) -> None:
         self.scene, self.problem, self.progress, self.record = scene, problem, progress, record
         self.complete = complete_contact(problem.profile, problem.law, problem.elastic.compliance)
-        self.path = _path_for(scene, problem, self.complete)
+        self.path = path_for(scene, problem, self.complete)
         self.recorder = Recorder(scene, problem, self.complete, self.path, record, on_state)
         kind = scene.loading.control
         self.goals = [
@@ -366,29 +358,6 @@ class _Run:
         patches = ordered(edges[:, 0], edges[:, 1])
         point: AnyPoint = self.path.restart(patches, penetration, value, self._separation(state.separation))
         return point
-
-
-def _path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> LoadingPath[Any, Any]:
-    """The path that the effects of the scene call for."""
-    positions, heights = problem.profile.crests
-    highest = positions[heights >= heights.max() - TOUCHING]
-    increments = increments_of(scene, problem)
-    if problem.law is None:
-        body = CompletedBody(complete, problem.profile.max_height, problem.compliance_ratio)
-        convex: LoadingPath[ConvexPoint, ContactPoint] = ConvexPath(
-            problem.elastic, problem.control, increments, body, highest
-        )
-        return convex
-    equilibrium = import_module("bem.adhesive.equilibrium")
-    system = equilibrium.System(problem.elastic, problem.law, problem.control)
-    width, flaw = scene.loading.flaw, None
-    if width is not None and problem.control.load_weight > 0:
-        flaw = flaw_of(system, complete, width / problem.scales.length, increments.fine.tolerance)
-        if flaw is None:
-            shut = f"= {width:g}: where it would open the pressure shuts a part of it"
-            raise SceneError([Mistake("loading.flaw", shut, "a narrower one")])
-    adhesive: LoadingPath[Point, WithEdges] = Path(system, increments, highest, complete, flaw)
-    return adhesive
 
 
 def _solve_flat(scene: Scene, surface: Profile) -> Result:

@@ -13,15 +13,16 @@ from bem.continuation.crossing import at_load
 from bem.continuation.path_point import BranchEnd
 from bem.loading.complete_contact import complete_contact
 from bem.loading.path_point import Separated
+from bem.path_for import path_for
 from bem.problem import pose
 from bem.scene.scene import parse_scene
-from bem.solver import _path_for, solve
+from bem.solver import solve
 
 
 def start(adhesion, harmonics=20):
     posed = rough_scene([40e-6], harmonics, 1, adhesion)
     problem = pose(posed, posed.surface())
-    path = _path_for(posed, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance))
+    path = path_for(posed, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance))
     return path, Separated(-1.0)
 
 

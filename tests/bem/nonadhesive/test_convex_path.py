@@ -10,15 +10,16 @@ from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.path_point import Separated
 from bem.nonadhesive.convex_path import ConvexPath
+from bem.path_for import path_for
 from bem.problem import pose
-from bem.solver import _path_for, solve
+from bem.solver import solve
 
 SCENE = rough_scene([40e-6], 30, 2, None)
 PROBLEM = pose(SCENE, SCENE.surface())
 
 
 def fresh(control=None):
-    path = _path_for(SCENE, PROBLEM, _complete())
+    path = path_for(SCENE, PROBLEM, _complete())
     assert isinstance(path, ConvexPath)
     return ConvexPath(
         path.elastic, control or DisplacementControl(), path.increments, path.body, path.crests, path.effort
@@ -66,7 +67,7 @@ def test_complete_contact_is_an_event_where_the_last_gap_closes(control, stops):
     scene = rough_scene([0.0], 1, 2, None)
     problem = pose(scene, scene.surface())
     path = replace(
-        _path_for(scene, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance)),
+        path_for(scene, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance)),
         control=control,
     )
     highest = problem.profile.max_height

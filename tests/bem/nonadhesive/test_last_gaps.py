@@ -14,9 +14,10 @@ from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gap_series import evaluate_gaps
 from bem.nonadhesive.gaps import Gaps, gaps_of
 from bem.nonadhesive.last_gaps import Condition, lone_cracks, solve_gaps
+from bem.path_for import path_for
 from bem.problem import pose
 from bem.scene.scene import parse_scene
-from bem.solver import _path_for, solve
+from bem.solver import solve
 
 PERIOD, AMPLITUDE, MODULUS = 0.01, 1e-4, 1e6 / 0.75
 HIGHEST = np.pi * MODULUS * AMPLITUDE / PERIOD  # Westergaard's p*, Pa
@@ -83,7 +84,7 @@ def test_unknowns_in_gaps_and_on_patches_agree(name, deficit):
     profile, layer, nu = SCENES[name]
     scene = scene_of(profile, layer=layer, nu=nu)
     problem, body = body_of(scene)
-    path = _path_for(scene, problem, body.complete)
+    path = path_for(scene, problem, body.complete)
     by_patches = path.at(2 * np.pi * body.lowest * (1 - deficit)).state
     by_gaps = solve_gaps(body, Condition(0.0, 1.0, 2 * np.pi * body.lowest * deficit), gaps_of(by_patches.patches), 0.0)
     state = by_gaps.state
@@ -163,7 +164,7 @@ def test_a_gap_that_closes_beside_wider_ones_is_kept_to_its_end(share):
     """Of two gaps of orders 1 and 2 one closes first; its width grows with the root of the load that is missing."""
     scene = scene_of(waves([1, 2], [0.0, 0.7]))
     problem, body = body_of(scene)
-    path = _path_for(scene, problem, body.complete)
+    path = path_for(scene, problem, body.complete)
     closes = 0.7219628239302337 * 2 * np.pi * body.lowest
     point = path.at(closes * (1 - share))
     assert point.status == "converged"
@@ -229,7 +230,7 @@ def test_gaps_too_many_to_resolve_are_named(monkeypatch):
     monkeypatch.setattr(convex_path, "NARROW", 1.0)
     scene = scene_of(ONE)
     problem, body = body_of(scene)
-    path = _path_for(scene, problem, body.complete)
+    path = path_for(scene, problem, body.complete)
     assert path.at(2 * np.pi * body.lowest * (1 - 1e-3)).status == "ill_conditioned"
 
 
