@@ -174,7 +174,7 @@ def test_the_sentence_names_the_largest_uncertainty():
     said = sentence(findings_of(made_up()))
     assert "largest uncertainty is the realisation of the random phases (input): the mean pressure at a" in said
     assert "varies by 10 % (standard deviation of 3 realisations; standard error of their mean 5.8 %)" in said
-    assert "changes by up to 5 % with it (1 alternatives)" in sentence(findings_of(made_up()[:6]))
+    assert "changes by up to 5 % with it (1 alternative)" in sentence(findings_of(made_up()[:6]))
 
 
 def test_a_pressure_that_vanishes_is_measured_by_the_largest_on_the_path():

@@ -49,7 +49,8 @@ def sentence(found: Findings) -> str:
         how = f"varies by {share(most.relative)} (standard deviation of {most.count} realisations; "
         how += f"standard error of their mean {share(most.of_mean)})"
     else:
-        how = f"changes by up to {share(most.relative)} with it ({most.count} alternatives)"
+        alternatives = "alternative" if most.count == 1 else "alternatives"
+        how = f"changes by up to {share(most.relative)} with it ({most.count} {alternatives})"
     return (
         f"The largest uncertainty is {SOURCES[most.source]} ({most.kind}): the {what} {how}; "
         f"the numerical error is at most {share(own.relative)}."
