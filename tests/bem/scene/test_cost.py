@@ -52,6 +52,15 @@ def test_evaluations_are_those_of_a_run_within_a_factor_of_3(name):
     assert 1 / 3 < cost_of(scene).evaluations / taken < 3
 
 
+def test_complete_contact_does_not_open_at_crests_while_it_is_pressed():
+    pressed = loading("mean_pressure", 2e4, 0.0, -1e4, initial="complete_contact", flaw=1e-5)
+    assert [leg.crests > 0 for leg in cost_of(scene_with(loading=pressed)).legs] == [False, False, True]
+
+
+def test_crests_that_touch_at_once_count_as_one():
+    assert [leg.crests for leg in cost_of(scene_with(**SCENES["equal crests"])).legs] == [1]
+
+
 def seconds(**tables):
     found = cost_of(scene_with(**tables), "compiled")
     return found.evaluations * found.milliseconds

@@ -72,7 +72,7 @@ def _table(found: list[Judged]) -> Table:
     """The scenes that are predicted worst."""
     worst = sorted(found, key=lambda one: -max(abs(math.log(ratio)) for ratio in one.ratios))[:LISTED]
     return Table(
-        caption=f"The {LISTED} worst of {len(found)} predictions; all measured costs: validation/corpus/cost_measured.json.",
+        caption=f"The {LISTED} worst of {len(found)} predictions; all are in validation/corpus/cost_measured.json.",
         columns=["scene", "part", "kernels", "evaluations", "predicted", "seconds", "predicted seconds"],
         rows=[
             [
