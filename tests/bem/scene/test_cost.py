@@ -17,7 +17,7 @@ BASE = {
     "loading": {"control": "separation", "targets": [6e-5]},
 }
 WAVE = {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-4], "phases": [0.0]}
-EQUAL = {"kind": "harmonics", "period": 0.01, "orders": [6], "amplitudes": [2e-5], "phases": [0.3]}
+EQUAL = {"kind": "harmonics", "period": 0.01, "orders": [23], "amplitudes": [5e-6], "phases": [1.1]}
 
 
 def scene_with(**tables):
@@ -35,9 +35,14 @@ SCENES = {
     "load": {"loading": loading("mean_pressure", 2e3, 8e3)},
     "stopped": {"loading": loading("separation", 1e-5, 1e-4, stop_at_mean_pressure=5e3)},
     "wave": {"profile": WAVE, "loading": loading("penetration", 5e-5)},
-    "equal crests": {"profile": EQUAL, "loading": loading("penetration", 1e-5)},
+    "equal crests": {"profile": EQUAL, "loading": loading("penetration", 2e-6)},
     "no adhesion": {"adhesion": None, "loading": loading("mean_pressure", 1e3, 5e3, 1e4)},
     "layer": {"layer": {"thickness": 1e-3}},
+    "crests": {
+        "profile": BASE["profile"] | {"harmonics": 40},
+        "loading": loading("separation", 4e-5),
+        "accuracy": {"max_increment": 0.5},
+    },
     "short increments": {"accuracy": {"max_increment": 0.02}},
     "from complete contact": {
         "loading": loading("mean_pressure", 2e4, 0.0, initial="complete_contact", flaw=1e-5),
