@@ -153,16 +153,16 @@ def _legs(scene: Scene, surface: Profile, levels: FloatArray, crests: FloatArray
     """The legs of the path."""
     loading, scale = scene.loading, _pressure_scale(scene, surface)
     pressed, complete = loading.control == "mean_pressure", loading.initial == "complete_contact"
-    lowest, highest, passed = float(levels[0]), float(levels[-1]), np.unique(crests)
+    lowest, highest, passed = float(levels[0]), surface.max_height, np.unique(crests)
     step = scene.accuracy.max_increment * (1e-2 * scale if pressed else surface.rms_height)
     legs: list[Leg] = []
     value, plane = _start(scene, surface, scale), lowest if complete else highest
     for target, ahead in _route(scene, surface, levels):
         ahead = min(max(ahead, lowest), highest)
-        count = abs(int(np.searchsorted(passed, plane)) - int(np.searchsorted(passed, ahead)))
-        touches = not legs and not complete and (pressed or ahead < highest)
+        below = np.searchsorted(passed, (plane, ahead), side="right")
+        count = abs(int(below[0]) - int(below[1]))
         way = abs(target - value) if pressed else abs(ahead - plane)
-        legs.append(Leg(value, target, ahead, way / step, max(count, int(touches))))
+        legs.append(Leg(value, target, ahead, way / step, count))
         value, plane = target, ahead
     rest = Leg(value, value, plane, 0.0, 0)
     return (*legs, *(rest for _ in range(len(loading.targets) - len(legs))))
