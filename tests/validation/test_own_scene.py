@@ -271,11 +271,20 @@ def test_a_study_says_what_it_will_cost_and_what_it_found(studied, capsys):
     assert content["sentence"] in (folder / "study.html").read_text().replace("&#39;", "'")
 
 
-def test_a_study_continues_where_it_ended(studied, in_process):
+def interrupted():
+    raise KeyboardInterrupt
+
+
+def test_a_study_continues_where_it_ended(studied, in_process, monkeypatch):
     path, folder, _ = studied
     before = json.loads((folder / "study.json").read_text())
     kept = sorted((folder / "answers").iterdir())
     kept[0].unlink()
+    with monkeypatch.context() as patch:  # an interrupt leaves what is there
+        patch.setattr(own_scene, "provenance", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            run(path, folder, QUICK, lambda note: None)
+    assert json.loads((folder / "study.json").read_text()) == before
     assert run(path, folder, QUICK, lambda note: None) == 0
     after = json.loads((folder / "study.json").read_text())
     assert len(in_process) == 1

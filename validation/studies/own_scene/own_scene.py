@@ -26,7 +26,7 @@ from validation.harness.execution import Ended, Running, run_in_processes
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
 from validation.report.render import ReportError
-from validation.report.study_page import FILE, write_study_page
+from validation.report.study_page import FILE, PAGE, write_study_page
 from validation.studies.answers import Answers, answers_in
 from validation.studies.own_scene.findings import findings_of
 from validation.studies.own_scene.settings import SEEDS, Setting, settings_of
@@ -88,9 +88,10 @@ def run(path: Path, folder: Path, options: Options, report: Report) -> int:
     """
     scene = load_scene(path)
     resolved = scene.resolved()
-    _check_folder(folder, digest(resolved), options.overwrite)
+    if not _is_there(folder, digest(resolved), options.overwrite):
+        (folder / PAGE).unlink(missing_ok=True)
+        _write(folder, {"scene": resolved, "status": "interrupted"})
     facts = provenance()
-    _write(folder, {"scene": resolved, "status": "interrupted"})
     tables = tomllib.loads(path.read_text("utf-8"))
     settings = settings_of(scene, tables, (path.parent, folder / PARTS), options.seeds, options.quick)
     answered = _answered(settings, Desk(path.parent, options, answers_in(folder, report), report))
@@ -106,23 +107,27 @@ def run(path: Path, folder: Path, options: Options, report: Report) -> int:
     write_study_page(folder)
     print(table_text(found))
     print(sentence(found))
-    print(folder / "study.html")
+    print(folder / PAGE)
     return 0
 
 
-def _check_folder(folder: Path, sha256: str, overwrite: bool) -> None:
-    """Refuse a folder with the study of another scene."""
+def _is_there(folder: Path, sha256: str, overwrite: bool) -> bool:
+    """Whether the folder holds the study of this scene; that of another one is refused, or to be overwritten."""
     path = folder / FILE
-    if not path.exists() or overwrite:
-        return
+    if not path.exists():
+        return False
     try:
         content = json.loads(path.read_text("utf-8"))
-        known, other = content["schema"] == SCHEMA, content["scene_sha256"] != sha256
-    except (ValueError, KeyError, TypeError) as error:
-        raise ReportError(f"{path}: not the study of a scene; another folder, or --overwrite") from error
-    if not known or other:
-        title = content["scene"].get("title") or "untitled"
-        raise ReportError(f"{path}: the study of another scene ({title!r}); another folder, or --overwrite")
+        known, same = content["schema"] == SCHEMA, content["scene_sha256"] == sha256
+        title = content["scene"]["title"] or "untitled"
+    except (ValueError, KeyError, TypeError):
+        known, same, title = False, False, ""
+    if known and same:
+        return True
+    if not overwrite:
+        what = f"the study of another scene ({title!r})" if known else "not the study of a scene"
+        raise ReportError(f"{path}: {what}; another folder, or --overwrite")
+    return False
 
 
 def _write(folder: Path, content: Mapping[str, Any]) -> None:
