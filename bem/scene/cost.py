@@ -31,6 +31,7 @@ PER_INCREMENT, PER_CREST, PER_TARGET = 6.3, 25.0, 6.6  # evaluations with adhesi
 PER_BARE_TARGET = 7.1  # without
 AREA = 2.5  # geometric overlap over the area of contact
 LEAST_AREA = 1e-3
+FINE = 6.5  # rms slope over rms height and least wavenumber, from which the area at a separation falls like its inverse
 OPENS = 0.2  # of E* h'_rms: complete contact has opened before its mean pressure falls to this
 LAYER_UNKNOWNS = 10.0  # for each thickness of contact
 EQUAL = 9  # digits to which crests that touch at once are of one height
@@ -182,6 +183,7 @@ def _route(scene: Scene, surface: Profile, levels: FloatArray) -> Iterator[tuple
                     plane = float(levels[0])
         else:
             value, plane = target, target if loading.control == "separation" else surface.max_height - target
+            plane = _yielding(surface, levels, plane)
         yield value, max(plane, end)
         if plane <= end:
             return
@@ -200,6 +202,18 @@ def _start(scene: Scene, surface: Profile, scale: float) -> float:
     if math.isfinite(scene.origin):
         return scene.origin
     return surface.max_height if complete != (scene.loading.control == "separation") else 0.0
+
+
+def _yielding(surface: Profile, levels: FloatArray, plane: float) -> float:
+    """The separation above which crests touch: fine crests, steeper than the rest, press the solid back.
+
+    The load at a separation hardly depends on them, and the area falls like the inverse of the slope.
+    """
+    fineness = surface.rms_slope / (surface.q0 * float(np.min(surface.orders)) * surface.rms_height)
+    if fineness <= FINE:
+        return plane
+    above = levels.size - float(np.searchsorted(levels, plane, side="right"))
+    return float(levels[-1 - min(levels.size - 1, int(above * FINE / fineness))])
 
 
 def _plane(levels: FloatArray, pressure: float) -> float:
