@@ -28,6 +28,7 @@ from bem.geometry.profile import Profile
 from bem.scene.scene import Scene
 
 PER_INCREMENT, PER_CREST, PER_TARGET = 6.3, 25.0, 6.6  # evaluations with adhesion
+LOADED = 0.5  # increments under a given load count so much: fewer states are stored on the way
 PER_BARE_TARGET = 7.1  # without
 AREA = 2.5  # geometric overlap over the area of contact
 LEAST_AREA = 1e-3
@@ -163,7 +164,7 @@ def _legs(scene: Scene, surface: Profile, levels: FloatArray, crests: FloatArray
         below = np.searchsorted(passed, (plane, ahead), side="right")
         count = abs(int(below[0]) - int(below[1]))
         way = abs(target - value) if pressed else abs(ahead - plane)
-        legs.append(Leg(value, target, ahead, way / step, count))
+        legs.append(Leg(value, target, ahead, (LOADED if pressed else 1.0) * way / step, count))
         value, plane = target, ahead
     rest = Leg(value, value, plane, 0.0, 0)
     return (*legs, *(rest for _ in range(len(loading.targets) - len(legs))))
