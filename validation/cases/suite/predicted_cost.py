@@ -101,6 +101,6 @@ MEASURED = {"evaluations": 0.0193, "seconds, compiled kernels": 0.0385, "seconds
 CASES = (
     Case(id="predicted-cost", group="cost", level="quick",
          question="Does the cost that is predicted for a scene hold within a factor of 3, for nine scenes of ten?",
-         equations="evaluations = 6.3 increments (half under load) + 25 crests + 6.6 targets; without adhesion 7.1 targets",
+         equations="evaluations = 6.3 increments (half under load) + 25 crests + 6.6 targets; bare: 7.1 targets",
          sources=("persson2001",), compute=_predicted_cost, effects=("half_space", "adhesion")),
 )  # fmt: skip
