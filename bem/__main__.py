@@ -33,6 +33,7 @@ from bem.command_line.console import (
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
+from bem.scene.cost import cost_of
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Progress, Result, write_result
@@ -152,7 +153,7 @@ def _keep_start(scene: Scene, options: argparse.Namespace) -> None:
 def _solved(scene: Scene, folder: Path, stored: Result | None, quiet: bool) -> Result:
     """Solve, saving what converges as it does, and write the result."""
     checkpoint = Checkpoint(scene, folder, stored)
-    report = reporter(sys.stderr, quiet)
+    report = reporter(sys.stderr, quiet, cost_of(scene))
 
     def progress(state: Progress) -> None:
         report(state)

@@ -24,7 +24,7 @@ from bem.nonadhesive.convex_path import ConvexPoint
 from bem.problem import Problem
 from bem.scene.effects import effects_of
 from bem.scene.plausibility import cautions_of, groups_of, pressure_groups
-from bem.scene.result import Caution, Event, Result, State, provenance
+from bem.scene.result import Caution, Effect, Event, Result, State, provenance
 from bem.scene.scene import Scene
 from bem.states import Cost, Place, complete_state, equilibrium_state, event_of, separated_state
 
@@ -47,11 +47,13 @@ class Record:
     groups: dict[str, float] = field(init=False)
     warnings: tuple[Caution, ...] = field(init=False)
     preparation: tuple[dict[str, Any], ...] = field(init=False)
+    effects: tuple[Effect, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         self.groups = groups_of(self.scene)
         self.warnings = cautions_of(self.scene, self.groups)
         self.preparation = self.scene.preparation()
+        self.effects = effects_of(self.scene)
         if self.scene.scan is not None:
             self.fields |= self.scene.scan.drawn()
 
@@ -60,7 +62,7 @@ class Record:
         resolved = self.scene.resolved()
         return Result(
             scene=resolved,
-            effects=effects_of(self.scene),
+            effects=self.effects,
             provenance=provenance(resolved),
             states=tuple(self.states),
             events=tuple(self.events),

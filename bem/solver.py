@@ -322,6 +322,7 @@ class _Run:
                 evaluations=effort.evaluations,
                 target_index=index,
                 n_targets=len(self.goals),
+                value=self.recorder.target_of(self.point),
             )
         )
 

@@ -61,6 +61,7 @@ ORDER = (
     "validation/cases",
     "validation/studies",
     "validation/studies/work_precision",
+    "validation/studies/own_scene",
     "validation/studies/faults",
     "validation/studies/theory_correction",
     "validation/replicate",

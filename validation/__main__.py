@@ -20,6 +20,7 @@ from pydantic import ValidationError
 from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import RESULT_FILE, CorruptResultError
+from bem.scene.scene import SceneError
 from validation.harness import baseline
 from validation.harness.case import Case
 from validation.harness.entry_points.own_cases import own_cases
@@ -33,7 +34,7 @@ from validation.report.pdf import write_pdf
 from validation.report.render import PAGE, ReportError, bibliography, failures, write_html
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
-from validation.studies import IN_PROCESSES, ON_EXECUTORS, STUDIES, module_of
+from validation.studies import IN_PROCESSES, OF_A_SCENE, ON_EXECUTORS, STUDIES, module_of
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REPORT_FILE = "report.json"
@@ -68,6 +69,7 @@ def perform(options: argparse.Namespace) -> int:
         ExecutorError,
         ReportError,
         CorruptResultError,
+        SceneError,
         FolderError,
         baseline.BaselineError,
     ) as error:
@@ -260,6 +262,13 @@ def _baseline_update(options: argparse.Namespace) -> int:
 
 def _study(options: argparse.Namespace) -> int:
     """Run a study."""
+    if options.name == OF_A_SCENE:
+        return _study_scene(options)
+    for key in ("scene", "seeds", "budget"):
+        if getattr(options, key) is not None:
+            raise CaseError(f"{key}: study {options.name} takes none, {OF_A_SCENE} does")
+    if options.overwrite:
+        raise CaseError(f"--overwrite: study {options.name} takes none, {OF_A_SCENE} does")
     if options.peers and options.name != WITH_PEERS:
         raise CaseError(f"--peers: study {options.name} has no peers, {WITH_PEERS} has")
     if options.random is not None and options.name != WITH_RANDOM:
@@ -282,6 +291,22 @@ def _study(options: argparse.Namespace) -> int:
     if options.peers:
         return int(study.run(options.out, options.quick, _say, peers=True))
     return int(study.run(options.out, options.quick, _say))
+
+
+def _study_scene(options: argparse.Namespace) -> int:
+    """Study a scene."""
+    if options.scene is None:
+        raise CaseError(f"study {OF_A_SCENE}: a scene file is needed: study {OF_A_SCENE} SCENE --out DIR")
+    for key, given in (("peers", options.peers), ("random", options.random), ("seed", options.seed)):
+        if given:
+            raise CaseError(f"--{key}: study {OF_A_SCENE} takes none")
+    if options.executor != "local":
+        raise ExecutorError(f"--executor {options.executor!r}: study {OF_A_SCENE} runs on this machine only")
+    study = import_module("validation.studies.own_scene.own_scene")
+    asked = {"seeds": options.seeds, "budget": options.budget}
+    given = {key: value for key, value in asked.items() if value is not None}
+    plan = study.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
+    return int(study.run(options.scene, options.out, plan, _say))
 
 
 def _say(note: Note) -> None:
@@ -347,13 +372,20 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     change.set_defaults(command=_baseline_update, perform=perform)
 
     study = commands.add_parser("study", help="run a study")
+    listed = "; ".join(f"{name}: {what}" for name, what in STUDIES.items())
     study.add_argument(
-        "name", choices=tuple(STUDIES), help="; ".join(f"{name}: {what}" for name, what in STUDIES.items())
+        "name",
+        choices=(OF_A_SCENE, *STUDIES),
+        help=f"{OF_A_SCENE}: what accuracy costs for a scene of one's own, and what its question leaves open; {listed}",
     )
+    study.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help=f"scene file (TOML) of study {OF_A_SCENE}")
+    study.add_argument("--seeds", type=_natural, metavar="N", help=f"{OF_A_SCENE}: realisations besides its own")
+    study.add_argument("--budget", type=_positive, metavar="SECONDS", help=f"{OF_A_SCENE}: CPU seconds it may take")
+    study.add_argument("--overwrite", action="store_true", help=f"{OF_A_SCENE}: replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
     many, one = ", ".join(ON_EXECUTORS), ", ".join(IN_PROCESSES)
-    study.add_argument("--jobs", type=_positive, help=f"processes of: {many} (default: {cores}), {one} (default: 1)")
+    study.add_argument("--jobs", type=_positive, help=f"processes of: {many} (default: {cores}), {one}, scene (1)")
     study.add_argument("--executor", default="local", help=f"for {', '.join(ON_EXECUTORS)}: local or dask://host:port")
     study.add_argument("--peers", action="store_true", help=f"{WITH_PEERS} beside FFT solvers only (extra `peers`)")
     study.add_argument("--random", type=_positive, metavar="N", help=f"{WITH_RANDOM}: N random scenes instead")

@@ -1,7 +1,8 @@
 """What a run says on the terminal: progress on stderr, the resolved scene, the effects and the summary.
 
 Progress is a bar over the targets on a terminal, else plain lines: every `LINE_SECONDS`, and when a new target is
-approached, unless the last line is younger than `TARGET_SECONDS`.  Nothing here computes.
+approached, unless the last line is younger than `TARGET_SECONDS`.  What is left is predicted (cost.py), corrected by
+the pace seen.
 """
 
 from __future__ import annotations
@@ -15,11 +16,13 @@ from typing import Any, Protocol, TextIO
 from tqdm import tqdm
 
 from bem.compiled.kernels import IN_USE
+from bem.scene.cost import Cost
 from bem.scene.result import Caution, Effect, Progress, Result
 
 LINE_SECONDS = 5.0
 TARGET_SECONDS = 0.5
 BAR_SECONDS = 0.2
+TRUST = 0.05  # of the predicted work: until so much is done, the prediction outweighs the pace seen
 
 
 class Reporter(Protocol):
@@ -47,6 +50,35 @@ def described(report: Progress) -> str:
     )
 
 
+class Forecast:
+    """Seconds that a run has still to go: those predicted, by the pace so far.
+
+    Parameters
+    ----------
+    cost : Cost
+        Predicted.
+    clock : callable
+        Seconds.
+    """
+
+    def __init__(self, cost: Cost, clock: Callable[[], float] = time.monotonic) -> None:
+        self.cost, self.clock, self.begun = cost, clock, clock()
+        self.first: float | None = None  # share of the work behind a run that is resumed
+
+    def left(self, report: Progress) -> float:
+        """Seconds to go at a report; the prediction counts as much as `TRUST` of the work done at its pace."""
+        done = self.cost.done(report.target_index, report.value)
+        if self.first is None:
+            self.first = done
+        predicted, trust = self.cost.seconds, TRUST * self.cost.seconds
+        pace = (self.clock() - self.begun + trust) / ((done - self.first) * predicted + trust) if trust else 1.0
+        return (1 - done) * predicted * pace
+
+    def words(self, report: Progress) -> str:
+        """What is left, in words."""
+        return f"about {self.left(report):.2g} s to go"
+
+
 class SilentReporter:
     """Says nothing."""
 
@@ -60,8 +92,10 @@ class SilentReporter:
 class LineReporter:
     """Lines at new targets and every `LINE_SECONDS`, not more often than every `TARGET_SECONDS`."""
 
-    def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
-        self.stream, self.clock = stream, clock
+    def __init__(
+        self, stream: TextIO, clock: Callable[[], float] = time.monotonic, forecast: Forecast | None = None
+    ) -> None:
+        self.stream, self.clock, self.forecast = stream, clock, forecast
         self.target, self.shown_at = -1, -LINE_SECONDS
 
     def __call__(self, report: Progress) -> None:
@@ -71,7 +105,7 @@ class LineReporter:
         if now - self.shown_at < pause:
             return
         self.target, self.shown_at = report.target_index, now
-        text = f"towards target {report.target_index + 1} of {report.n_targets}: {described(report)}"
+        text = f"towards target {report.target_index + 1} of {report.n_targets}: {_told(report, self.forecast)}"
         print(text, file=self.stream, flush=True)
 
     def close(self) -> None:
@@ -81,13 +115,14 @@ class LineReporter:
 class BarReporter:
     """A bar over the targets, for a terminal."""
 
-    def __init__(self, stream: TextIO) -> None:
+    def __init__(self, stream: TextIO, forecast: Forecast | None = None) -> None:
+        self.forecast = forecast
         self.bar = tqdm(total=None, file=stream, unit="target", mininterval=BAR_SECONDS, dynamic_ncols=True)
 
     def __call__(self, report: Progress) -> None:
         """Move the bar to the target being approached."""
         self.bar.total = report.n_targets
-        self.bar.set_postfix_str(described(report), refresh=False)
+        self.bar.set_postfix_str(_told(report, self.forecast), refresh=False)
         moved = report.target_index - self.bar.n
         self.bar.update(moved)
         if moved <= 0 and time.time() - self.bar.last_print_t > BAR_SECONDS:
@@ -99,11 +134,16 @@ class BarReporter:
         self.bar.close()
 
 
-def reporter(stream: TextIO, quiet: bool) -> Reporter:
-    """The reporter that suits a stream."""
+def _told(report: Progress, forecast: Forecast | None) -> str:
+    return described(report) + ("" if forecast is None else f", {forecast.words(report)}")
+
+
+def reporter(stream: TextIO, quiet: bool, cost: Cost | None = None) -> Reporter:
+    """The reporter that suits a stream; with the predicted cost it says how long it will take."""
     if quiet:
         return SilentReporter()
-    return BarReporter(stream) if stream.isatty() else LineReporter(stream)
+    forecast = None if cost is None else Forecast(cost)
+    return BarReporter(stream, forecast) if stream.isatty() else LineReporter(stream, forecast=forecast)
 
 
 def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:

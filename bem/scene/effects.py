@@ -2,15 +2,15 @@
 
 An effect that is not active is a code path never entered.  What changes the compliance: elastic_tables.py.
 
-Predicted costs are power laws in the highest harmonic M, measured on one core on the self-affine profile with H = 0.7
-and 1000 harmonics: seconds = constant (M / 1000)^exponent for each sweep in one direction, each target, each output.
-They are meant to distinguish seconds from hours, within a factor of 3.
+The predicted cost (cost.py) is told apart by effect: the bare targets, what adhesion adds to them on the way in and on
+the way back, what a layer adds to every evaluation, and the outputs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+from bem.scene.cost import cost_of, pace
 from bem.scene.elastic_tables import ELASTIC, elastic_effects, negligible
 from bem.scene.result import Effect
 from bem.scene.scene import Scene
@@ -21,11 +21,7 @@ EFFECTS = (
     *("shapes", "spectra", "pressure_distribution", "width_distributions"),
 )
 
-SWEEP = 10.0, 1.4  # s at 1000 harmonics and exponent: one sweep in one direction, without adhesion
-ADHESIVE_SWEEP = 28.0, 1.15  # the same with adhesion
-KERNEL_SHARE = 0.5  # of the sweeps, in addition: what adds to the kernel of the half-space
-TARGET = 0.5, 1.2  # one target: refinement, certificate, error estimate
-OUTPUT = 0.1, 1.0  # fields, spectra or a distribution at one target
+OUTPUT = 1e-4  # s for each harmonic: fields, spectra or a distribution at one target
 
 
 def effects_of(scene: Scene) -> tuple[Effect, ...]:
@@ -94,24 +90,20 @@ def _outputs(scene: Scene, name: str) -> int:
 
 def _seconds(scene: Scene, active: set[str]) -> dict[str, float]:
     """Predicted cost of each active effect, s."""
+    cost, legs = cost_of(scene), _legs(scene)
     size = max(scene.profile.orders) if scene.profile.orders else int(scene.profile.harmonics or 1)
-
-    def cost(law: tuple[float, float]) -> float:
-        constant, exponent = law
-        return float(constant * (size / 1000) ** exponent)
-
-    legs = _legs(scene)
-    turns = [leg for k, leg in enumerate(legs) if k == 0 or leg != legs[k - 1]]
-    sweeps_in, sweeps_back = turns.count(False), turns.count(True)
-    sweep = cost(ADHESIVE_SWEEP if "adhesion" in active else SWEEP)
-    elastic = sweeps_in * cost(SWEEP) + len(scene.loading.targets) * cost(TARGET)
+    layer, bare = cost.layer_share * cost.seconds, min(1.0, cost.bare / (cost.evaluations or 1.0))
+    plain = cost.seconds - layer
+    way = [leg.evaluations for leg in cost.legs if leg.start != leg.stop]
+    back = sum(spent for spent, unloads in zip(way, legs, strict=False) if unloads) / (sum(way) or 1.0)
+    elastic = plain if "adhesion" not in active else bare * plain
     kept = [name for name in ELASTIC if name in active]  # in one kernel
     seconds = {
-        **{name: (elastic + KERNEL_SHARE * len(turns) * sweep) / len(kept) for name in kept},
-        "half_space": elastic,
-        "adhesion": sweeps_in * (sweep - cost(SWEEP)),
-        "unloading": sweeps_back * sweep,
+        **{name: (layer + elastic) / len(kept) for name in kept},
+        "half_space": layer + elastic,
+        "adhesion": (1 - back) * (plain - elastic),
+        "unloading": back * (plain - elastic),
     }
     for name in ("shapes", "spectra", "pressure_distribution", "width_distributions"):
-        seconds[name] = _outputs(scene, name) * cost(OUTPUT)
+        seconds[name] = _outputs(scene, name) * OUTPUT * size * pace()
     return {name: value for name, value in seconds.items() if name in active}

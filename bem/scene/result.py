@@ -176,7 +176,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a running solution stands; pressure in Pa, `target_index` counts from 0."""
+    """Where a running solution stands; pressure in Pa, `target_index` counts from 0, `value` is what is controlled."""
 
     mean_pressure: float
     contact_fraction: float
@@ -186,6 +186,7 @@ class Progress:
     evaluations: int
     target_index: int
     n_targets: int
+    value: float = math.nan
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -22,6 +22,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.suite.stability",
     "validation.cases.suite.harness",
     "validation.cases.suite.convergence",
+    "validation.cases.suite.predicted_cost",
     "validation.cases.rough_profiles.paper_method_audit",
     "validation.cases.theory.theory_accuracy",
     "validation.cases.theory.theory_contact",

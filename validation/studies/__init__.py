@@ -16,6 +16,8 @@ STUDIES: dict[str, str] = {
     "theory-correction": "the correction of Persson's area calibrated, judged on a hold-out, and put on a page",
 }
 
+OF_A_SCENE = "scene"  # the study of one scene, in own_scene/: it takes a scene file and options of its own
+
 ON_EXECUTORS = ("maps", "maps-coarse", "theory-correction")
 IN_PROCESSES = ("stability",)  # one at a time unless asked otherwise, so that seconds compare
 IN_FOLDERS = ("work-precision", "faults", "theory-correction")

@@ -1,0 +1,247 @@
+"""What a scene will cost: evaluations, from its path and the crests that it passes, times seconds of one evaluation.
+
+With adhesion a path takes evaluations for its increments, for the crests of the profile that touch or part on the way
+(each is one or more events), and for its targets; without, for its targets alone.  Crests on the way are those of the
+profile between the separations of the legs; a mean pressure p stands for the separation at which the profile is above
+the plane over `AREA` times the area erf(sqrt(2) p / (E* h'_rms)) of Persson's theory (J. Chem. Phys. 115 (2001) 3840).
+An evaluation takes seconds that grow with the patches, at most the crests above the plane, with the harmonics, and in
+a thin layer with the cube of the unknowns, which resolve lengths of its thickness.
+
+The constants are fitted to every other scene of a list; the others and random ones judge them (within a factor of 3
+for nine of ten: validation/corpus/cost_scenes.py).  Seconds are those of one core on which the reference kernel takes
+`KERNEL_SECONDS`; `pace` compares this machine with it.  Whether kernels are compiled is known.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from bem.compiled.kernels import IN_USE
+from bem.geometry.arrays import FloatArray
+from bem.geometry.profile import Profile
+from bem.scene.scene import Scene
+
+PER_INCREMENT, PER_CREST, PER_TARGET = 6.3, 25.0, 6.6  # evaluations with adhesion
+LOADED = 0.5  # increments under a given load count so much: fewer states are stored on the way
+PER_BARE_TARGET = 7.1  # without
+AREA = 2.5  # geometric overlap over the area of contact
+LEAST_AREA = 1e-3
+FINE = 6.5  # rms slope over rms height and least wavenumber, from which the area at a separation falls like its inverse
+OPENS = 0.2  # of E* h'_rms: complete contact has opened before its mean pressure falls to this
+LAYER_UNKNOWNS = 10.0  # for each thickness of contact
+EQUAL = 9  # digits to which crests that touch at once are of one height
+KERNEL_SECONDS, KERNEL_RUNS = 0.7e-3, 7  # of the reference kernel; the least of so many runs counts
+MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cube of thousands of unknowns; bare ones
+    "compiled": ((0.89, 0.0136, 2.8e-4, 0.27, 45.0), (1.9, 0.027)),
+    "NumPy": ((1.8, 0.028, 3.1e-4, 0.10, 70.0), (3.0, 0.038)),
+}
+
+
+@dataclass(frozen=True)
+class Leg:
+    """The way to a target.
+
+    Parameters
+    ----------
+    start, stop : float
+        What is controlled, at its ends, m or Pa.
+    plane : float
+        The separation at its end, m.
+    increments : float
+    crests : int
+        That touch or part.
+    """
+
+    start: float
+    stop: float
+    plane: float
+    increments: float
+    crests: int
+
+    @property
+    def evaluations(self) -> float:
+        """What it takes with adhesion, its target included."""
+        return PER_INCREMENT * self.increments + PER_CREST * self.crests + PER_TARGET
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Of a scene.
+
+    Parameters
+    ----------
+    legs : tuple of Leg
+        One for each target.
+    bare : float
+        Evaluations that the targets would take without adhesion.
+    evaluations : float
+    milliseconds : float
+        Of one evaluation, on the machine of the constants.
+    layer_share : float
+        Of these, what the layer adds.
+    """
+
+    legs: tuple[Leg, ...]
+    bare: float
+    evaluations: float
+    milliseconds: float
+    layer_share: float
+
+    @property
+    def seconds(self) -> float:
+        """On this machine, one core."""
+        return 1e-3 * self.evaluations * self.milliseconds * pace()
+
+    def done(self, index: int, value: float) -> float:
+        """Share of the evaluations behind one who is on the way to target `index`, at a value of what is controlled."""
+        spent = sum(leg.evaluations for leg in self.legs[:index])
+        whole = sum(leg.evaluations for leg in self.legs)
+        leg = self.legs[index]
+        way = leg.stop - leg.start
+        passed = min(1.0, max(0.0, (value - leg.start) / way)) if way != 0 and math.isfinite(value) else 0.0
+        return (spent + passed * leg.evaluations) / whole if whole else 0.0
+
+
+def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
+    """The predicted cost of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    kernels : {"compiled", "NumPy"}
+
+    Examples
+    --------
+    >>> from bem.scene.scene import parse_scene
+    >>> scene = parse_scene({
+    ...     "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+    ...     "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-5], "phases": [0.0]},
+    ...     "adhesion": {"work_of_adhesion": 1e-3},
+    ...     "loading": {"control": "penetration", "targets": [1e-5]},
+    ... })
+    >>> round(cost_of(scene).evaluations)  # solved: 152
+    210
+    """
+    surface = scene.surface()
+    if surface.is_flat:
+        return Cost(tuple(Leg(0.0, 0.0, 0.0, 0.0, 0) for _ in scene.loading.targets), 0.0, 0.0, 0.0, 0.0)
+    levels = np.sort(surface.grid[1])
+    crests = np.sort(np.round(surface.crests[1] / surface.max_height, EQUAL) * surface.max_height)
+    legs = _legs(scene, surface, levels, crests)
+    lowest = min(leg.plane for leg in legs)
+    bare = PER_BARE_TARGET * len(legs)
+    of_patches, of_bare = MILLISECONDS[kernels]
+    least, by_crest, by_harmonic, layer, by_cube = of_patches
+    above = crests.size - int(np.searchsorted(crests, lowest, side="right"))
+    area = 1 - float(np.searchsorted(levels, lowest, side="right")) / levels.size
+    extra = 0.0
+    if scene.layer is not None:
+        unknowns = LAYER_UNKNOWNS * area * surface.period / scene.layer.thickness
+        extra = layer + by_cube * (unknowns / 1000) ** 3
+    if scene.adhesion is None:
+        plain = of_bare[0] + of_bare[1] * surface.max_order
+        return Cost(legs, bare, bare, plain + extra, extra / (plain + extra))
+    plain = least + by_crest * above + by_harmonic * surface.max_order
+    return Cost(legs, bare, sum(leg.evaluations for leg in legs), plain + extra, extra / (plain + extra))
+
+
+def _legs(scene: Scene, surface: Profile, levels: FloatArray, crests: FloatArray) -> tuple[Leg, ...]:
+    """The legs of the path."""
+    loading, scale = scene.loading, _pressure_scale(scene, surface)
+    pressed, complete = loading.control == "mean_pressure", loading.initial == "complete_contact"
+    lowest, highest, passed = float(levels[0]), surface.max_height, np.unique(crests)
+    step = scene.accuracy.max_increment * (1e-2 * scale if pressed else surface.rms_height)
+    legs: list[Leg] = []
+    value, plane = _start(scene, surface, scale), lowest if complete else highest
+    for target, ahead in _route(scene, surface, levels):
+        ahead = min(max(ahead, lowest), highest)
+        below = np.searchsorted(passed, (plane, ahead), side="right")
+        count = abs(int(below[0]) - int(below[1]))
+        way = abs(target - value) if pressed else abs(ahead - plane)
+        legs.append(Leg(value, target, ahead, (LOADED if pressed else 1.0) * way / step, count))
+        value, plane = target, ahead
+    rest = Leg(value, value, plane, 0.0, 0)
+    return (*legs, *(rest for _ in range(len(loading.targets) - len(legs))))
+
+
+def _route(scene: Scene, surface: Profile, levels: FloatArray) -> Iterator[tuple[float, float]]:
+    """Targets, each with the separation that it is or stands for, up to where the path stops."""
+    loading, scale = scene.loading, _pressure_scale(scene, surface)
+    stop = math.inf if loading.stop_at_mean_pressure is None else loading.stop_at_mean_pressure
+    end = -math.inf if math.isinf(stop) else _plane(levels, stop / scale)
+    for target in loading.targets:
+        if loading.control == "mean_pressure":
+            value, plane = min(target, stop), _plane(levels, target / scale)
+            if loading.initial == "complete_contact":
+                value = min(value, OPENS * scale)
+                if target >= 0:  # what adhesion holds together opens at its flaw, not at crests, while it is pressed
+                    plane = float(levels[0])
+        else:
+            value, plane = target, target if loading.control == "separation" else surface.max_height - target
+            plane = _yielding(surface, levels, plane)
+        yield value, max(plane, end)
+        if plane <= end:
+            return
+
+
+def _pressure_scale(scene: Scene, surface: Profile) -> float:
+    """E* h'_rms, Pa."""
+    return scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2) * surface.rms_slope
+
+
+def _start(scene: Scene, surface: Profile, scale: float) -> float:
+    """What is controlled, where the path begins: at first touch, or where complete contact opens."""
+    complete = scene.loading.initial == "complete_contact"
+    if scene.loading.control == "mean_pressure":
+        return min(scene.origin, OPENS * scale) if complete else scene.origin
+    if math.isfinite(scene.origin):
+        return scene.origin
+    return surface.max_height if complete != (scene.loading.control == "separation") else 0.0
+
+
+def _yielding(surface: Profile, levels: FloatArray, plane: float) -> float:
+    """The separation above which crests touch: fine crests, steeper than the rest, press the solid back.
+
+    The load at a separation hardly depends on them, and the area falls like the inverse of the slope.
+    """
+    fineness = surface.rms_slope / (surface.q0 * float(np.min(surface.orders)) * surface.rms_height)
+    if fineness <= FINE:
+        return plane
+    above = levels.size - float(np.searchsorted(levels, plane, side="right"))
+    return float(levels[-1 - min(levels.size - 1, int(above * FINE / fineness))])
+
+
+def _plane(levels: FloatArray, pressure: float) -> float:
+    """Separation that a mean pressure over E* h'_rms stands for."""
+    area = min(max(AREA * math.erf(math.sqrt(2) * pressure), LEAST_AREA), 1.0)
+    return float(levels[max(0, min(levels.size - 1, round((1 - area) * levels.size)))])
+
+
+@lru_cache(maxsize=1)
+def pace() -> float:
+    """Seconds of this machine over those of the one of the constants, in steps of the root of 2."""
+    taken = []
+    for _ in range(KERNEL_RUNS):
+        begun = time.perf_counter()
+        _reference_kernel()
+        taken.append(time.perf_counter() - begun)
+    return float(2 ** (round(2 * math.log2(min(taken) / KERNEL_SECONDS)) / 2))
+
+
+def _reference_kernel() -> float:
+    """Small factorisations, logarithms and a loop: what an evaluation is made of, in NumPy."""
+    places = np.arange(64.0)
+    matrix = 0.01 * np.cos(0.1 * np.subtract.outer(places, places)) + np.eye(64)
+    total = 0.0
+    for _ in range(20):
+        factor = np.linalg.cholesky(matrix)
+        total += float(np.log(np.abs(factor) + 1).sum())
+        for k in range(100):
+            total += k * 1e-9
+    return total

@@ -1,0 +1,225 @@
+"""What accuracy costs for one's own scene, and what its question leaves open: `study scene SCENE --out DIR`.
+
+The scene is solved as it is, then with the finest numerical settings, then with all others (settings.py), each in a
+process of its own and kept as soon as it is there (answers.py): the same command continues.  Before anything runs the
+seconds are predicted; after the scene as it is, by its pace.  What would go beyond the budget is left out, a run that
+takes far longer than predicted is stopped, a setting that the scene refuses is a row with the reason.
+
+DIR gets study.json (findings.py) and study.html (validation/report/study_page.py), rendered from the former alone.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bem.scene.effects import predicted_seconds
+from bem.scene.result import digest
+from bem.scene.scene import SceneError, load_scene, parse_scene
+from validation.harness.execution import Ended, Running, run_in_processes
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note
+from validation.report.render import ReportError
+from validation.report.study_page import FILE, PAGE, write_study_page
+from validation.studies.answers import Answers, answers_in
+from validation.studies.own_scene.findings import findings_of
+from validation.studies.own_scene.settings import SEEDS, Setting, settings_of
+from validation.studies.own_scene.solving import Solved, Task, solved
+from validation.studies.own_scene.words import content_of, sentence, table_text
+from validation.studies.store import write_json
+
+SCHEMA = "linecontact-scene-study/1"
+PARTS = "parts"  # of a scan
+BUDGET = 3600.0  # CPU s
+SLACK, LEAST_LIMIT = 10.0, 60.0  # times the prediction, and s: when a run is stopped
+LEAST_SECONDS = 1e-3  # shorter runs say nothing about the pace
+
+Report = Callable[[Note], None]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a study is run.
+
+    Parameters
+    ----------
+    seeds : int
+        Realisations besides the scene's own.
+    budget : float
+        CPU seconds.
+    jobs : int
+        Processes at a time.
+    quick : bool
+        Fewer settings.
+    overwrite : bool
+        Whether the study of another scene may be replaced.
+    """
+
+    seeds: int = SEEDS
+    budget: float = BUDGET
+    jobs: int = 1
+    quick: bool = False
+    overwrite: bool = False
+
+
+def run(path: Path, folder: Path, options: Options, report: Report) -> int:
+    """Run the study of a scene file; 1 where the scene does not converge as it is.
+
+    Parameters
+    ----------
+    path, folder : Path
+        The scene; where study.html and study.json go.
+    options : Options
+    report : callable
+        Gets a `Note` for every step.
+
+    Raises
+    ------
+    SceneError
+        The scene is refused.
+    ReportError
+        The folder holds the study of another scene.
+    """
+    scene = load_scene(path)
+    resolved = scene.resolved()
+    if not _is_there(folder, digest(resolved), options.overwrite):
+        (folder / PAGE).unlink(missing_ok=True)
+        _write(folder, {"scene": resolved, "status": "interrupted"})
+    facts = provenance()
+    tables = tomllib.loads(path.read_text("utf-8"))
+    settings = settings_of(scene, tables, (path.parent, folder / PARTS), options.seeds, options.quick)
+    answered = _answered(settings, Desk(path.parent, options, answers_in(folder, report), report))
+    head = {"scene": resolved, "command": f"linecontact study scene {path.name} --out {folder.name}"}
+    base = answered[0][1]
+    if not base.good:
+        why = f"the scene does not converge as it is: {base.status.replace('_', ' ')} {base.failure}".strip()
+        _write(folder, head | {"status": "failed", "sentence": why})
+        report(Note(f"FAILED: {why}"))
+        return 1
+    found = findings_of([(setting, answer) for setting, answer, _ in answered])
+    _write(folder, head | {"status": "done", "provenance": facts} | content_of(found, answered))
+    write_study_page(folder)
+    print(table_text(found))
+    print(sentence(found))
+    print(folder / PAGE)
+    return 0
+
+
+def _is_there(folder: Path, sha256: str, overwrite: bool) -> bool:
+    """Whether the folder holds the study of this scene; that of another one is refused, or to be overwritten."""
+    path = folder / FILE
+    if not path.exists():
+        return False
+    try:
+        content = json.loads(path.read_text("utf-8"))
+        known, same = content["schema"] == SCHEMA, content["scene_sha256"] == sha256
+        title = content["scene"]["title"] or "untitled"
+    except (ValueError, KeyError, TypeError):
+        known, same, title = False, False, ""
+    if known and same:
+        return True
+    if not overwrite:
+        what = f"the study of another scene ({title!r})" if known else "not the study of a scene"
+        raise ReportError(f"{path}: {what}; another folder, or --overwrite")
+    return False
+
+
+def _write(folder: Path, content: Mapping[str, Any]) -> None:
+    head = {"schema": SCHEMA, "scene_sha256": digest(content["scene"])}
+    write_json(folder / FILE, head | dict(content))
+
+
+@dataclass(frozen=True)
+class Desk:
+    """What all settings of a study share: the folder of its scene, its options, its answers, and who is told."""
+
+    base: Path
+    options: Options
+    answers: Answers
+    report: Report
+
+
+def _answered(settings: Sequence[Setting], desk: Desk) -> list[tuple[Setting, Solved, float]]:
+    """All settings with what came of them, and the seconds predicted."""
+    predicted = {setting: _predicted(setting, desk.base) for setting in settings}
+    known = {setting: cost for setting, cost in predicted.items() if isinstance(cost, float)}
+    found = {setting: cost for setting, cost in predicted.items() if isinstance(cost, Solved)}
+    first, total = settings[0], sum(known.values())
+    budget = desk.options.budget
+    desk.report(Note(f"{len(known)} settings, {total:.3g} s of one core predicted; at most {budget:g} s"))
+    found |= _solve_all({first: known[first]}, math.inf, desk)
+    if not found[first].good:
+        return [(setting, found.get(setting, Solved("not run", "")), math.nan) for setting in settings]
+    took = found[first].seconds
+    pace = max(took, LEAST_SECONDS) / max(known[first], LEAST_SECONDS)
+    expected = {setting: pace * cost for setting, cost in known.items() if setting != first}
+    rest = sum(expected.values())
+    desk.report(Note(f"as it is: {took:.3g} s for {known[first]:.3g} s predicted; by that {rest:.3g} s for the others"))
+    chosen, spent = dict[Setting, float](), took
+    for setting, cost in expected.items():
+        if spent + cost > budget:
+            found[setting] = Solved("left out", f"{cost:.3g} s predicted, beyond the budget of {budget:g} s")
+            desk.report(Note(f"{_name(setting)}: left out, {found[setting].failure}"))
+        else:
+            spent += cost
+            chosen[setting] = cost
+    found |= _solve_all(chosen, LEAST_LIMIT, desk)
+    return [(setting, found[setting], pace * known.get(setting, math.nan)) for setting in settings]
+
+
+def _predicted(setting: Setting, base: Path) -> float | Solved:
+    """Seconds that a setting is predicted to take, or why it cannot be solved."""
+    if setting.why_not:
+        return Solved("does not apply", setting.why_not)
+    try:
+        return predicted_seconds(parse_scene(setting.tables, base))
+    except SceneError as error:
+        return Solved("refused", str(error))
+
+
+def _solve_all(expected: Mapping[Setting, float], least_limit: float, desk: Desk) -> dict[Setting, Solved]:
+    """Solve settings that have no answer yet; each may take SLACK times its seconds, or `least_limit`."""
+    found: dict[Setting, Solved] = {}
+    tasks: dict[str, Setting] = {}
+    for setting in expected:
+        kept = desk.answers.kept(Solved, _name(setting), setting.tables)
+        if kept is not None and kept.status != "stopped":
+            found[setting] = kept
+        else:
+            tasks[_name(setting)] = setting
+    waiting = [
+        Task(name, setting.tables, str(desk.base), max(SLACK * expected[setting], least_limit), setting.kind == "base")
+        for name, setting in tasks.items()
+    ]
+    left, took, seen = sum(expected[setting] for setting in tasks.values()), 0.0, 0.0
+    with closing(run_in_processes(solved, waiting, desk.options.jobs)) as events:
+        for event in events:
+            if isinstance(event, Running):
+                running = zip(event.items, event.seconds, strict=True)
+                desk.report(Note("; ".join(f"{item.name}: running for {seconds:.0f} s" for item, seconds in running)))
+            elif isinstance(event, Ended):
+                setting = tasks.pop(event.item.name)
+                found[setting] = answer = _kept(event, setting, desk.answers)
+                took, seen, left = took + answer.seconds, seen + expected[setting], left - expected[setting]
+                ahead = f"; {left * took / seen:.3g} s to go by the pace so far" if tasks and seen else ""
+                said = f"[{len(waiting) - len(tasks)}/{len(waiting)}] {event.item.name}: {answer.status}"
+                desk.report(Note(f"{said}, {answer.seconds:.3g} s{ahead}"))
+    return found
+
+
+def _kept(event: Ended[Task, Solved], setting: Setting, answers: Answers) -> Solved:
+    """What came of a setting, which is kept unless its process failed."""
+    if isinstance(event.answer, Exception):
+        return Solved("error", f"{type(event.answer).__name__}: {event.answer}")
+    answers.keep(Solved, event.answer, event.item.name, setting.tables)
+    return event.answer
+
+
+def _name(setting: Setting) -> str:
+    return setting.name if setting.kind == "base" else f"{setting.source} {setting.name}"

@@ -1,0 +1,223 @@
+"""What is varied in a scene: the numerical settings, what the question leaves open, and what the model decides.
+
+In the words of ASME V&V 20 (2009): numerical error is what another tolerance or increment changes; input uncertainty is
+what another cut, detrending, window, part of the scan or realisation changes, all of which the question may mean as
+well; the model is what the equations leave out, of which only the length that adhesion counts on can be varied here.
+Every setting is the tables of a scene; one that a scene does not have is listed with the reason.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from bem.scans.scan_file import SCAN_KEYS, RawScan, read_scan
+from bem.scene.atomic_file import write_atomically
+from bem.scene.scene import Scene
+
+Kind = Literal["base", "numerical", "input", "model"]
+Tables = dict[str, Any]
+
+BASE, FINEST = "as it is", "finest"
+TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+INCREMENTS = (8.0, 4.0, 2.0, 0.5, 0.25)  # of the scene's
+FINEST_TOLERANCE, FINEST_INCREMENT = 1e-12, 0.25
+CUTS = (0.25, 0.5, 2.0)  # of the scene's harmonics
+DETRENDS = ("none", "mean", "line", "quadratic", "cubic")
+PERIODICS = ("as_is", "mirror", "window")
+SEEDS, QUICK_SEEDS = 8, 3
+LEAST_HARMONICS = 3
+NO_SCAN = "the profile is not a scan"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One way to solve a scene.
+
+    Parameters
+    ----------
+    kind : {"base", "numerical", "input", "model"}
+    source : str
+        What is varied: "tolerance", "cut", ...
+    name : str
+        How: "1e-08", "line", ...
+    tables : dict
+        Of the scene, as of a scene file; empty where the scene has no such setting.
+    why_not : str
+        Why it has none.
+    """
+
+    kind: Kind
+    source: str
+    name: str
+    tables: Tables = field(default_factory=dict, compare=False)
+    why_not: str = ""
+
+
+def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: int, quick: bool) -> list[Setting]:
+    """All settings of a scene: as it is, the finest, then by source.
+
+    Parameters
+    ----------
+    scene : Scene
+    tables : dict
+        Those of its file.
+    places : two Paths
+        The folder in which file names of the scene begin, and one for the parts of a scan.
+    seeds : int
+        Realisations besides the scene's own.
+    quick : bool
+        Two settings of each numerical source instead of five.
+    """
+    accuracy = {
+        "tolerance": min(FINEST_TOLERANCE, scene.accuracy.tolerance),
+        "max_increment": FINEST_INCREMENT * scene.accuracy.max_increment,
+    }
+    found = [
+        Setting("base", BASE, BASE, copy.deepcopy(tables)),
+        Setting("numerical", FINEST, _accuracy_name(accuracy), changed(tables, {"accuracy": accuracy})),
+    ]
+    numerical = (_tolerances(scene, quick), _increments(scene, quick))
+    question = (_cuts(scene), _detrends(scene), _windows(scene), _periods(scene, places), _seeds(scene, seeds))
+    kinds: tuple[tuple[Kind, tuple[Changes, ...]], ...] = (
+        ("numerical", numerical),
+        ("input", question),
+        ("model", (_lengths(scene),)),
+    )
+    for kind, sources in kinds:
+        for source in sources:
+            for origin, name, change in source:
+                if isinstance(change, str):
+                    found.append(Setting(kind, origin, name, why_not=change))
+                else:
+                    found.append(Setting(kind, origin, name, changed(tables, change)))
+    return found
+
+
+def changed(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tables:
+    """Tables with some keys changed; None removes a key.
+
+    Examples
+    --------
+    >>> changed({"a": {"x": 1, "y": 2}}, {"a": {"x": None, "y": 3}, "b": {"z": 4}})
+    {'a': {'y': 3}, 'b': {'z': 4}}
+    """
+    content = copy.deepcopy(tables)
+    for name, keys in changes.items():
+        table = content.get(name, {}) | keys
+        content[name] = {key: value for key, value in table.items() if value is not None}
+    return content
+
+
+Change = Mapping[str, Mapping[str, Any]]
+Changes = Iterator[tuple[str, str, Change | str]]
+
+
+def _accuracy_name(accuracy: Mapping[str, float]) -> str:
+    return ", ".join(f"{key} {value:g}" for key, value in accuracy.items())
+
+
+def _tolerances(scene: Scene, quick: bool) -> Changes:
+    for value in TOLERANCES[::3] if quick else TOLERANCES:
+        if value != scene.accuracy.tolerance:
+            yield "tolerance", f"{value:g}", {"accuracy": {"tolerance": value}}
+
+
+def _increments(scene: Scene, quick: bool) -> Changes:
+    if scene.adhesion is None:
+        yield "max_increment", "", "without adhesion no path is followed: each target is solved by itself"
+        return
+    for factor in INCREMENTS[1::3] if quick else INCREMENTS:
+        value = factor * scene.accuracy.max_increment
+        yield "max_increment", f"{value:g}", {"accuracy": {"max_increment": value}}
+
+
+def _cuts(scene: Scene) -> Changes:
+    profile = scene.profile
+    if profile.orders is not None and profile.amplitudes is not None and profile.phases is not None:
+        low = [k for k, order in enumerate(profile.orders) if order <= max(profile.orders) / 2]
+        if not low:
+            yield "cut", "", "the profile has no order below half of its highest"
+            return
+        lists = {"orders": profile.orders, "amplitudes": profile.amplitudes, "phases": profile.phases}
+        kept = {key: [values[k] for k in low] for key, values in lists.items()}
+        yield "cut", f"orders up to {max(kept['orders'])}", {"profile": kept}
+        return
+    count = int(profile.harmonics or 0)
+    most = None if scene.scan is None else scene.scan.max_harmonics
+    for factor in CUTS:
+        asked = round(factor * count)
+        name = f"{asked} harmonics"
+        if most is not None and asked > most:
+            yield "cut", name, f"the scan holds {most}"
+        elif asked < LEAST_HARMONICS:
+            yield "cut", name, f"fewer than {LEAST_HARMONICS}"
+        else:
+            yield "cut", name, {"profile": {"harmonics": asked}}
+
+
+def _detrends(scene: Scene) -> Changes:
+    if scene.scan is None:
+        yield "detrending", "", NO_SCAN
+        return
+    for method in DETRENDS:
+        if method != scene.profile.detrend:
+            yield "detrending", method, {"profile": {"detrend": method}}
+
+
+def _windows(scene: Scene) -> Changes:
+    """Ways to make a scan periodic, with the same shortest wavelength: a mirrored one has twice the period."""
+    if scene.scan is None:
+        yield "window", "", NO_SCAN
+        return
+    count, own = int(scene.profile.harmonics or 0), scene.profile.periodic
+    for method in PERIODICS:
+        if method != own:
+            factor = {own == "mirror": 0.5, method == "mirror": 2.0}.get(True, 1.0)
+            harmonics = max(1, round(factor * count))
+            yield "window", method, {"profile": {"periodic": method, "harmonics": harmonics, "period": None}}
+
+
+def _periods(scene: Scene, places: tuple[Path, Path]) -> Changes:
+    """Halves of a scan in place of the whole, with the same shortest wavelength."""
+    if scene.scan is None:
+        yield "period", "", NO_SCAN
+        return
+    base, parts = places
+    raw = read_scan(base / str(scene.profile.file), scene.profile.model_dump(exclude_none=True))
+    middle = raw.h.size // 2
+    for name, part in (("first half", slice(0, middle)), ("second half", slice(middle, None))):
+        path = parts / f"{name.replace(' ', '-')}.txt"
+        _write_part(path, raw, part)
+        keys: dict[str, Any] = {**dict.fromkeys((*SCAN_KEYS, "period")), "file": str(path.resolve()), "decimal": "."}
+        keys |= {"unit_x": "m", "unit_h": "m", "harmonics": max(1, int(scene.profile.harmonics or 2) // 2)}
+        yield "period", name, {"profile": keys}
+
+
+def _write_part(path: Path, raw: RawScan, part: slice) -> None:
+    """A part of a scan as a text file in m, to the last bit."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rows = zip(raw.x[part].tolist(), raw.h[part].tolist(), strict=True)
+    write_atomically(path, "".join(f"{x!r}\t{'nan' if np.isnan(h) else repr(h)}\n" for x, h in rows))
+
+
+def _seeds(scene: Scene, count: int) -> Changes:
+    if scene.profile.seed is None:
+        yield "seed", "", "the profile is not a random one"
+        return
+    for k in range(1, count + 1):
+        yield "seed", f"{scene.profile.seed + k}", {"profile": {"seed": scene.profile.seed + k}}
+
+
+def _lengths(scene: Scene) -> Changes:
+    if scene.adhesion is None:
+        yield "slope term", "", "no adhesion"
+        return
+    other = not scene.adhesion.slope_term
+    name = f"adhesion on the {'true' if other else 'projected'} length"
+    yield "slope term", name, {"adhesion": {"slope_term": other}}
