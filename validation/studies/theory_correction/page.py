@@ -15,6 +15,7 @@ import numpy as np
 
 from persson.corrected import spread_of
 from persson.corrected_variance import Correction, area_at, detachment_stress, fringed
+from persson.domain import in_words
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Table, Tolerance
 from validation.studies.theory_correction.figures import chosen, figures_of, known
@@ -41,13 +42,14 @@ EQUATIONS = (
     "Law: A = erf(p / (E* sqrt(2 tau))), tau = int S dV, S = [g + (1 - g) A^2] [1 - exp(-k n A / (1 - A))], "
     "g = c_0 b / (b + b_0), b = ln q - <ln q>, n = q/q_1; with adhesion 1 - A_wet = (1 - A)^(1 + k_a x), "
     "x = (<a> / sqrt tau) (V / tau)^c, <a> = <sqrt(2 gamma q / E*)> / pi. "
-    "Must not be used for: roughness in two directions or isotropic roughness; finite layers; fewer than about six "
-    "lines, or one; unloading, pull-off and zero or negative loads (the law has no area at p = 0, adhesion has); "
-    "loads at which less than about 2 % of the profile touches, where single realisations scatter by tens of per cent "
-    "about any mean; adhesion at p/(E* h'_rms) below 0.02 with theta above 0.05 and H above 0.6, where the area comes "
-    "out up to 40 % too small. Not judged: theta above 0.1, more than half of the profile in contact, bandwidths above "
-    "500, slopes beyond linear elasticity. Tension: the true distribution falls as the inverse cube of the tension at "
-    "the edges, that of the law ends."
+    "Must not be used for: roughness in two directions or isotropic roughness; finite layers; unloading, pull-off and "
+    "zero or negative loads (the law has no area at p = 0, adhesion has). Below the smallest contact fraction single "
+    "realisations scatter by tens of per cent about any mean. Tension: the true distribution falls as the inverse cube "
+    "of the tension at the edges, that of the law ends. "
+)
+
+GUARD = (
+    " `outside_calibration` of the answer names what of this a case does not keep to; it is empty where all is kept."
 )
 
 
@@ -82,11 +84,11 @@ def outcome(
     return Outcome(rows=rows, figures=tuple(figures_of(judged)), tables=tables, counts=counts)
 
 
-def case_of(made: Outcome) -> Case:
-    """The page as a case of a report."""
+def case_of(made: Outcome, domain: Mapping[str, Any]) -> Case:
+    """The page as a case of a report; `domain` as in the calibration."""
     return Case(id=CASE, group="correction of the theory", level="full",
                 question=QUESTION,
-                equations=EQUATIONS,
+                equations=EQUATIONS + in_words(domain) + GUARD,
                 sources=("carbone2009", "persson2001", "yang2008", "almqvist2011", "wang2017", "dapp2014",
                 "yastrebov2017"), compute=lambda: made,
                 effects=("half_space", "adhesion", "pressure_distribution"))  # fmt: skip
