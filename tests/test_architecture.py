@@ -40,6 +40,7 @@ ORDER = (
     "bem/command_line",
     "bem",
     "fem_reference",
+    "persson/mathematics",
     "persson",
     "validation/harness",
     "validation/report",
