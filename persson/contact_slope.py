@@ -163,9 +163,9 @@ def pair_correlation(spectrum: Spectrum, coefficients: Mapping[str, float] | Non
     position = np.log(wavenumbers)
     if shares.size > PAIRED:
         bands = np.floor((position - position[0]) / BAND).astype(np.int64)
-        weight = np.bincount(bands, shares)
+        weight = np.asarray(np.bincount(bands, shares), dtype=np.float64)
         full = weight > 0
-        position = np.asarray(np.bincount(bands, shares * position)[full] / weight[full], dtype=np.float64)
+        position = np.asarray(np.bincount(bands, shares * position), dtype=np.float64)[full] / weight[full]
         shares = weight[full]
     apart = np.abs(position[:, None] - position[None, :])
     kernel = (2 / (np.exp(-apart) * (1 + np.exp(2 * np.minimum(apart, 300.0))))) ** value["n"]

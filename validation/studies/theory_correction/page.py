@@ -42,6 +42,8 @@ EQUATIONS = (
     "Law: A = erf(p / (E* sqrt(2 tau))), tau = int S dV, S = [g + (1 - g) A^2] [1 - exp(-k n A / (1 - A))], "
     "g = c_0 b / (b + b_0), b = ln q - <ln q>, n = q/q_1; with adhesion 1 - A_wet = (1 - A)^(1 + k_a x), "
     "x = (<a> / sqrt tau) (V / tau)^c, <a> = <sqrt(2 gamma q / E*)> / pi. "
+    "Without adhesion persson.contact_slope.contact_area is the better area, for narrow bands and few lines too "
+    "(persson/README.md says how sure). "
     "Must not be used for: roughness in two directions or isotropic roughness; finite layers; unloading, pull-off and "
     "zero or negative loads (the law has no area at p = 0, adhesion has). Below the smallest contact fraction single "
     "realisations scatter by tens of per cent about any mean. Tension: the true distribution falls as the inverse cube "
