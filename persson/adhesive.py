@@ -5,7 +5,7 @@ more true area; what is left is the effective work of adhesion,
 
     gamma_eff(S) A(S) = gamma A(S_N) M(S_N - S) - U_el(S),     U_el(S) = 1/4 int_S^{S_N} A / q dS   (units of E*).
 
-A detached zone of half a wavelength opens at a tension a E* with
+A detached zone of one wavelength, 2 pi / q, opens at a tension a E* with
 
     a(S) = sigma_a / E* = sqrt(2 gamma_eff+ q / w) / pi,       gamma_eff+ = max(gamma_eff / E*, 0),
 
@@ -57,7 +57,7 @@ class AdhesionProblem:
     work_length : float
         gamma / E*, m.
     detached_width : float
-        w, the detached width in half wavelengths.
+        w, the detached width in wavelengths.
     correction : Correction, optional
         Of the stress variance in partial contact; None for the theory as it is.
     """

@@ -43,6 +43,7 @@ ORDER = (
     "persson/mathematics",
     "persson",
     "validation/harness",
+    "validation/harness/entry_points",
     "validation/report",
     "validation/references/paper_method",
     "validation/references",
@@ -64,6 +65,7 @@ ORDER = (
     "validation/replicate",
     "validation",
     "validation/command_line",
+    "validation/command_line/examples/own-cases",
 )
 APART = {  # besides the order: folders that these do not import from either
     "bem/observables": ("bem/adhesive", "bem/continuation", "bem/nonadhesive", "bem/elastic"),

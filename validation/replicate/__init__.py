@@ -25,7 +25,7 @@ from validation.harness.executors import Opener
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note, failed_record, record_of
 from validation.harness.schema import SCHEMA, CaseRecord, Report
-from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra
+from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra, summary
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
 from validation.replicate.members import hurst as hurst_members
@@ -84,7 +84,8 @@ def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable
     outcome = run_ensemble(all_members(size), folder / "members", jobs, say, opener)
     evidence = gather(size, folder / "members", outcome.failed)
     say(Note("figures and statements"))
-    records = [_record(case) for case in cases(evidence)]
+    topics = [_record(case) for case in cases(evidence)]
+    records = [_record(_summary(topics)), *topics]
     for record in records:
         for figure in record.figures:
             write_figure(figure, folder / FIGURES)
@@ -92,7 +93,7 @@ def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable
         schema_=SCHEMA,
         level="replicate" if size == PAPER else "replicate, short form",
         command=command,
-        planned=len(TOPICS),
+        planned=len(TOPICS) + 1,
         provenance=facts | {"seconds": round(time.monotonic() - begun, 1), "jobs": jobs},
         cases=records,
         changes=[],
@@ -135,6 +136,15 @@ def cases(evidence: Evidence) -> list[Case]:
                  effects=ENSEMBLE_EFFECTS,
                  scene=scene_text(loading(evidence.size)[0].scene) if name == TOPICS[0][0] else "")
             for name, question, equations, compute in TOPICS]  # fmt: skip
+
+
+def _summary(topics: list[CaseRecord]) -> Case:
+    """The statements of all topics on one page."""
+    return Case(id="replicate-statements", group=GROUP, level="full",
+                question="What does the paper state, what do we find, and do they agree?",
+                equations="accepted: the tolerance, or twice the uncertainties, and at most half the way to the "
+                "alternative that the row excludes",
+                sources=("carbone2009",), compute=partial(summary.compute, topics))  # fmt: skip
 
 
 def scene_text(scene: Mapping[str, Any]) -> str:

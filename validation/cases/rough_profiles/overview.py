@@ -164,7 +164,9 @@ def _cost() -> Outcome:
 
 
 CAUSE = "mean-field theory: it neglects correlations between neighbouring contacts, strongest for lines"
-BAND_SOURCE = "measured on this realisation, 1.4 to 1.7; Carbone, Scaraggi, Tartaglino 2009: up to a factor of two"
+BAND_SOURCE = (
+    "measured on this realisation, 1.4 to 1.7; the factor of two of Carbone, Scaraggi, Tartaglino 2009 is with adhesion"
+)
 BAND = (1.25, 1.85)
 MEASURED = (3.1e-16, 2.5e-5, 1.9e-4)
 
