@@ -207,8 +207,8 @@ def _areas(correction: Correction) -> Table:
             rows.append([theta, hurst, bandwidth, *(round(float(value), 4) for value in area)])
     rows.sort(key=lambda row: [float(value or 0) for value in row[:3]])
     return Table(
-        caption="With adhesion, what to expect: contact fraction A/A0 by the calibrated correction, for p/(E* h'_rms) as in "
-        "the heads of the columns; self-affine, no roll-off, bandwidth = longest over shortest wavelength, "
+        caption="With adhesion, what to expect: A/A0 by the calibrated correction, for p/(E* h'_rms) as in the "
+        "heads of the columns; self-affine, no roll-off, bandwidth = longest over shortest wavelength, "
         "theta = gamma / (E* sum q_m h_m^2 / 8).",
         columns=["theta", "H", "bandwidth", *(f"{load:g}" for load in SHOWN_LOADS)],
         rows=rows,
