@@ -87,6 +87,14 @@ def solve(
     Result
         Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt); states before
         a failure are kept.  `not_converged` also where a state is not certified.
+
+    Examples
+    --------
+    >>> wave = {"kind": "harmonics", "period": 1.0, "orders": [1], "amplitudes": [0.01], "phases": [0.0]}
+    >>> loading = {"control": "mean_pressure", "targets": [0.5 * np.pi * 0.01]}
+    >>> result = solve(profile=wave, solid={"youngs_modulus": 1.0, "poisson_ratio": 0.0}, loading=loading)
+    >>> result.status, round(result.targets[0].contact_fraction, 9)  # Westergaard: half of the wave touches
+    ('converged', 0.5)
     """
     scene = scene_of(scene, tables)
     surface = scene.surface()

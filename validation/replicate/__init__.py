@@ -38,19 +38,25 @@ ENSEMBLE_EFFECTS = ("half_space", "adhesion", "slope_term", "spectra", "pressure
 
 TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
     ("replicate-realisations", "Which realisations is this made of?",
-     "h_m ~ m^-(H + 1/2), phases default_rng(seed).uniform(-pi, pi)", realisations.compute),
+     r"$h_m \propto m^{-(H + 1/2)}$, phases default_rng(seed).uniform(-pi, pi)", realisations.compute),
     ("replicate-area", "Is the area linear in the load, and twice the theory's?",
-     "A/A0 = a + b p/E*; Persson: A/A0 = erf(sqrt 2 p / (E* h'_rms)) without adhesion", area.compute),
-    ("replicate-separation", "Does the separation follow the theory?", "ln(p/E*) = c - s/u0", separation.compute),
+     r"$A / A_0 = a + b p / E^\ast$; "
+     r"Persson: $A / A_0 = \operatorname{erf}(\sqrt{2} \, p / (E^\ast h'_{\text{rms}}))$ "
+     "without adhesion", area.compute),
+    ("replicate-separation", "Does the separation follow the theory?",
+     r"$\ln(p / E^\ast) = c - s / u_0$", separation.compute),
     ("replicate-spectra", "What are the exponents of the spectra, and is contact full at short wavelengths?",
-     "C_u ~ q^-(2 + H), C_sigma = E*^2 q^2 C_u / 4; full contact: C_sigma ~ q^(1 - 2 H)", spectra.compute),
+     r"$C_u \propto q^{-(2 + H)}$, $C_\sigma = (E^\ast)^2 q^2 C_u / 4$; "
+     r"full contact: $C_\sigma \propto q^{1 - 2 H}$", spectra.compute),
     ("replicate-pressure", "What is the distribution of the pressure?",
-     "double Gaussian; P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3 for sigma -> -infinity", pressure.compute),
+     r"double Gaussian; $P \to \frac{2 E^\ast}{\pi \lambda} \sum_e w_e |\sigma|^{-3}$ "
+     r"for $\sigma \to -\infty$", pressure.compute),
     ("replicate-hurst", "Are short waves in full contact for H = 0.8, and not for H = 0.3?",
-     "C_u / C = A(q)/A0 in the theory", hurst.compute),
-    ("replicate-shapes", "What do the deformed shapes look like?", "s = (1/lambda) int gap dx", shapes.compute),
+     r"$C_u / C = A(q) / A_0$ in the theory", hurst.compute),
+    ("replicate-shapes", "What do the deformed shapes look like?",
+     r"$s = \frac{1}{\lambda} \int \text{gap} \, dx$", shapes.compute),
     ("replicate-heights", "Are the heights of the profiles Gaussian?",
-     "sum h_m^2 / 2 = h_rms^2", heights.compute),
+     r"$\sum_m h_m^2 / 2 = h_{\text{rms}}^2$", heights.compute),
 )  # fmt: skip
 
 

@@ -114,7 +114,8 @@ BAND = (1.7, 2.9)  # 1.88 at 0.02 E* to 2.62 at 0.0025 E* measured
 CASES = (
     Case(id="paper-profile", group="rough profiles", level="standard",
          question="What is the contact area of the paper's profile, and how far off is the theory?",
-         equations="dP/dV = (1/2) d2P/dsigma2 above a barrier at -sigma_a, sigma_a = sqrt(2 E* gamma_eff q) / pi",
+         equations=r"$\frac{\partial P}{\partial V} = \frac{1}{2} \frac{\partial^2 P}{\partial \sigma^2}$ above a "
+                   r"barrier at $-\sigma_a$, $\sigma_a = \sqrt{2 E^\ast \gamma_{\text{eff}} \, q} / \pi$",
          sources=("carbone2009", "persson2001"), compute=_paper_profile,
          effects=("half_space", "adhesion", "slope_term"), scene=adapters.scene_text("paper_profile")),
 )  # fmt: skip

@@ -187,8 +187,8 @@ CASES = (
         question="Which stresses does the contact carry, how well does the double Gaussian fit, and what does half the "
         "detached width change?",
         equations=(
-            "P = [exp(-(s - sigma_0)^2 / 4 G sigma_0^2) - exp(-(s + sigma_0)^2 / 4 G sigma_0^2)] "
-            "/ (2 sigma_0 sqrt(pi G)), s = sigma + sigma_a, a fit in sigma_a and G"
+            r"$P = \frac{1}{2 \sigma_0 \sqrt{\pi G}} [e^{-(s - \sigma_0)^2 / 4 G \sigma_0^2} "
+            r"- e^{-(s + \sigma_0)^2 / 4 G \sigma_0^2}]$, $s = \sigma + \sigma_a$, a fit in $\sigma_a$ and $G$"
         ),
         sources=("carbone2009",),
         compute=_distribution,
@@ -200,7 +200,8 @@ CASES = (
         group="theory",
         level="quick",
         question="How far apart are the mean planes, and does the load do the work of approaching them?",
-        equations="s = s_0 + int (dD/dsigma) dsigma / sigma, D = U_tot - U_el without adhesion",
+        equations=r"$s = s_0 + \int \frac{1}{\sigma} \frac{dD}{d\sigma} \, d\sigma$, "
+        r"$D = U_{\text{tot}} - U_{\text{el}}$ without adhesion",
         sources=("carbone2009", "persson2007"),
         compute=_separation,
         effects=("adhesion",),
