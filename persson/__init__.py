@@ -25,10 +25,10 @@ the literature, and a calibration for roughness in one direction, put beside the
 """
 
 from persson import corrected
-from persson.area_factor import AREA_FACTORS, gaussian_slope_1d, isotropic_2d
 from persson.contact import AdhesiveContact
 from persson.corrected_variance import Correction
 from persson.double_gaussian import DoubleGaussian, double_gaussian, fit_double_gaussian
+from persson.mathematics.area_factor import AREA_FACTORS, gaussian_slope_1d, isotropic_2d
 from persson.nonadhesive import NonadhesiveContact, solve_nonadhesive
 from persson.solve import solve
 from persson.spectrum import ContinuousSpectrum, DiscreteSpectrum

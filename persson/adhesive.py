@@ -30,13 +30,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from persson.area_factor import AreaFactor
 from persson.corrected_variance import Correction, scales_of
 from persson.diffusion import EnergyFactor, StressDistribution, march, steps_of
 from persson.magnification import MagnificationMesh
+from persson.mathematics.area_factor import AreaFactor
+from persson.mathematics.volterra import survival
 from persson.nonadhesive import contact_fraction, energy_length
 from persson.spectrum import Spectrum
-from persson.volterra import survival
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -24,9 +24,10 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import erfinv
 
 from persson.contact import AdhesiveContact
-from persson.corrected_data import calibrated, outside
+from persson.corrected_data import calibrated, calibration
 from persson.corrected_variance import Correction, area_at, detachment_stress, diffused, fringed, scales_of
 from persson.diffusion import SAFE, StressDistribution, march
+from persson.domain import groups_of, outside, refuse_extremes
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.nonadhesive import dimensionless_load, energy_length, plane_strain_modulus, separation_length, status_of
 from persson.separation import adhesive_part, load_ladder
@@ -87,10 +88,10 @@ class CorrectedContact:
 
     @property
     def outside_calibration(self) -> tuple[str, ...]:
-        """Where the case lies outside of what the calibrated correction was judged for; empty if nowhere."""
+        """Where the case lies outside of the domain of the calibrated correction (domain.py); empty if nowhere."""
         modulus = self.plane_strain_modulus
         load, work = self.mean_pressure / modulus, (self.work_of_adhesion or 0.0) / modulus
-        return outside(self.spectrum, load, self.contact_fraction, work)
+        return outside(calibration()["domain"], groups_of(self.spectrum, load, self.contact_fraction, work))
 
     def pressure_distribution(self, pressure: ArrayLike) -> FloatArray:
         """P(sigma) per nominal area in 1/Pa at pressures in Pa; its integral is A/A0."""
@@ -158,6 +159,7 @@ def solve(
     load = dimensionless_load(mean_pressure, modulus)
     if work_of_adhesion is not None and not (np.isfinite(work_of_adhesion) and work_of_adhesion > 0):
         raise ValueError(f"work_of_adhesion: {work_of_adhesion} must be finite and > 0 (J/m^2)")
+    refuse_extremes(spectrum, load, None if work_of_adhesion is None else work_of_adhesion / modulus)
     if work_of_adhesion is not None and correction.fringe is None:
         state = solve_plain(
             spectrum,

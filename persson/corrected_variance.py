@@ -52,14 +52,13 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from persson.magnification import MagnificationMesh
-from persson.spectrum import DiscreteSpectrum, Spectrum
+from persson.spectrum import Spectrum, slope_shares
 
 FloatArray = NDArray[np.float64]
 Form = Literal["slower", "total", "drift"]
 FORMS: tuple[Form, ...] = ("slower", "total", "drift")
 ROUNDING = 1e-12
 BISECTIONS = 60
-TABLE_CELLS = 4000  # of a continuous spectrum
 FULL = 1e-9  # of 1 - A: nearer to full contact the window is 1 to rounding for any k of order one
 
 
@@ -245,12 +244,8 @@ def detachment_stress(spectrum: Spectrum, work_length: float) -> float:
     >>> round(detachment_stress(DiscreteSpectrum([2.0], [0.1]), 0.01) * np.pi, 12)
     0.2
     """
-    if isinstance(spectrum, DiscreteSpectrum):
-        steps, q = spectrum.slope_variance_steps, spectrum.wavenumbers
-    else:
-        nodes = np.linspace(0, spectrum.total_slope_variance, TABLE_CELLS + 1)
-        steps, q = np.diff(nodes), spectrum.wavenumber_at((nodes[1:] + nodes[:-1]) / 2)
-    return float(np.sqrt(2 * work_length) * np.sum(steps * np.sqrt(q)) / np.sum(steps) / np.pi)
+    wavenumbers, share = slope_shares(spectrum)
+    return float(np.sqrt(2 * work_length) * (share @ np.sqrt(wavenumbers)) / np.pi)
 
 
 def fringed(correction: Correction, area: FloatArray, tau: FloatArray, variance: float, stress: float) -> FloatArray:

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from persson.adhesive import ROUTES, AdhesionProblem, AdhesiveFields, Route, solve_fixed_point
-from persson.area_factor import AREA_FACTORS
 from persson.contact import AdhesiveContact
 from persson.corrected_variance import Correction
 from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
+from persson.mathematics.area_factor import AREA_FACTORS
 from persson.nonadhesive import (
     NonadhesiveContact,
     dimensionless_load,

@@ -32,6 +32,7 @@ PANEL_RATIO = 1.25  # growth of S from panel to panel of the quadrature
 PANEL_FLOOR = 1e-6  # of S: below, one panel; the integrands are smooth there
 GAUSS_POINTS = 12
 TABLE_DENSITY = 20  # points to a decade of a self-affine table
+SHARES = 1000  # bands of a continuous spectrum, equal in ln q
 
 
 class PeriodicProfile(Protocol):
@@ -304,6 +305,22 @@ class ContinuousSpectrum:
 
 
 Spectrum = DiscreteSpectrum | ContinuousSpectrum
+
+
+def slope_shares(spectrum: Spectrum) -> tuple[FloatArray, FloatArray]:
+    """Wavenumbers in rad/m and their shares of the slope variance, (n,) each: lines, or narrow bands of a continuum.
+
+    Examples
+    --------
+    >>> slope_shares(DiscreteSpectrum([1.0, 2.0], [1.0, 0.5]))[1].tolist()
+    [0.5, 0.5]
+    """
+    if isinstance(spectrum, DiscreteSpectrum):
+        steps = spectrum.slope_variance_steps
+        return spectrum.wavenumbers, steps / steps.sum()
+    edges = np.geomspace(spectrum.wavenumbers[0], spectrum.wavenumbers[-1], SHARES + 1)
+    steps = np.diff([spectrum.resolved_variance(float(edge)) for edge in edges])
+    return np.sqrt(edges[1:] * edges[:-1]), steps / steps.sum()
 
 
 def _wavenumbers(values: ArrayLike, least: int) -> FloatArray:

@@ -41,6 +41,7 @@ ORDER = (
     "bem/command_line",
     "bem",
     "fem_reference",
+    "persson/mathematics",
     "persson",
     "validation/harness",
     "validation/harness/entry_points",

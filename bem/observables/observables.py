@@ -5,8 +5,10 @@ spectra:                q (rad/m), C_h, C_u_k (m^3), C_sigma_k (Pa^2 m), two-sid
 pressure_distribution:  sigma_k (Pa, bin centers), P_k (1/Pa, mean over the bin), sigma_bounds_k (Pa),
                         outside_contact_k (weight of the delta function at zero), tail_coefficient_k (Pa^2)
 width_distributions:    patch_width_k, gap_width_k (m, sorted), patch_share_k, gap_share_k (share up to that width)
+contact_slopes:         slope_q (rad/m), contact_slope_k (rms), slope_own_k, slope_kept_k (variances over the contact)
 
-k is the index of the stored state.  Methods: shapes.py, spectra.py, pressure_distribution.py, width_distributions.py.
+k is the index of the stored state.  Methods: shapes.py, spectra.py, pressure_distribution.py, width_distributions.py,
+contact_slopes.py.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from bem.geometry.scaling import Scales
 from bem.loading.complete_contact import CompleteContact
 
 if TYPE_CHECKING:
+    from bem.observables.contact_slopes import ContactSlopes
     from bem.observables.pressure_distribution import PressureDistribution
     from bem.observables.shapes import Shape
     from bem.observables.spectra import Spectra
@@ -57,7 +60,7 @@ def contact_fields(
 
     Parameters
     ----------
-    wanted : collection of {"shapes", "spectra", "pressure_distribution", "width_distributions"}
+    wanted : collection of names of [output]
     problem : Posed
     pressure : PatchPressure
         Dimensionless.
@@ -80,6 +83,10 @@ def contact_fields(
     if "width_distributions" in wanted:
         gaps = np.append(pressure.left[1:], pressure.left[:1] + 2 * np.pi) - pressure.right
         fields |= _widths(problem, pressure.right - pressure.left, gaps, index)
+    if "contact_slopes" in wanted:
+        from bem.observables.contact_slopes import contact_slopes
+
+        fields |= _slopes(problem, contact_slopes(problem.profile, pressure.left, pressure.right), index)
     return fields
 
 
@@ -90,7 +97,7 @@ def complete_contact_fields(
 
     Parameters
     ----------
-    wanted : collection of {"shapes", "spectra", "pressure_distribution", "width_distributions"}
+    wanted : collection of names of [output]
     problem : Posed
     complete : CompleteContact
     load : float
@@ -114,6 +121,10 @@ def complete_contact_fields(
         fields |= _distribution(problem, complete_contact_distribution(complete.pressure, mean), index)
     if "width_distributions" in wanted:
         fields |= _widths(problem, np.empty(0), np.empty(0), index)
+    if "contact_slopes" in wanted:
+        from bem.observables.contact_slopes import complete_contact_slopes
+
+        fields |= _slopes(problem, complete_contact_slopes(problem.profile), index)
     return fields
 
 
@@ -154,6 +165,17 @@ def _distribution(problem: Posed, found: PressureDistribution, index: int) -> Fi
         f"sigma_bounds_{index}": found.levels * stress,
         f"outside_contact_{index}": np.array(found.outside_contact),
         f"tail_coefficient_{index}": np.array(found.tail_coefficient * stress**2),
+    }
+
+
+def _slopes(problem: Posed, found: ContactSlopes, index: int) -> Fields:
+    scales = problem.scales
+    slope = scales.height / scales.length
+    return {
+        "slope_q": found.orders / scales.length,
+        f"contact_slope_{index}": np.array(found.rms * slope),
+        f"slope_own_{index}": found.own * slope**2,
+        f"slope_kept_{index}": found.kept * slope**2,
     }
 
 

@@ -14,11 +14,12 @@ from bem.scene.cost import cost_of, pace
 from bem.scene.elastic_tables import ELASTIC, elastic_effects, negligible
 from bem.scene.result import Effect
 from bem.scene.scene import Scene
+from bem.scene.scene_tables import OUTPUTS
 from bem.scene.targets import unloads
 
 EFFECTS = (
     *("half_space", *ELASTIC, "adhesion", "slope_term", "unloading", "load_control"),
-    *("shapes", "spectra", "pressure_distribution", "width_distributions"),
+    *OUTPUTS,
 )
 
 OUTPUT = 1e-4  # s for each harmonic: fields, spectra or a distribution at one target
@@ -49,7 +50,7 @@ def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
     back = sum(leg for leg in _legs(scene))
     yield "unloading", (back > 0, f"{back} of {len(_legs(scene))} legs of the path unload")
     yield "load_control", (scene.loading.control == "mean_pressure", f'loading.control = "{scene.loading.control}"')
-    for name in ("shapes", "spectra", "pressure_distribution", "width_distributions"):
+    for name in OUTPUTS:
         count = _outputs(scene, name)
         asked = "asked for" if count else "not asked for"
         yield name, (count > 0, f"output.{name} {asked}" + (f" at {count} targets" if count else ""))
@@ -104,6 +105,6 @@ def _seconds(scene: Scene, active: set[str]) -> dict[str, float]:
         "adhesion": (1 - back) * (plain - elastic),
         "unloading": back * (plain - elastic),
     }
-    for name in ("shapes", "spectra", "pressure_distribution", "width_distributions"):
+    for name in OUTPUTS:
         seconds[name] = _outputs(scene, name) * OUTPUT * size * pace()
     return {name: value for name, value in seconds.items() if name in active}

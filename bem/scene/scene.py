@@ -40,6 +40,7 @@ from bem.scene.scene_rules import (
     unknown_key,
 )
 from bem.scene.scene_tables import (
+    OUTPUTS,
     REQUIRED_TABLES,
     TABLES,
     AccuracyTable,
@@ -318,7 +319,7 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
         if shape in missed:
             value = scene.output.shapes[k]
             yield Mistake(f"output.shapes[{k}]", f"= {value:g} is never met", "a value the loading path passes")
-    for name in ("spectra", "pressure_distribution", "width_distributions"):
+    for name in OUTPUTS[1:]:
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):
             if found(value, scene.loading.targets) is None:

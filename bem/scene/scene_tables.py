@@ -133,6 +133,10 @@ class OutputTable(Table):
     spectra: bool | Numbers = Field(False, description="true, false or a list of targets")
     pressure_distribution: bool | Numbers = Field(False, description="true, false or a list of targets")
     width_distributions: bool | Numbers = Field(False, description="true, false or a list of targets")
+    contact_slopes: bool | Numbers = Field(False, description="true, false or a list of targets")
+
+
+OUTPUTS = tuple(OutputTable.model_fields)
 
 
 TABLES: dict[str, type[Table]] = {

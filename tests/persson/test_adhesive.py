@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from persson import ContinuousSpectrum, solve, solve_nonadhesive
-from persson.area_factor import gaussian_slope_1d
 from persson.diffusion import march
+from persson.mathematics.area_factor import gaussian_slope_1d
 
 NAMES = ("paper", "hurst 0.5", "continuous")
 LOADS = (0.005, 0.02, 0.1)

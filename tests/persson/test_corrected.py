@@ -234,13 +234,3 @@ def test_continuous_spectrum_is_served():
 def test_bad_work_of_adhesion_is_refused(work):
     with pytest.raises(ValueError, match="work_of_adhesion"):
         corrected.solve(LINES, 0.01, work_of_adhesion=work, **MATERIAL)
-
-
-@pytest.mark.parametrize(
-    ("load", "work", "named"),
-    [(0.01, WORK, []), (0.01, 10 * WORK, ["theta"]), (1e-5, None, ["load_over_slope", "contact_fraction"])],
-    ids=["inside", "sticky", "hardly pressed"],
-)
-def test_cases_outside_the_calibration_are_named(load, work, named):
-    found = corrected.solve(LINES, load, work_of_adhesion=work, with_separation=False, **MATERIAL)
-    assert [words.split()[0] for words in found.outside_calibration] == named

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import erf, erfc, ndtr
 
 from persson.diffusion import march
-from persson.volterra import survival
+from persson.mathematics.volterra import survival
 
 ROUTES = ("finite_volumes", "volterra")
 

@@ -129,6 +129,14 @@ def test_page_says_what_was_measured(found, made):
     assert rows["area without adhesion"] == pytest.approx(1 - 1 / 1.1, rel=1e-3)
     assert rows["separation without adhesion"] == pytest.approx(rms([separation_error(o, CALIBRATED) for o in made]))
     page = render(report)
+    assert [table.caption.split(",")[0] for table in report.cases[0].tables[:3]] == [
+        "Without adhesion",
+        "Without adhesion",
+        "With adhesion",
+    ]
+    # boundary elements, 10 realisations: 0.168 +- 0.0014 at p/(E* h'_rms) = 0.08, 0.262 +- 0.0012 at 0.13
+    areas = {tuple(row[:2]): row[2:] for row in report.cases[0].tables[0].rows}
+    assert areas[0.7, 1000][3] == pytest.approx(0.205, abs=0.006)
     assert "Must not be used for" in page and "landing-correction-without-adhesion" in page
 
 

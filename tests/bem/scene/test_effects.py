@@ -61,8 +61,15 @@ def test_every_effect_is_listed_once_with_a_reason():
         ),
         pytest.param({"output": {"shapes": [3e-5]}}, {"half_space", "adhesion", "shapes"}, id="shapes"),
         pytest.param(
-            {"output": {"spectra": True, "pressure_distribution": [3e-5], "width_distributions": True}},
-            {"half_space", "adhesion", "spectra", "pressure_distribution", "width_distributions"},
+            {
+                "output": {
+                    "spectra": True,
+                    "pressure_distribution": [3e-5],
+                    "width_distributions": True,
+                    "contact_slopes": True,
+                }
+            },
+            {"half_space", "adhesion", "spectra", "pressure_distribution", "width_distributions", "contact_slopes"},
             id="observables",
         ),
     ],

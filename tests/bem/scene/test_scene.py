@@ -135,6 +135,7 @@ def paths_of(data, base_dir="."):
         ("output", {"spectra": [31e-6]}, "output.spectra[0]"),
         ("output", {"pressure_distribution": "yes"}, "output.pressure_distribution"),
         ("output", {"width_distributions": [True]}, "output.width_distributions[0]"),
+        ("output", {"contact_slopes": [1.0]}, "output.contact_slopes[0]"),
         ("solid.density", 1e3, "solid.density"),
         ("friction", {}, "friction"),
     ],

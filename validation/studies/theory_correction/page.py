@@ -13,8 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from persson.contact_slope import contact_fractions, data
 from persson.corrected import spread_of
 from persson.corrected_variance import Correction, area_at, detachment_stress, fringed
+from persson.domain import in_words
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Table, Tolerance
 from validation.studies.theory_correction.figures import chosen, figures_of, known
@@ -27,7 +29,7 @@ BELOW, ABOVE = 0.002, 0.006  # E*, at the common rms slope: bounds of the ranges
 RANGES = (("low", 0.0, BELOW), ("middle", BELOW, ABOVE), ("high", ABOVE, 1.0))
 AIM = 0.05  # of the area
 SHOWN_LOADS = (0.01, 0.02, 0.05, 0.1, 0.18)  # p / (E* h'_rms)
-SHOWN_HURSTS, SHOWN_BANDWIDTHS, SHOWN_THETAS = (0.3, 0.5, 0.7, 0.9), (30, 100, 300, 1000), (0.0, 0.01, 0.03, 0.1)
+SHOWN_HURSTS, SHOWN_BANDWIDTHS, SHOWN_THETAS = (0.3, 0.5, 0.7, 0.9), (30, 100, 300, 1000), (0.01, 0.03, 0.1)
 QUESTION = (
     "Given the Hurst exponent, the bandwidth, the rms slope, the load and the adhesion of a profile rough in one "
     "direction: how large is the contact area, how certain is that, and where must it not be used?"
@@ -36,21 +38,22 @@ EQUATIONS = (
     "Use: persson.corrected.solve(spectrum, mean_pressure, youngs_modulus=E, poisson_ratio=nu, "
     "work_of_adhesion=gamma, correction=persson.corrected_data.calibrated()), with spectrum = "
     "persson.DiscreteSpectrum.self_affine(2 pi / longest wavelength, H, h_rms, bandwidth) or the measured lines. "
-    r"Or read $A / A_0$ in the first table from $p / (E^\ast h'_{\text{rms}})$, $H$, bandwidth and "
-    r"$\theta = \gamma / (E^\ast \sum_m q_m h_m^2 / 8)$, and its uncertainty in the second. "
+    r"Or read $A / A_0$ in the tables from $p / (E^\ast h'_{\text{rms}})$, $H$, bandwidth and "
+    r"$\theta = \gamma / (E^\ast \sum_m q_m h_m^2 / 8)$, and its uncertainty in those of the hold-out. "
     r"Law: $A = \operatorname{erf}(p / (E^\ast \sqrt{2 \tau}))$, $\tau = \int S \, dV$, "
     r"$S = [g + (1 - g) A^2] [1 - e^{-k n A / (1 - A)}]$, $g = c_0 b / (b + b_0)$, "
     r"$b = \ln q - \langle \ln q \rangle$, $n = q / q_1$; with adhesion "
     r"$1 - A_{\text{wet}} = (1 - A)^{1 + k_a x}$, $x = (\langle a \rangle / \sqrt{\tau}) (V / \tau)^c$, "
     r"$\langle a \rangle = \frac{1}{\pi} \langle \sqrt{2 \gamma q / E^\ast} \rangle$. "
-    "Must not be used for: roughness in two directions or isotropic roughness; finite layers; fewer than about six "
-    "lines, or one; unloading, pull-off and zero or negative loads (the law has no area at p = 0, adhesion has); "
-    "loads at which less than about 2 % of the profile touches, where single realisations scatter by tens of per cent "
-    r"about any mean; adhesion at $p / (E^\ast h'_{\text{rms}})$ below 0.02 with theta above 0.05 and H above 0.6, "
-    "where the area comes "
-    "out up to 40 % too small. Not judged: theta above 0.1, more than half of the profile in contact, bandwidths above "
-    "500, slopes beyond linear elasticity. Tension: the true distribution falls as the inverse cube of the tension at "
-    "the edges, that of the law ends."
+    "Without adhesion persson.contact_slope.contact_area is the better area, for narrow bands and few lines too. "
+    "Must not be used for: roughness in two directions or isotropic roughness; finite layers; unloading, pull-off and "
+    "zero or negative loads (the law has no area at p = 0, adhesion has). Below the smallest contact fraction single "
+    "realisations scatter by tens of per cent about any mean. Tension: the true distribution falls as the inverse cube "
+    "of the tension at the edges, that of the law ends. "
+)
+
+GUARD = (
+    " `outside_calibration` of the answer names what of this a case does not keep to; it is empty where all is kept."
 )
 
 
@@ -74,6 +77,8 @@ def outcome(
     """
     rows = tuple(_rows(judged, short))
     tables = (
+        _areas_without_adhesion(),
+        _uncertainties_without_adhesion(),
         _areas(correction),
         _uncertainties(judged),
         _aims(judged),
@@ -85,11 +90,11 @@ def outcome(
     return Outcome(rows=rows, figures=tuple(figures_of(judged)), tables=tables, counts=counts)
 
 
-def case_of(made: Outcome) -> Case:
-    """The page as a case of a report."""
+def case_of(made: Outcome, domain: Mapping[str, Any]) -> Case:
+    """The page as a case of a report; `domain` as in the calibration."""
     return Case(id=CASE, group="correction of the theory", level="full",
                 question=QUESTION,
-                equations=EQUATIONS,
+                equations=EQUATIONS + in_words(domain) + GUARD,
                 sources=("carbone2009", "persson2001", "yang2008", "almqvist2011", "wang2017", "dapp2014",
                 "yastrebov2017"), compute=lambda: made,
                 effects=("half_space", "adhesion", "pressure_distribution"))  # fmt: skip
@@ -166,6 +171,31 @@ def _row(quantity: str, value: float, limits: tuple[float, float], short: bool) 
     )
 
 
+def _areas_without_adhesion() -> Table:
+    loads = np.array(SHOWN_LOADS) * RMS_SLOPE
+    rows: list[list[str | float | int | None]] = []
+    for hurst, bandwidth in product(SHOWN_HURSTS, SHOWN_BANDWIDTHS):
+        area, _ = contact_fractions(lines_of(Group("fit", "self-affine", hurst, bandwidth, 0.0, 1)), loads)
+        rows.append([hurst, bandwidth, *(round(float(value), 4) for value in area)])
+    return Table(
+        caption="Without adhesion, what to expect: contact fraction A/A0 by the slope over the contact "
+        "(persson.contact_slope.contact_area, which takes any lines), for p/(E* h'_rms) as in the heads of the "
+        "columns; self-affine, no roll-off.",
+        columns=["H", "bandwidth", *(f"{load:g}" for load in SHOWN_LOADS)],
+        rows=rows,
+    )
+
+
+def _uncertainties_without_adhesion() -> Table:
+    stored = data()
+    return Table(
+        caption="Without adhesion, how certain: rms relative error of that area on its own hold-out, with the noise of "
+        f"the ensembles. {in_words(stored['domain'])} `outside` of the answer names what a case does not keep to.",
+        columns=["spectra", "loads", "area, rms", "noise of the ensembles, rms"],
+        rows=[[name, one["loads"], one["error"], one["noise"]] for name, one in stored["hold_out"]["rms"].items()],
+    )
+
+
 def _areas(correction: Correction) -> Table:
     loads = np.array(SHOWN_LOADS) * RMS_SLOPE
     rows: list[list[str | float | int | None]] = []
@@ -173,17 +203,14 @@ def _areas(correction: Correction) -> Table:
         for theta in SHOWN_THETAS:
             group = Group("fit", "self-affine", hurst, bandwidth, theta, 1)
             lines = lines_of(group)
-            if theta == 0:
-                tau = spread_of(lines, loads, correction)
-                area = dry = area_at(loads, tau)
-            else:
-                stress = detachment_stress(lines, (group.work_of_adhesion or 0.0) / MODULUS)
-                area = fringed(correction, dry, tau, lines.total_slope_variance / 4, stress)
+            tau = spread_of(lines, loads, correction)
+            stress = detachment_stress(lines, (group.work_of_adhesion or 0.0) / MODULUS)
+            area = fringed(correction, area_at(loads, tau), tau, lines.total_slope_variance / 4, stress)
             rows.append([theta, hurst, bandwidth, *(round(float(value), 4) for value in area)])
     rows.sort(key=lambda row: [float(value or 0) for value in row[:3]])
     return Table(
-        caption="What to expect: contact fraction A/A0 by the calibrated correction, for p/(E* h'_rms) as in the heads "
-        "of the columns; self-affine, no roll-off, bandwidth = longest over shortest wavelength, "
+        caption="With adhesion, what to expect: A/A0 by the calibrated correction, for p/(E* h'_rms) as in the "
+        "heads of the columns; self-affine, no roll-off, bandwidth = longest over shortest wavelength, "
         "theta = gamma / (E* sum q_m h_m^2 / 8).",
         columns=["theta", "H", "bandwidth", *(f"{load:g}" for load in SHOWN_LOADS)],
         rows=rows,

@@ -1,0 +1,1 @@
+"""Mathematics that the theory uses and that knows nothing of it."""

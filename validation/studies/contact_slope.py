@@ -1,0 +1,195 @@
+"""Area without adhesion from the slope over the contact: ensembles, the five coefficients, and the hold-out.
+
+The plan is the data file of the theory (persson/contact_slope.json): spectra, loads, realisations by seed root, of the
+fit and of the hold-out.  Phases are independent between groups: the seed is (root, name of the group, realisation).
+The fit minimises ln(A_theory / A_ensemble) over the standard error of the mean and `FLOOR`, at contact fractions from
+`LEAST`; the hold-out enters no fit.  Writes contact-slope.json: what was found beside what the package has.
+Limits: half-space, no adhesion; some minutes of one core.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from persson.contact_slope import contact_fractions, data
+from persson.spectrum import DiscreteSpectrum
+from validation.harness.arrays import FloatArray
+from validation.harness.ensemble import Member, read_member, run_ensemble
+from validation.harness.executors import Opener, local_processes
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note
+from validation.studies.store import text_table, write_json
+
+SCHEMA = "linecontact-contact-slope-study/1"
+FILE = "contact-slope.json"
+PERIOD, YOUNGS_MODULUS, POISSON_RATIO, RMS_SLOPE = 0.01, 1e6, 0.5, 0.272
+MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
+SHORT = {"self-affine": "sa", "roll-off": "ro", "band": "nb", "gaussian": "ga", "lines": "li"}
+LEAST, FLOOR, QUICK = 0.02, 0.015, 2
+QUICK_HARMONICS = 10
+
+Group = Mapping[str, Any]
+Areas = dict[str, tuple[Group, FloatArray, FloatArray]]
+
+
+def shape_of(group: Group) -> tuple[FloatArray, FloatArray]:
+    """Orders and heights, without scale, of the lines of a group, (n_lines,) each.
+
+    Examples
+    --------
+    >>> shape_of({"spectrum": "band", "parameters": [2, 4]})[0].tolist()
+    [2.0, 3.0, 4.0]
+    """
+    kind, given = group["spectrum"], group["parameters"]
+    if kind == "lines":
+        order = np.array(given[0], dtype=np.float64)
+        return order, order ** -given[1]
+    order = np.arange(given[0] if kind == "band" else 1, given[-1] + 1.0)
+    if kind == "self-affine":
+        return order, order ** -(given[0] + 0.5)
+    if kind == "roll-off":
+        return order, np.maximum(order, given[0]) ** -(given[1] + 0.5)
+    if kind == "gaussian":
+        return order, np.exp(-((order / given[0]) ** 2) / 2)
+    if kind == "band":
+        return order, 1 / order
+    raise ValueError(f"spectrum: {kind!r} is not one of {', '.join(SHORT)}")
+
+
+def name_of(group: Group) -> str:
+    """Of its members, without root and number."""
+    return "-".join([SHORT[group["spectrum"]], *map(str, group["parameters"])]).replace(" ", "")
+
+
+def lines_of(group: Group) -> DiscreteSpectrum:
+    """The lines of a group, with the rms slope that all share."""
+    order, height = shape_of(group)
+    wavenumber = 2 * np.pi / PERIOD * order
+    return DiscreteSpectrum(wavenumber, height * RMS_SLOPE / np.sqrt(np.sum((wavenumber * height) ** 2) / 2))
+
+
+def member(group: Group, loads: FloatArray, root: int, k: int) -> Member:
+    """Realisation k of a seed root, at loads over E* h'_rms."""
+    order, _ = shape_of(group)
+    seed = [root, zlib.crc32(name_of(group).encode()), k]
+    phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, order.size)
+    scene = {
+        "title": f"slope over the contact: {name_of(group)}, realisation {k} of root {root}",
+        "solid": {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO},
+        "profile": {
+            "kind": "harmonics",
+            "period": PERIOD,
+            "orders": order.astype(int).tolist(),
+            "amplitudes": lines_of(group).amplitudes.tolist(),
+            "phases": phases.tolist(),
+        },
+        "loading": {"control": "mean_pressure", "targets": (loads * RMS_SLOPE * MODULUS).tolist()},
+        "accuracy": {"tolerance": 1e-3},
+    }
+    return Member(f"{name_of(group)}-{root}-{k:03d}", scene)
+
+
+def run(
+    folder: Path, quick: bool, report: Callable[[Note], None], jobs: int = 1, opener: Opener = local_processes
+) -> int:
+    """Run the study; 1 when a realisation failed.
+
+    Parameters
+    ----------
+    folder : Path
+        Gets members/ and contact-slope.json; a second run continues where the first ended.
+    quick : bool
+        Two realisations of the small groups: shows that everything runs.
+    report : callable
+    jobs : int
+        Local processes.
+    opener : callable
+        Opens the executor (executors.py).
+    """
+    found: dict[str, Areas] = {}
+    for part in ("fit", "hold_out"):
+        plan = data()[part]
+        loads, roots = np.array(plan["loads_over_E*h'"]), plan["seed_roots"]
+        groups = [group for group in plan["groups"] if not quick or shape_of(group)[0][-1] <= QUICK_HARMONICS]
+        members = {
+            name_of(group): [
+                member(group, loads, root, k)
+                for root, count in zip(roots, group["realisations"], strict=True)
+                for k in range(min(count, QUICK) if quick else count)
+            ]
+            for group in groups
+        }
+        done = run_ensemble([one for some in members.values() for one in some], folder / part, jobs, report, opener)
+        for name, why in done.failed.items():
+            report(Note(f"FAILED {name}: {why}"))
+        if done.failed:
+            return 1
+        found[part] = {}
+        for group in groups:
+            results = [read_member(one, folder / part) for one in members[name_of(group)]]
+            areas = np.array([[state.contact_fraction for state in result.targets] for result in results])
+            error = areas.std(axis=0, ddof=1) / np.sqrt(len(areas)) / areas.mean(axis=0)
+            found[part][name_of(group)] = group, areas.mean(axis=0), error
+    coefficients = fitted(found["fit"], np.array(data()["fit"]["loads_over_E*h'"]))
+    loads = np.array(data()["hold_out"]["loads_over_E*h'"])
+    judged = {name: misses({name: one}, loads, data()["coefficients"]) for name, one in found["hold_out"].items()}
+    every = np.concatenate(list(judged.values()))
+    content = {
+        "schema": SCHEMA,
+        "coefficients": coefficients,
+        "hold_out_rms_of_the_package": rms(every),
+        "hold_out_rms_of_these": rms(misses(found["hold_out"], loads, coefficients)),
+        "hold_out": {
+            name: {"areas": area.tolist(), "relative_errors": error.tolist(), "misses": judged[name].tolist()}
+            for name, (_, area, error) in found["hold_out"].items()
+        },
+        "provenance": provenance(),
+    }
+    write_json(folder / FILE, content)
+    packaged = data()["coefficients"]
+    rows = [[name, value, packaged[name]] for name, value in coefficients.items()]
+    print(text_table(["coefficient", "found", "in the package"], rows))
+    print(f"hold-out: rms {rms(every):.4f} by the package, {len(every)} loads; {folder / FILE}")
+    return 0
+
+
+def fitted(ensembles: Areas, loads: FloatArray) -> dict[str, float]:
+    """The five coefficients by least squares, from those of the package.
+
+    Raises
+    ------
+    ArithmeticError
+        The least squares do not converge.
+    """
+    start = data()["coefficients"]
+
+    def residual(values: FloatArray) -> FloatArray:
+        return misses(ensembles, loads, dict(zip(start, values.tolist(), strict=True)), weighted=True)
+
+    answer = least_squares(residual, list(start.values()), diff_step=1e-3, xtol=1e-6, ftol=1e-8)
+    if not answer.success:
+        raise ArithmeticError(f"contact slope: {answer.message}")
+    return dict(zip(start, map(float, answer.x), strict=True))
+
+
+def misses(
+    ensembles: Areas, loads: FloatArray, coefficients: Mapping[str, float], weighted: bool = False
+) -> FloatArray:
+    """ln(A_theory / A_ensemble) at contact fractions from `LEAST`, over its error if weighted."""
+    found = []
+    for group, area, error in ensembles.values():
+        theory = contact_fractions(lines_of(group), loads * RMS_SLOPE, coefficients)[0]
+        miss = np.log(theory / area) / (np.hypot(error, FLOOR) if weighted else 1.0)
+        found.append(miss[area > LEAST])
+    return np.concatenate(found)
+
+
+def rms(values: FloatArray) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(values**2)))
