@@ -61,6 +61,8 @@ ORDER = (
     "validation/studies/faults",
     "validation/studies/theory_correction",
     "validation/replicate",
+    "validation/challenge/entrants",
+    "validation/challenge",
     "validation",
     "validation/command_line",
 )

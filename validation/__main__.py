@@ -20,6 +20,7 @@ from pydantic import ValidationError
 from bem.command_line.folder_lock import FolderInUseError, locked
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import RESULT_FILE, CorruptResultError
+from validation.challenge import commands as challenge
 from validation.harness import baseline
 from validation.harness.executors import ExecutorError, opener_of
 from validation.harness.provenance import provenance
@@ -316,6 +317,8 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     change.add_argument("--reason", required=True)
     change.add_argument("--out", type=Path, required=True, help="folder of a report")
     change.set_defaults(command=_baseline_update, perform=perform)
+
+    challenge.add_commands(commands, perform)
 
     study = commands.add_parser("study", help="run a study")
     study.add_argument(
