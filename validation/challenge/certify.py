@@ -33,6 +33,7 @@ SECOND: dict[str, tuple[str, ...]] = {
     "three-crests": ("finite elements", "dense algebra"),
     "two-crests-thin": ("finite elements", "dense algebra"),
 }
+OF_PULL_OFF = {"pull_off_penetration": "penetration", "pull_off_mean_pressure": "mean_pressure"}
 AS_FINE = ("dense algebra", "path at a tenth of the increment")  # as the solver
 DEFAULT_ROUTES = AS_FINE
 
@@ -105,7 +106,12 @@ def _key(
 
 
 def _estimates(result: Result, name: str) -> tuple[float, ...]:
-    """The solver's own, of every state; none for what it does not estimate."""
+    """The solver's own, of every state or of its events; none for what it does not estimate."""
+    if name == "dissipated_energy":  # a difference of energies as large as these
+        return (FLOOR * max(abs(state.elastic_energy) for state in result.states),)
+    if name in OF_PULL_OFF:
+        (last,) = (event for event in result.events if event.kind == "pull_off")
+        return (getattr(last.error_estimate, OF_PULL_OFF[name]) or 0.0,)
     source = "contact_fraction" if name == "gap_fraction" else name
     found = [getattr(state.error_estimate, source, None) for state in result.targets]
     return () if any(value is None for value in found) else tuple(map(float, found))  # type: ignore[arg-type]

@@ -117,7 +117,7 @@ def poses() -> dict[str, Pose]:
     two = wave([1, 2, 3], CRESTS, [0.3, -0.4, 1.0])
     three = wave([1, 2, 3, 4], [1e-5, 1.5e-5, 4e-5, 5e-6], [0.3, -0.4, 1.0, 2.0])
     all_poses = (
-        Pose("westergaard", "One wave without adhesion", "easy", "nothing: closed form", one, "mean_pressure",
+        Pose("westergaard", "One wave without adhesion", "easy", "nothing, it has a closed form", one, "mean_pressure",
              tuple(FULL * share for share in (0.05, 0.25, 0.5, 0.9)),
              ("contact_fraction", "separation", "elastic_energy",
               ("pressure_at", {"target": 3, "points": [0.0, 0.001, 0.002]}),

@@ -9,8 +9,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from bem.scene.atomic_file import write_atomically
 from validation.challenge import judge
+from validation.challenge.answers import scale_of
 from validation.challenge.extrapolation import extrapolated
 from validation.challenge.judging import judged
 from validation.challenge.problem import ChallengeError, Problem
@@ -24,6 +27,7 @@ from validation.report.figures import save
 from validation.studies.store import plain
 
 DIGITS = 3.0
+EXTRAPOLATED = ", extrapolated"
 TITLE = "All problems: geometric means over the problems that a solver answers"
 TOLD = ("commit", "system", "processor", "cores", "kernels", "date", "python", "numpy", "scipy")
 PEERS = ("ContactMechanics", "Adhesion", "NuMPI", "muFFT", "tamaas")
@@ -60,13 +64,13 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[
                 raise ChallengeError(f"solver {entrant.name!r}: {', '.join(entrant.missing)} not installed")
             report(Note(f"{entrant.name}: {', '.join(entrant.missing)} not installed, its entries are kept"))
             continue
-        entries = [entry for entry in entries if entry["solver"] != entrant.name]
+        entries = [entry for entry in entries if entry["solver"] not in (entrant.name, entrant.name + EXTRAPOLATED)]
         entries += _entries(entrant, problems, limit, folder, report)
         facts = provenance()
         ran |= {name: facts[name] for name in TOLD} | _versions()
         ran |= {f"{entrant.name}, seconds in all": round(_seconds(entries, entrant.name), 1)}
         order = {name: index for index, name in enumerate(SOLVERS)}
-        entries.sort(key=lambda entry: order[entry["solver"]])
+        entries.sort(key=lambda entry: order[entry["solver"].removesuffix(EXTRAPOLATED)])
         content = plain({"schema": SCHEMA, "digits": DIGITS, "run_on": ran, "entries": entries})
         save(drawn_standings(TITLE, overall_curves(entries)), RECORD.with_suffix(".svg"))
         write_atomically(RECORD, json.dumps(content, allow_nan=False).replace('{"solver"', '\n{"solver"') + "\n")
@@ -85,7 +89,12 @@ def _entries(
             made.append(_entry(entrant.name, setting, one, found))
     if entrant.grids:
         for one in problems:
-            made.append(_entry(entrant.name, "extrapolated", one, extrapolated(one.data, by_problem[one.name])))
+            found = extrapolated(one.data, by_problem[one.name])
+            entry = _entry(entrant.name + EXTRAPOLATED, "from the two finest grids", one, found)
+            finest = by_problem[one.name][-1]
+            for row in entry["rows"]:
+                row["estimated"] = _apart(one, row["quantity"], finest, found)
+            made.append(entry)
     return made
 
 
@@ -102,12 +111,21 @@ def _entry(solver: str, setting: str, one: Problem, found: Returned) -> dict[str
     return {"solver": solver, "setting": setting} | row | spent
 
 
+def _apart(one: Problem, quantity: str, finest: Returned, limit: Returned) -> float | None:
+    """What extrapolation says of the error of the finest grid, over the scale; None where a value is not there."""
+    values, limits = (np.atleast_1d(np.asarray(found.answers.get(quantity), object)) for found in (finest, limit))
+    if values.shape != limits.shape or any(value is None for value in (*values, *limits)):
+        return None
+    miss = np.abs(np.subtract(values, limits, dtype=np.float64))
+    return _rounded(float(np.max(miss)) / scale_of(quantity, one.key.answers[quantity].value))
+
+
 def _rounded(value: float | None) -> float | None:
     return None if value is None else float(f"{value:.3g}")
 
 
 def _seconds(entries: Sequence[dict[str, Any]], solver: str) -> float:
-    return sum(e["cpu_seconds"] or 0.0 for e in entries if e["solver"] == solver and e["setting"] != "extrapolated")
+    return sum(e["cpu_seconds"] or 0.0 for e in entries if e["solver"] == solver)
 
 
 def _versions() -> dict[str, str]:

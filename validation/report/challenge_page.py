@@ -10,6 +10,7 @@ from typing import Any
 from validation.report.challenge_figures import Curve, error_of_digits, standings_svg
 from validation.report.render import asset, environment
 
+AREAS = ("contact_fraction", "gap_fraction")
 Problem = Mapping[str, Any]  # of challenge.json, or an entry of standings.json
 
 
@@ -60,6 +61,7 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
         place=1 + next(index for index, row in enumerate(table) if row.judged),
         overall=standings_svg("overall", "All problems: geometric means over the problems answered",
                               overall_curves(entries), _curve(judged["solver"], [judged["problems"]])),
+        grids=grid_errors(entries),
         run_on=standings["run_on"],
         style=asset("style.css"),
         script=asset("sort.js"),
@@ -88,6 +90,23 @@ def standing(solver: str, setting: str, problems: Sequence[Problem], judged: boo
 def standing_rows(entries: Iterable[Problem]) -> list[Standing]:
     """A line for each solver and setting on record."""
     return [standing(*key, problems) for key, problems in _grouped(entries).items()]
+
+
+def grid_errors(entries: Sequence[Problem]) -> list[tuple[str, str, str, float, float, float]]:
+    """Of extrapolated grids, with adhesion or without: solver, problem, quantity, and three errors over the scale.
+
+    The error of the finest grid, what extrapolation says of it, and the error that is left after extrapolation.
+    """
+    found = []
+    for entry in entries:
+        for row in entry["rows"]:
+            if row.get("estimated") is None or row["error"] is None or row["quantity"] not in AREAS:
+                continue
+            solver = entry["solver"].rpartition(",")[0]
+            finest = [e for e in entries if (e["solver"], e["problem"]) == (solver, entry["problem"])][-1]
+            (true,) = (r["error"] for r in finest["rows"] if r["quantity"] == row["quantity"])
+            found.append((solver, entry["problem"], row["quantity"], true, row["estimated"], row["error"]))
+    return found
 
 
 def overall_curves(entries: Iterable[Problem]) -> list[Curve]:
