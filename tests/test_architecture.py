@@ -42,6 +42,7 @@ ORDER = (
     "fem_reference",
     "persson",
     "validation/harness",
+    "validation/harness/entry_points",
     "validation/report",
     "validation/references/paper_method",
     "validation/references",
@@ -65,6 +66,7 @@ ORDER = (
     "validation/challenge",
     "validation",
     "validation/command_line",
+    "validation/command_line/examples/own-cases",
 )
 APART = {  # besides the order: folders that these do not import from either
     "bem/observables": ("bem/adhesive", "bem/continuation", "bem/nonadhesive", "bem/elastic"),

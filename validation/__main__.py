@@ -22,13 +22,15 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.result import RESULT_FILE, CorruptResultError
 from validation.challenge import commands as challenge
 from validation.harness import baseline
+from validation.harness.case import Case
+from validation.harness.entry_points.own_cases import own_cases
 from validation.harness.executors import ExecutorError, opener_of
 from validation.harness.provenance import provenance
 from validation.harness.registry import CaseError, registry, select
 from validation.harness.runner import Note, run_cases
 from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
 from validation.harness.verdict import counts, fails
-from validation.report.render import PAGE, ReportError, failures, write_html
+from validation.report.render import PAGE, ReportError, bibliography, failures, write_html
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.studies import IN_PROCESSES, ON_EXECUTORS, STUDIES, module_of
@@ -123,14 +125,14 @@ def _alone(command: Callable[[argparse.Namespace], int]) -> Callable[[argparse.N
 def _run(options: argparse.Namespace) -> int:
     """Run cases and write report.json and report.html."""
     opener = opener_of(options.executor)
-    cases = select(registry(), options.level, options.only)
-    expected = baseline.expected_seconds(
-        [case.id for case in cases], baseline.FOLDER
-    )  # a malformed one is reported now
-    facts = provenance()  # before the run: sources that change meanwhile are not those of the report
+    every, kept_numbers, own = _cases_and_baselines(options)
+    cases = select(every, options.level, options.only)
+    bibliography(cases)  # an unknown source is reported now
+    expected = baseline.expected_seconds([case.id for case in cases], kept_numbers)  # and a malformed baseline
+    facts = provenance() | own  # before the run: sources that change meanwhile are not those of the report
     folder: Path = options.out
     begun = time.monotonic()
-    records = run_cases(cases, folder, options.jobs, _say, expected, opener)
+    records = run_cases(cases, folder, options.jobs, _say, expected, opener, anew=bool(own))
     level = options.level if options.only is None else f"only {options.only}"
     made = Report(
         schema_=SCHEMA,
@@ -141,9 +143,23 @@ def _run(options: argparse.Namespace) -> int:
         | {"seconds": round(time.monotonic() - begun, 1), "jobs": options.jobs}
         | {"executor": options.executor.split(":")[0]},  # not its address
         cases=records,
-        changes=baseline.changes(records, baseline.FOLDER),
+        changes=baseline.changes(records, kept_numbers),
     )
     return _stored(made, folder, options.json)
+
+
+def _cases_and_baselines(options: argparse.Namespace) -> tuple[tuple[Case, ...], Path, dict[str, str]]:
+    """The cases that are meant, the folder of their baselines, and the provenance of cases outside the package."""
+    every, folder, own = registry(), options.baselines, {}
+    if folder is not None and not folder.is_dir():
+        raise CaseError(f"--baselines {folder}: no such folder; for new baselines make it first")
+    if options.cases is not None:
+        found = own_cases(options.cases, [case.id for case in every])
+        every, own = found.cases, {baseline.OWN_DIGEST: found.digest()}
+        folder = folder or found.baselines
+        if folder is None:
+            raise CaseError(f"--cases {options.cases}: cases of an entry point need --baselines DIR beside it")
+    return every, folder or baseline.FOLDER, own
 
 
 def _replicate(options: argparse.Namespace) -> int:
@@ -208,11 +224,12 @@ def _render(report: Report, folder: Path, as_json: bool) -> int:
 
 def _baseline_check(options: argparse.Namespace) -> int:
     """Compare a report with the baselines."""
+    cases, folder, _ = _cases_and_baselines(options)
     report = read_report(options.out)
-    found = baseline.changes(report.cases, baseline.FOLDER)
+    found = baseline.changes(report.cases, folder)
     if not is_intact(report):
         found.append(f"{REPORT_FILE} was changed after it was written: its checksum does not fit")
-    found += baseline.orphans([case.id for case in registry()], baseline.FOLDER)
+    found += baseline.orphans([case.id for case in cases], folder)
     for line in found:
         print(line, file=sys.stderr)
     print(f"{len(report.cases)} cases compared with their baselines: {len(found)} differences")
@@ -221,8 +238,9 @@ def _baseline_check(options: argparse.Namespace) -> int:
 
 def _baseline_update(options: argparse.Namespace) -> int:
     """Make a case of a report the new baseline."""
+    _, folder, own = _cases_and_baselines(options)
     report = read_report(options.out)
-    baseline.refuse_other_sources(report.provenance)
+    baseline.refuse_other_sources(report.provenance, own.get(baseline.OWN_DIGEST))
     if not is_intact(report):
         raise baseline.BaselineError(f"{options.out / REPORT_FILE}: changed after it was written, run it again")
     chosen = [record for record in report.cases if record.id == options.case]
@@ -230,7 +248,7 @@ def _baseline_update(options: argparse.Namespace) -> int:
         raise baseline.BaselineError(
             f"case {options.case!r} is not in the report: {', '.join(r.id for r in report.cases)}"
         )
-    for line in baseline.update(chosen[0], options.reason, baseline.FOLDER):
+    for line in baseline.update(chosen[0], options.reason, folder, own=folder != baseline.FOLDER):
         print(line)
     return DONE
 
@@ -267,7 +285,8 @@ def _say(note: Note) -> None:
 
 def _command(options: argparse.Namespace) -> str:
     only = "" if options.only is None else f" --only {options.only}"
-    return f"python -m validation run --level {options.level}{only} --out {options.out.name}"
+    own = "" if options.cases is None else f" --cases {options.cases.resolve().name}"
+    return f"python -m validation run --level {options.level}{only}{own} --out {options.out.name}"
 
 
 def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], run_name: str = "run") -> None:
@@ -289,6 +308,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     run.add_argument("--executor", default="local", help="local (default) or dask://host:port")
     run.add_argument("--out", type=Path, required=True, help="folder of the report; what is there already is kept")
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
+    _add_own(run)
     run.set_defaults(command=_alone(_run), perform=perform)
 
     report = commands.add_parser("report", help="render the page of a run, or report.json of a folder again")
@@ -311,11 +331,13 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     )
     check = base.add_parser("check")
     check.add_argument("--out", type=Path, required=True, help="folder of a report")
+    _add_own(check)
     check.set_defaults(command=_baseline_check, perform=perform)
     change = base.add_parser("update")
     change.add_argument("case")
     change.add_argument("--reason", required=True)
     change.add_argument("--out", type=Path, required=True, help="folder of a report")
+    _add_own(change)
     change.set_defaults(command=_baseline_update, perform=perform)
 
     challenge.add_commands(commands, perform)
@@ -333,6 +355,16 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study.add_argument("--random", type=_positive, metavar="N", help=f"{WITH_RANDOM}: N random scenes instead")
     study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
     study.set_defaults(command=_alone(_study), perform=perform)
+
+
+def _add_own(command: argparse.ArgumentParser) -> None:
+    """Options for cases and baselines outside the package."""
+    command.add_argument(
+        "--cases", type=Path, metavar="DIR", help="own cases: a folder, or a linecontact.cases entry point"
+    )
+    command.add_argument(
+        "--baselines", type=Path, metavar="DIR", help="of the cases (own cases: default DIR/baselines)"
+    )
 
 
 def _positive(text: str) -> int:

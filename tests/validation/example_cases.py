@@ -87,7 +87,14 @@ def interrupts() -> Outcome:
 
 
 def case(name: str, compute: object, **changes: object) -> Case:
-    plain = {"id": name, "group": "g", "level": "quick", "question": "q?", "equations": "e", "sources": ("s",)}
+    plain = {
+        "id": name,
+        "group": "g",
+        "level": "quick",
+        "question": "q?",
+        "equations": "e",
+        "sources": ("johnson1995",),
+    }
     return Case(**(plain | {"compute": compute} | changes))
 
 

@@ -13,13 +13,14 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 from example_members import here, members
+from example_tasks import squared
 from threadpoolctl import threadpool_info
 
 from bem.scene.result import RESULT_FILE
 from validation import __main__ as command_line
 from validation.harness import executors
 from validation.harness.ensemble import read_member, run_ensemble
-from validation.harness.execution import Ended, run_in_processes
+from validation.harness.execution import Ended, Running, run_in_processes
 from validation.harness.executors import ExecutorError, opener_of
 
 needs_dask = pytest.mark.skipif(find_spec("distributed") is None, reason="the extra 'cluster' is not installed")
@@ -142,6 +143,36 @@ def test_killed_scheduler_is_an_error_that_loses_what_was_in_flight_only(cluster
             run_ensemble(planned, folder, 1, killing, opener_of(f"dask://{cluster.address}"))
     outcome = run_ensemble(planned, folder, 1, lambda note: None, here)
     assert (len(outcome.found), outcome.damaged, len(outcome.computed)) == (1, (), 4)
+
+
+@pytest.fixture(params=["local", pytest.param("dask", marks=needs_dask)])
+def two_workers(request):
+    """An opener of two processes that a test may kill: of this machine, or of a scheduler."""
+    if request.param == "local":
+        return opener_of("local")
+    return opener_of(f"dask://{request.getfixturevalue('cluster').address}")
+
+
+@pytest.mark.filterwarnings(r"ignore:\s*Mismatched versions found:Warning")
+def test_task_of_a_killed_worker_is_run_again_and_counted_once(two_workers, tmp_path, monkeypatch):
+    monkeypatch.setattr(executors, "PATIENCE", 90.0)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path for path in sys.path if path))
+    planned, ended, killed = range(8), [], []
+
+    def runs(k):
+        return (tmp_path / str(k)).read_text().split() if (tmp_path / str(k)).exists() else []
+
+    for event in run_in_processes(partial(squared, str(tmp_path)), planned, 2, 0.05, two_workers):
+        if isinstance(event, Ended):
+            ended.append((event.item, event.answer))
+        elif isinstance(event, Running) and ended and not killed:
+            killed = [(k, pid) for k in event.items for pid in runs(k)][:1]
+            for _, pid in killed:
+                os.kill(int(pid), signal.SIGKILL)
+    ((victim, pid),) = killed
+    assert sorted(ended) == [(k, k * k) for k in planned]
+    assert runs(victim)[0] == pid
+    assert set(runs(victim)) > {pid}  # by another process
 
 
 THREADS = partial(eval, "[pool['num_threads'] for pool in threads()]", {"threads": threadpool_info, "of": np.float64})

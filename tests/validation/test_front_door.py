@@ -43,11 +43,13 @@ def test_every_command_explains_itself(command, capsys):
 def test_examples_are_listed_by_name(capsys):
     assert exit_code("example") == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == list(examples.DATA)
+    assert [line.split()[0] for line in lines] == list(examples.NAMES)
     assert len(lines) >= 8
     folder = ROOT / "validation" / "command_line" / "examples"
     files = {f"{name}.toml" for name in examples.DATA} | {file for data in examples.DATA.values() for file in data}
-    assert {path.name for path in folder.iterdir()} == files
+    files |= {f"{examples.OWN}/{file}" for file in examples.OWN_FILES}
+    there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    assert {name for name in there if "__pycache__" not in name} == files
 
 
 @pytest.mark.parametrize("name", examples.DATA)
@@ -117,7 +119,7 @@ def test_completion(shell, capsys):
     pytest.importorskip("shtab")
     assert exit_code("--print-completion", shell) == 0
     printed = capsys.readouterr().out
-    assert all(word in printed for word in (*COMMANDS, *examples.DATA))
+    assert all(word in printed for word in (*COMMANDS, *examples.NAMES))
 
 
 def test_completion_without_its_extra_is_told(monkeypatch, capsys):

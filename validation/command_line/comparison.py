@@ -4,12 +4,14 @@ Results meet at targets (same control, branch and value) and at events (same seq
 uncertainty is the sum u_a + u_b of the estimated errors, and numbers differ beyond 2 (u_a + u_b), as for the verdicts.
 Reports meet at the quantities of their cases; there it is what a baseline would let the number move (baseline.py).
 Counts and words differ where they are not the same.
+
+More than two reports have a history (validation/report/history.py).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -17,7 +19,7 @@ from typing import Any
 from bem.scene.result import RESULT_FILE, ErrorEstimate, Event, EventError, Result, State, read_result
 from validation.__main__ import REPORT_FILE, read_report
 from validation.harness.baseline import quantities_of
-from validation.harness.schema import Report
+from validation.harness.schema import Report, is_intact
 from validation.harness.verdict import case_verdicts
 from validation.report.render import ReportError
 
@@ -98,6 +100,41 @@ def compare(a: Path, b: Path) -> Comparison:
     if not found.numbers:
         raise ReportError(f"not comparable: no number in common ({'; '.join(found.others) or 'none at all'})")
     return found
+
+
+def folders_of(given: Sequence[Path]) -> list[Path]:
+    """The folders that are meant: those given, or of a single one that holds no report the folders in it that do.
+
+    Raises
+    ------
+    ReportError
+        Fewer than two.
+    """
+    found = list(given)
+    if len(found) == 1 and not any((found[0] / file).exists() for file in (REPORT_FILE, RESULT_FILE)):
+        found = sorted(path.parent for path in found[0].glob(f"*/{REPORT_FILE}"))
+    if len(found) < 2:
+        said = ", ".join(map(str, given))
+        raise ReportError(
+            f"{said}: two folders to compare are needed, or one with reports in folders; found {len(found)}"
+        )
+    return found
+
+
+def read_reports(folders: Iterable[Path]) -> list[Report]:
+    """The reports of folders.
+
+    Raises
+    ------
+    ReportError
+        One holds none, or one that was changed after it was written.
+    """
+    reports = []
+    for folder in folders:
+        reports.append(read_report(folder))
+        if not is_intact(reports[-1]):
+            raise ReportError(f"{folder / REPORT_FILE}: changed after it was written, its checksum does not fit")
+    return reports
 
 
 def _kind(folder: Path) -> str:

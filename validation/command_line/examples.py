@@ -1,4 +1,7 @@
-"""Commented scenes to begin with, installed beside this file: what each is about stands in its title."""
+"""Commented scenes to begin with, and a folder of one's own cases; installed beside this file.
+
+What a scene is about stands in its title.
+"""
 
 from __future__ import annotations
 
@@ -17,40 +20,46 @@ DATA = {  # files of a scene besides its own, in the order in which scenes are l
     "no-adhesion": (),
     "steep-profile": (),
 }
+OWN = "own-cases"  # a folder
+OWN_TITLE = "A folder with a solver, a case, its baseline and the entry points of your own"
+OWN_FILES = ("own_cases.py", "own_solver.py", "pyproject.toml", "baselines/own-one-wave.json")
+NAMES = (*DATA, OWN)
 FOLDER = resources.files("validation.command_line").joinpath("examples")
 
 
 def listed() -> list[str]:
-    """One line for each scene: its name, and its title."""
-    width = max(map(len, DATA))
+    """One line for each example: its name, and its title."""
+    width = max(map(len, NAMES))
     titles = {name: tomllib.loads(FOLDER.joinpath(f"{name}.toml").read_text("utf-8"))["title"] for name in DATA}
-    return [f"{name:<{width}}  {title}" for name, title in titles.items()]
+    return [f"{name:<{width}}  {title}" for name, title in (titles | {OWN: OWN_TITLE}).items()]
 
 
 def write_example(name: str, folder: Path) -> list[Path]:
-    """Write a scene and its data into a folder.
+    """Write an example into a folder: a scene and its data, or the folder of one's own cases.
 
     Parameters
     ----------
     name : str
-        One of `DATA`.
+        One of `NAMES`.
     folder : Path
 
     Returns
     -------
     list of Path
-        What was written, the scene first.
+        What was written, the scene or the cases first.
 
     Raises
     ------
     FileExistsError
         One of the files is there already; nothing is written.
     """
-    files = {folder / file: FOLDER.joinpath(file).read_bytes() for file in (f"{name}.toml", *DATA[name])}
+    names = [f"{OWN}/{file}" for file in OWN_FILES] if name == OWN else [f"{name}.toml", *DATA[name]]
+    files = {folder / file: FOLDER.joinpath(file).read_bytes() for file in names}
     for path in files:
         if path.exists():
             raise FileExistsError(17, "is there already, nothing is written", str(path))
     for path, content in files.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("xb") as file:
             file.write(content)
     return list(files)

@@ -28,6 +28,7 @@ from validation.harness.schema import CaseRecord, Row
 from validation.harness.verdict import case_verdicts
 
 FOLDER = Path(__file__).parents[1] / "baselines"
+OWN_DIGEST = "own_cases_sha256"  # in the provenance of a report of cases outside the package
 COUNT_BAND = 0.2
 LONG_ROW = 16  # values; rows with more hold all states of a path, and how many these are may change
 TIGHT, BANDED = 1e-10, 0.02
@@ -199,7 +200,7 @@ def differences(record: CaseRecord, folder: Path = FOLDER) -> list[str]:
     return found
 
 
-def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
+def update(record: CaseRecord, reason: str, folder: Path = FOLDER, own: bool = False) -> list[str]:
     """Write the baseline of one case; the lines to print, old -> new.
 
     Parameters
@@ -210,14 +211,15 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
         Why the numbers changed.
     folder : Path
         Of the baselines.
+    own : bool
+        Whether they are kept outside the package: its sources need not be those of a commit.
 
     Raises
     ------
     BaselineError
         No reason, a case that failed, a value that is not a number, sources that are not those of a commit.
     """
-    tree = working_tree()
-    if tree is None or tree[1]:
+    if not own and ((tree := working_tree()) is None or tree[1]):
         raise BaselineError("the sources have changes that are not committed, or no commit is known: commit first")
     if not reason.strip():
         raise BaselineError("--reason: a text is needed that says why the numbers changed")
@@ -243,25 +245,29 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER) -> list[str]:
         resolution=record.counts,
         quantities=quantities,
     )
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     write_atomically(folder / f"{record.id}.json", json.dumps(baseline.model_dump(), indent=1) + "\n")
     return [f"{record.id}: {q.name}: {_shown(old.get(q.name))} -> {q.value:.10g}" for q in quantities]
 
 
-def refuse_other_sources(facts: Mapping[str, Any]) -> None:
+def refuse_other_sources(facts: Mapping[str, Any], own_digest: str | None = None) -> None:
     """Refuse the provenance of a report that other sources than the present ones made.
 
     Parameters
     ----------
     facts : mapping
         `Report.provenance`.
+    own_digest : str, optional
+        Of the files of cases outside the package.
 
     Raises
     ------
     BaselineError
-        The digests differ.
+        The digests differ, or the report is of other cases.
     """
-    if facts.get("sources_sha256") != sources_digest():
+    if facts.get(OWN_DIGEST) is not None and own_digest is None:
+        raise BaselineError("the report is of cases outside the package: --cases has to name them")
+    if facts.get("sources_sha256") != sources_digest() or facts.get(OWN_DIGEST) != own_digest:
         raise BaselineError("the report was made by other sources: run it again, then update")
 
 

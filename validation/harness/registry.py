@@ -33,7 +33,18 @@ def registry(modules: Iterable[str] | None = None) -> tuple[Case, ...]:
         An incomplete case, or two of one name.
     """
     names = import_module(CASES).MODULES if modules is None else modules
-    cases = tuple(case for name in names for case in import_module(name).CASES)
+    return checked(case for name in names for case in import_module(name).CASES)
+
+
+def checked(found: Iterable[Case]) -> tuple[Case, ...]:
+    """The cases, each complete and of a name of its own.
+
+    Raises
+    ------
+    CaseError
+        An incomplete case, or two of one name.
+    """
+    cases = tuple(found)
     for case in cases:
         _check(case)
     ids = [case.id for case in cases]

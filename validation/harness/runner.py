@@ -46,6 +46,7 @@ def run_cases(
     report: Report,
     expected: Mapping[str, float] | None = None,
     opener: Opener = local_processes,
+    anew: bool = False,
 ) -> list[CaseRecord]:
     """Run what is not there yet; records in the order of the cases.
 
@@ -63,6 +64,8 @@ def run_cases(
     opener : callable
         Opens the executor (executors.py).  Local processes store each record themselves; workers elsewhere may not see
         this folder, and hand it back.
+    anew : bool
+        Whether to run what is there too: cases whose sources are not among those that the key covers.
 
     Raises
     ------
@@ -77,7 +80,8 @@ def run_cases(
     store = folder / "cases"
     store.mkdir(parents=True, exist_ok=True)
     code = sources_digest()
-    records = {case.id: found for case in planned if (found := _stored(case, store, code, report)) is not None}
+    there = () if anew else planned
+    records = {case.id: found for case in there if (found := _stored(case, store, code, report)) is not None}
     if records:
         report(Note(f"{len(records)} of {len(planned)} cases are there already"))
     waiting = [case for case in planned if case.id not in records]

@@ -17,6 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from bem.scene.atomic_file import write_atomically
+from validation.harness.case import Case
 from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance
 from validation.harness.schema import CaseRecord, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counts, verdict_of
@@ -112,7 +113,7 @@ def render(report: Report) -> str:
             ],
             figures={case.id: _drawn(case, "") for case in report.cases},
             case_verdict={case.id: _worst(case) for case in report.cases},
-            bibliography=_bibliography(report.cases),
+            bibliography=bibliography(report.cases),
             style=asset("style.css"),
             script=asset("sort.js"),
         )
@@ -277,9 +278,16 @@ def _worst(case: CaseRecord) -> str:
     return max(given, key=lambda verdict: (verdict in GATING, VERDICTS.index(verdict)))
 
 
-def _bibliography(cases: Iterable[CaseRecord]) -> list[tuple[str, str]]:
+def bibliography(cases: Iterable[CaseRecord | Case]) -> list[tuple[str, str]]:
+    """Keys that cases cite, with the entries; a source written out, of more than one word, is none.
+
+    Raises
+    ------
+    ReportError
+        A key is not in the bibliography.
+    """
     known = json.loads(asset("bibliography.json"))
-    cited = sorted({key for case in cases for key in case.sources})
+    cited = sorted({key for case in cases for key in case.sources if " " not in key})
     unknown = [key for key in cited if key not in known]
     if unknown:
         raise ReportError(f"sources not in the bibliography: {', '.join(unknown)}")

@@ -291,7 +291,7 @@ def test_full_disk_is_an_error_and_not_a_traceback(scene, tmp_path, solver, monk
     def full_disk(_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("bem.scene.result.os.fsync", full_disk)
+    monkeypatch.setattr("os.fsync", full_disk)
     assert run(scene, tmp_path / "out") == 1
     assert "No space left on device" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
