@@ -54,8 +54,6 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[
         if name not in SOLVERS:
             raise ChallengeError(f"solver {name!r}: one of {', '.join(SOLVERS)} is needed")
     problems = judge.chosen(None)
-    before = recorded() if RECORD.exists() else {"entries": [], "run_on": {}}
-    entries, ran = list(before["entries"]), dict(before["run_on"])
     for entrant in ENTRANTS:
         if solvers and entrant.name not in solvers:
             continue
@@ -64,10 +62,12 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[
                 raise ChallengeError(f"solver {entrant.name!r}: {', '.join(entrant.missing)} not installed")
             report(Note(f"{entrant.name}: {', '.join(entrant.missing)} not installed, its entries are kept"))
             continue
-        entries = [entry for entry in entries if entry["solver"] not in (entrant.name, entrant.name + EXTRAPOLATED)]
-        entries += _entries(entrant, problems, limit, folder, report)
+        made = _entries(entrant, problems, limit, folder, report)
+        before = recorded()  # another solver may have been run meanwhile
+        replaced = (entrant.name, entrant.name + EXTRAPOLATED)
+        entries = [entry for entry in before["entries"] if entry["solver"] not in replaced] + made
         facts = provenance()
-        ran |= {name: facts[name] for name in TOLD} | _versions()
+        ran = before["run_on"] | {name: facts[name] for name in TOLD} | _versions()
         ran |= {f"{entrant.name}, seconds in all": round(_seconds(entries, entrant.name), 1)}
         order = {name: index for index, name in enumerate(SOLVERS)}
         entries.sort(key=lambda entry: order[entry["solver"].removesuffix(EXTRAPOLATED)])

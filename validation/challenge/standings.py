@@ -16,7 +16,7 @@ from typing import Any
 RECORD = Path(__file__).parent / "standings.json"
 SCHEMA = "linecontact-challenge-standings/1"
 HOME = "validation.challenge.entrants"
-GRIDS = (256, 512, 1024, 2048)  # points
+GRIDS = (512, 1024, 2048, 4096)  # points
 
 
 @dataclass(frozen=True)

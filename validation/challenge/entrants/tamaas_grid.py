@@ -76,4 +76,4 @@ def _state(solver: Any, model: Any, height: FloatArray, target: float, tolerance
     return OnGrid(gap, contact, float(pressure.mean()))
 
 
-on_256, on_512, on_1024, on_2048 = (partial(solve, points=n) for n in (256, 512, 1024, 2048))
+on_512, on_1024, on_2048, on_4096 = (partial(solve, points=n) for n in (512, 1024, 2048, 4096))
