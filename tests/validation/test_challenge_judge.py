@@ -1,6 +1,9 @@
 """The judge: whatever a solver or a file of answers does is a row, the exit code, or one clear error."""
 
 import json
+import os
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -112,12 +115,29 @@ def test_a_solver_that_hangs_is_ended_with_its_children(solvers):
     begun = time.monotonic()
     found = answer("hangs", limit=3.0)
     assert {row.status for row in found.rows} == {"timed out"} and time.monotonic() - begun < 30
-    child = int((solvers / "child").read_text())
+    _ends(int((solvers / "child").read_text()))
+
+
+def test_a_judge_that_is_killed_leaves_no_process(solvers):
+    command = [sys.executable, "-m", "validation", *["challenge", "judge", "--solver", "mine:hangs", "--out", "out"]]
+    judge = subprocess.Popen(command, cwd=solvers, env={**os.environ, "PYTHONPATH": str(FOLDER.parents[2])})
+    child = solvers / "child"
+    for _ in range(600):
+        if child.exists() and child.read_text():
+            break
+        time.sleep(0.1)
+    judge.kill()
+    judge.wait()
+    _ends(int(child.read_text()))
+
+
+def _ends(process):
+    """Wait until a process has ended."""
     for _ in range(50):
-        if not _runs(child):
+        if not _runs(process):
             return
         time.sleep(0.1)
-    pytest.fail(f"process {child} still runs")
+    pytest.fail(f"process {process} still runs")
 
 
 def _runs(process):

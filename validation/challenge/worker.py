@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import sys
+import threading
 import time
 import tomllib
 from collections.abc import Callable
@@ -19,9 +21,12 @@ from typing import Any
 
 import numpy as np
 
+PULSE = 0.5  # s between looks at whether the judge lives
+
 
 def main(spec: str, file: Path) -> None:
     """Call the solver and store what came back."""
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     sys.path.insert(0, str(Path.cwd()))
     text = sys.stdin.read()
     solver = solver_of(spec)
@@ -60,6 +65,15 @@ def called(solver: Callable[[dict[str, Any]], Any], problem: dict[str, Any]) -> 
     if not isinstance(answers, dict):
         return spent | {"status": "crashed", "message": f"a dictionary is needed, it returned {type(answers).__name__}"}
     return spent | {"status": "answered", "answers": {str(name): plain(value) for name, value in answers.items()}}
+
+
+def _end_with(parent: int) -> None:
+    """End this process and those that it started when the judge is killed."""
+    while os.getppid() == parent:
+        time.sleep(PULSE)
+    if hasattr(os, "killpg"):
+        os.killpg(os.getpgrp(), signal.SIGKILL)
+    os._exit(1)
 
 
 def _cpu_seconds() -> float:
