@@ -16,6 +16,7 @@ from validation.challenge.answers import Certified, Key
 from validation.challenge.extrapolation import extrapolated
 from validation.challenge.judging import judged, lost
 from validation.challenge.problem import FOLDER, names, problem
+from validation.challenge.record import estimated
 from validation.challenge.solving import Returned, returned
 
 SOLVERS = """
@@ -305,3 +306,15 @@ def test_problems_are_listed_and_shown(solvers, capsys):
     assert "youngs_modulus = 1000000.0" in shown and "# 1000 numbers" in shown and "dense algebra" in shown
     assert main(["challenge", "show", "steep", "--out", "here"]) == 0
     assert sorted(path.name for path in Path("here").iterdir()) == ["answers.csv", "answers.json", "problem.toml"]
+
+
+def test_what_extrapolation_says_of_the_finest_grid():
+    one = problem("westergaard")
+    finest, limit = (
+        Returned("answered", answers={"contact_fraction": values, "gap_at": [1.0, None, 2.0]})
+        for values in ([0.1, 0.3, 0.5, 0.8], [0.1, 0.3, 0.49, 0.8])
+    )
+    scale = max(one.key.answers["contact_fraction"].value)
+    assert estimated(one, "contact_fraction", finest, limit) == pytest.approx(0.01 / scale, rel=1e-2)
+    assert estimated(one, "gap_at", finest, limit) is None
+    assert estimated(one, "separation", finest, limit) is None

@@ -29,8 +29,7 @@ from validation.studies.store import plain
 DIGITS = 3.0
 EXTRAPOLATED = ", extrapolated"
 TITLE = "All problems: geometric means over the problems that a solver answers"
-TOLD = ("commit", "system", "processor", "cores", "kernels", "date", "python", "numpy", "scipy")
-PEERS = ("ContactMechanics", "Adhesion", "NuMPI", "muFFT", "tamaas")
+MACHINE, TOLD = ("system", "processor", "cores"), ("date", "commit", "python", "numpy", "scipy", "kernels")
 
 
 def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[[Note], None]) -> Path:
@@ -67,8 +66,10 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[
         replaced = (entrant.name, entrant.name + EXTRAPOLATED)
         entries = [entry for entry in before["entries"] if entry["solver"] not in replaced] + made
         facts = provenance()
-        ran = before["run_on"] | {name: facts[name] for name in TOLD} | _versions()
-        ran |= {f"{entrant.name}, seconds in all": round(_seconds(entries, entrant.name), 1)}
+        spent = sum(entry["cpu_seconds"] or 0.0 for entry in made if entry["solver"] == entrant.name)
+        told = {name: facts[name] for name in TOLD} | _versions(entrant)
+        run = ", ".join(f"{name} {value}" for name, value in told.items()) + f"; {spent:.0f} CPU seconds in all"
+        ran = before["run_on"] | {name: facts[name] for name in MACHINE} | {entrant.name: run}
         order = {name: index for index, name in enumerate(SOLVERS)}
         entries.sort(key=lambda entry: order[entry["solver"].removesuffix(EXTRAPOLATED)])
         content = plain({"schema": SCHEMA, "digits": DIGITS, "run_on": ran, "entries": entries})
@@ -93,7 +94,7 @@ def _entries(
             entry = _entry(entrant.name + EXTRAPOLATED, "from the two finest grids", one, found)
             finest = by_problem[one.name][-1]
             for row in entry["rows"]:
-                row["estimated"] = _apart(one, row["quantity"], finest, found)
+                row["estimated"] = estimated(one, row["quantity"], finest, found)
             made.append(entry)
     return made
 
@@ -111,12 +112,12 @@ def _entry(solver: str, setting: str, one: Problem, found: Returned) -> dict[str
     return {"solver": solver, "setting": setting} | row | spent
 
 
-def _apart(one: Problem, quantity: str, finest: Returned, limit: Returned) -> float | None:
+def estimated(one: Problem, quantity: str, finest: Returned, limit: Returned) -> float | None:
     """What extrapolation says of the error of the finest grid, over the scale; None where a value is not there."""
     values, limits = (np.atleast_1d(np.asarray(found.answers.get(quantity), object)) for found in (finest, limit))
     if values.shape != limits.shape or any(value is None for value in (*values, *limits)):
         return None
-    miss = np.abs(np.subtract(values, limits, dtype=np.float64))
+    miss = np.abs(values.astype(np.float64) - limits.astype(np.float64))
     return _rounded(float(np.max(miss)) / scale_of(quantity, one.key.answers[quantity].value))
 
 
@@ -124,16 +125,6 @@ def _rounded(value: float | None) -> float | None:
     return None if value is None else float(f"{value:.3g}")
 
 
-def _seconds(entries: Sequence[dict[str, Any]], solver: str) -> float:
-    return sum(e["cpu_seconds"] or 0.0 for e in entries if e["solver"] == solver)
-
-
-def _versions() -> dict[str, str]:
-    """Of the peers that are installed."""
-    found = {}
-    for name in PEERS:
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            continue
-    return found
+def _versions(entrant: Entrant) -> dict[str, str]:
+    """Of the packages that an entrant needs."""
+    return {name: metadata.version(name) for name in entrant.needs}

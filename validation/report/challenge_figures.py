@@ -13,13 +13,15 @@ from html import escape
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from validation.report.figures import COLOURS, SETTINGS, inline_svg
 
 HUES = (*COLOURS, "#b0306a", "#2f8f9d", "#6b8e23", "#a0522d")
 SIGNS = ("o", "s", "^", "D", "v", "x", "P", "<", ">", "h")
 JUDGED = "#111111"
-SIZE = (6.8, 4.2)
+SIZE = (6.8, 4.6)
+DECADES = 10.0  # of seconds, from which powers of ten alone are labelled
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,10 @@ def drawn_standings(title: str, recorded: Sequence[Curve], judged: Curve | None 
         axes.set_ylabel("error over scale, geometric mean of the answers")
         axes.set_title(title, fontsize=9.5)
         if axes.get_legend_handles_labels()[1]:
-            canvas.legend(loc="outside lower center", ncols=3, fontsize=7.5)
+            canvas.legend(loc="outside lower center", ncols=2, fontsize=7.5)
+        low, high = axes.get_xlim()
+        if high > DECADES * low:
+            axes.xaxis.set_minor_formatter(NullFormatter())
     return canvas
 
 

@@ -51,7 +51,8 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
     """
     names = [problem["problem"] for problem in judged["problems"]]
     entries = [entry for entry in standings["entries"] if entry["problem"] in names]
-    problems = [(problem, _figure(problem, entries, judged["solver"])) for problem in judged["problems"]]
+    label = judged["solver"].rpartition(".")[2] if ":" in judged["solver"] else judged["solver"]
+    problems = [(problem, _figure(problem, entries, label)) for problem in judged["problems"]]
     table = [*standing_rows(entries), standing(judged["solver"], "judged here", judged["problems"], judged=True)]
     table.sort(key=lambda row: (-row.right, row.seconds or 0.0))
     page = environment().get_template("challenge_page.jinja").render(
@@ -60,7 +61,7 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
         table=table,
         place=1 + next(index for index, row in enumerate(table) if row.judged),
         overall=standings_svg("overall", "All problems: geometric means over the problems answered",
-                              overall_curves(entries), _curve(judged["solver"], [judged["problems"]])),
+                              overall_curves(entries), _curve(label, [judged["problems"]])),
         grids=grid_errors(entries),
         run_on=standings["run_on"],
         style=asset("style.css"),

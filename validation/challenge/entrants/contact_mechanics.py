@@ -84,4 +84,4 @@ def _adhesive(grid: Grid) -> list[OnGrid]:
     return states
 
 
-on_512, on_1024, on_2048, on_4096 = (partial(solve, points=n) for n in (512, 1024, 2048, 4096))
+on_256, on_512, on_1024, on_2048 = (partial(solve, points=n) for n in (256, 512, 1024, 2048))
