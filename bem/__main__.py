@@ -31,7 +31,7 @@ from bem.command_line.console import (
     summary,
     summary_line,
 )
-from bem.command_line.folder_lock import FolderInUseError, locked
+from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
@@ -63,7 +63,7 @@ def perform(options: argparse.Namespace) -> int:
     try:
         with interruptible():
             return command(options)
-    except (SceneError, OutputFolderError, FolderInUseError) as error:
+    except (SceneError, OutputFolderError, FolderError) as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:

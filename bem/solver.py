@@ -3,7 +3,8 @@
 The order of things is that of the method: the scene is posed in dimensionless form, complete contact is written down,
 the path is followed from target to target (with adhesion event by event, without adhesion target by target), and
 every stored state is refined, assessed by a finer evaluation and certified by an independent one.  Increments
-between targets are stored at most once per largest increment, at the same accuracy as targets.  BLAS runs on one
+between targets are stored at most once per largest increment, of the control and by default of the penetration, at
+the same accuracy as targets.  BLAS runs on one
 thread: the matrices are small, two threads are slower, and digits do not depend on the number of cores.
 
 From a target the path continues from the numbers stored of it, not from those in memory: an interrupted path takes up
@@ -45,6 +46,7 @@ from bem.states import flat_state
 
 TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
 MOST_BETWEEN = 500  # states stored between two targets
+DEEPER = 0.05  # rms heights of penetration between two states stored, or the largest increment where that is less
 NUMERICAL_FAILURES = (IllConditionedSystemError, NotFiniteError, FloatingPointError, np.linalg.LinAlgError, MemoryError)
 
 
@@ -85,6 +87,14 @@ def solve(
     Result
         Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt); states before
         a failure are kept.  `not_converged` also where a state is not certified.
+
+    Examples
+    --------
+    >>> wave = {"kind": "harmonics", "period": 1.0, "orders": [1], "amplitudes": [0.01], "phases": [0.0]}
+    >>> loading = {"control": "mean_pressure", "targets": [0.5 * np.pi * 0.01]}
+    >>> result = solve(profile=wave, solid={"youngs_modulus": 1.0, "poisson_ratio": 0.0}, loading=loading)
+    >>> result.status, round(result.targets[0].contact_fraction, 9)  # Westergaard: half of the wave touches
+    ('converged', 0.5)
     """
     scene = scene_of(scene, tables)
     surface = scene.surface()
@@ -124,12 +134,12 @@ class _Run:
         ]
         self.done = 0
         self.met: set[float] = set()  # mean pressures asked for that this leg of the path has met
-        self.kept = np.inf
+        self.kept, self.kept_penetration = np.inf, np.nan  # of the last state stored: value, penetration in m
         self.branch = "loading"
         self.failed = ""
         self.point = self._start()
         if scene.start_state is not None:
-            self.kept = self.point.value
+            self.kept, self.kept_penetration = self.point.value, scene.start_state.penetration
 
     def _start(self) -> AnyPoint:
         """Where the path begins: surfaces apart, complete contact, or a stored state."""
@@ -165,7 +175,7 @@ class _Run:
         record.fields = {
             name: result.fields[name] for name, of in belongs.items() if not of.isdigit() or int(of) < record.shapes
         }
-        self.kept = self.goals[self.done - 1].value
+        self.kept, self.kept_penetration = self.goals[self.done - 1].value, record.states[-1].penetration
         self.point = self._point_of(record.states[-1], self.kept)
 
     def follow(self) -> tuple[str, str | None]:
@@ -230,7 +240,7 @@ class _Run:
             if self._lost_under_load(point, goal.value):
                 self._keep(point, target=True, status="unreachable")
                 return "unreachable"
-            if not point.last and point.value != goal.value and abs(point.value - self.kept) >= spacing:
+            if not point.last and point.value != goal.value and self._is_far(point, spacing):
                 between = self._refined(point, direction)
                 if self._fails(between):
                     return "not_converged"
@@ -255,6 +265,12 @@ class _Run:
         start, stop = (min(max(value, -joined), joined) for value in (self.point.value, goal))
         return max(self.path.increments.largest, abs(stop - start) / MOST_BETWEEN)
 
+    def _is_far(self, point: AnyPoint, spacing: float) -> bool:
+        """Whether a point between targets is far enough from the last state stored to be stored as well."""
+        depth = np.nan if point.state is None else point.state.penetration * self.problem.scales.height
+        deeper = min(self.scene.accuracy.max_increment, DEEPER) * self.problem.scales.height
+        return abs(point.value - self.kept) >= spacing and not abs(depth - self.kept_penetration) < deeper
+
     def _refined(self, point: AnyPoint, direction: float) -> AnyPoint:
         """The point at the accuracy of a target, the events on the way to which are kept."""
         refined: AnyPoint = self.path.refine(point, direction)
@@ -263,8 +279,8 @@ class _Run:
 
     def _keep(self, point: AnyPoint, target: bool, status: str | None = None) -> None:
         """Store a refined point as a state."""
-        self.kept = point.value
         self.recorder.keep(point, self.branch, target, status)
+        self.kept, self.kept_penetration = point.value, self.record.states[-1].penetration
 
     def _take_branch(self, branch: str) -> None:
         """Turn to loading or unloading; every leg of the path meets the mean pressures asked for anew."""

@@ -23,7 +23,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem_reference.contact import UnitStates, solve_unit_states
+from fem_reference.contact import Factors, UnitStates, solve_unit_states
 from fem_reference.crests import crest_patches, scaled_patches
 from fem_reference.energy_release import EdgeStates, EdgeValues, edge_states
 from fem_reference.mesh import NARROWEST, LayerMesh, Resolution, layer_mesh, moved
@@ -81,9 +81,11 @@ class Evaluation:
         return self.states.mesh.edges
 
 
-def evaluate(problem: Problem, mesh: LayerMesh, resolution: Resolution, control: Control) -> Evaluation:
-    """Solve on a mesh and find the load that meets the control."""
-    states = solve_unit_states(problem, mesh, resolution.order)
+def evaluate(
+    problem: Problem, mesh: LayerMesh, resolution: Resolution, control: Control, kept: Factors | None = None
+) -> Evaluation:
+    """Solve on a mesh, with factors of one nearly the same where there are any; find the load of the control."""
+    states = solve_unit_states(problem, mesh, resolution.order, kept)
     edges = edge_states(states) if mesh.edges.size else None
     return Evaluation(states, edges, control.load(states), resolution)
 
@@ -161,7 +163,12 @@ def start_edges(
 
 
 def difference_jacobian(
-    problem: Problem, mesh: LayerMesh, resolution: Resolution, control: Control, base: FloatArray
+    problem: Problem,
+    mesh: LayerMesh,
+    resolution: Resolution,
+    control: Control,
+    base: FloatArray,
+    kept: Factors | None = None,
 ) -> FloatArray:
     """D residual / d edge by forward differences on the moving mesh, shape (2 n_patches, 2 n_patches)."""
     edges = mesh.edges
@@ -171,7 +178,7 @@ def difference_jacobian(
         step = 1e-5 * min(lengths[e], lengths[e - 1])
         shifted = edges.ravel().copy()
         shifted[e] += step
-        there = evaluate(problem, moved(mesh, shifted.reshape(edges.shape)), resolution, control)
+        there = evaluate(problem, moved(mesh, shifted.reshape(edges.shape)), resolution, control, kept)
         columns.append((residual(problem, there) - base) / step)
     return np.array(columns).T
 
@@ -205,10 +212,11 @@ def close(
     """
     own = jacobian is None
     mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
-    here = evaluate(problem, mesh, resolution, control)
+    kept = Factors()
+    here = evaluate(problem, mesh, resolution, control, kept)
     now = residual(problem, here)
     size = float(np.max(np.abs(now)))
-    slope = difference_jacobian(problem, mesh, resolution, control, now) if jacobian is None else jacobian
+    slope = difference_jacobian(problem, mesh, resolution, control, now, kept) if jacobian is None else jacobian
     diverging = False
 
     def ended(outcome: Outcome, message: str) -> Closure:
@@ -229,7 +237,7 @@ def close(
         if vanished:
             return ended("no_equilibrium", vanished)
         try:
-            there = evaluate(problem, _followed(mesh, trial, resolution, problem), resolution, control)
+            there = evaluate(problem, _followed(mesh, trial, resolution, problem), resolution, control, kept)
         except InvalidProblemError as reason:
             return ended("no_equilibrium", f"the edges lost their order ({reason})")
         then = residual(problem, there)
@@ -240,7 +248,7 @@ def close(
         diverging = reached > size
         here, now, size, mesh = there, then, reached, there.states.mesh
         if own and (slow or remeshed) and size < NEAR:
-            slope = difference_jacobian(problem, mesh, resolution, control, now)
+            slope = difference_jacobian(problem, mesh, resolution, control, now, kept)
     return ended("not_converged", f"the closure residual is {size:.1e} after {ITERATIONS} steps")
 
 
@@ -299,7 +307,8 @@ def close_on_ladder(
     closures = [first]
     if first.outcome == "converged":
         coarse = first.evaluation
-        slope = difference_jacobian(problem, coarse.states.mesh, coarse.resolution, control, residual(problem, coarse))
+        base = residual(problem, coarse)
+        slope = difference_jacobian(problem, coarse.states.mesh, coarse.resolution, control, base, Factors())
         closures[0] = Closure(first.outcome, first.message, coarse, first.residual, slope)
         for resolution in resolutions:
             last = close(problem, closures[-1].evaluation.edges, resolution, control, closures[-1].jacobian)

@@ -16,6 +16,7 @@ Units: as in `problem` (dimensionless).
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -35,6 +36,7 @@ from fem_reference.mesh import LayerMesh
 from fem_reference.problem import BoolArray, FloatArray, Problem
 
 ON_EDGE = 1e-12  # periods: nodal values this close to an edge belong to the contact
+NEARLY = 1e-3  # change of a patch or gap up to which factors serve: each refinement gains about as much
 
 
 @dataclass(frozen=True)
@@ -104,7 +106,22 @@ def contact_indicator(mesh: LayerMesh) -> ContactIndicator:
     return ContactIndicator(mesh.local_edges)
 
 
-def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int) -> UnitStates:
+@dataclass
+class Factors:
+    """Factors of the last mesh factorised, to serve those of the same topology whose edges are nearly the same."""
+
+    mesh: LayerMesh | None = None
+    factors: Any = None
+
+    def near(self, mesh: LayerMesh) -> Any:
+        """The factors where no patch or gap differs by more than `NEARLY` of itself; else None."""
+        if self.mesh is None or self.mesh.reference is not mesh.reference or mesh.edges.size == 0:
+            return None
+        old, new = (np.diff(np.append(m.edges.ravel(), m.edges[0, 0] + 1.0)) for m in (self.mesh, mesh))
+        return self.factors if np.max(np.abs(new / old - 1.0)) < NEARLY else None
+
+
+def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int, kept: Factors | None = None) -> UnitStates:
     """Assemble, factorise once, and solve for states A and B.
 
     Parameters
@@ -113,6 +130,8 @@ def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int) -> UnitStat
     mesh : LayerMesh
     order : int
         2 (P2/P1) or 4 (P4/P3).
+    kept : Factors, optional
+        Of the last mesh of this order; used where they are near, else replaced by those of this one.
 
     Raises
     ------
@@ -122,7 +141,10 @@ def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int) -> UnitStat
     spaces = taylor_hood(mesh.triangles, order)
     stiffness = assemble(spaces, problem.shear_modulus, problem.inverse_bulk_modulus)
     constraints = constrain(spaces, mesh.depth, contact_indicator(mesh))
-    system = factorise(stiffness, constraints, problem.inverse_bulk_modulus)
+    near = None if kept is None else kept.near(mesh)
+    system = factorise(stiffness, constraints, problem.inverse_bulk_modulus, near)
+    if kept is not None and near is None:
+        kept.mesh, kept.factors = mesh, system.factors
     n, m = spaces.sizes
     lift = np.zeros(2 * n + m)
     nodes = face_nodes(spaces)

@@ -13,7 +13,8 @@ the problem regular for every nu, an incompressible layer in full contact includ
 
 The matrix is quasi-definite, so it is factorised without pivoting (symmetric minimum-degree ordering: several times
 cheaper). A nearly incompressible layer leaves the pressure block tiny: then a small multiple of the pressure mass
-matrix is added for the factorisation alone and the solution is refined iteratively on the true matrix.
+matrix is added for the factorisation alone and the solution is refined iteratively on the true matrix.  So it is with
+the factors of a mesh whose edges lie elsewhere by little.
 
 Units: lengths in periods, moduli in E, displacements in any common unit.
 """
@@ -218,10 +219,14 @@ class Factorised:
         return np.asarray(solution)
 
 
-def factorise(stiffness: Stiffness, constraints: Constraints, inverse_bulk_modulus: float) -> Factorised:
-    """Factorise T^T K T, regularised when nearly incompressible."""
+def factorise(
+    stiffness: Stiffness, constraints: Constraints, inverse_bulk_modulus: float, factors: Any = None
+) -> Factorised:
+    """Factorise T^T K T, regularised when nearly incompressible; or take `factors` of nearly the same matrix."""
     T = constraints.matrix
     matrix = (T.T @ stiffness.matrix @ T).tocsc()
+    if factors is not None:
+        return Factorised(matrix, factors)
     handed = matrix
     if inverse_bulk_modulus < REGULARISED_BELOW:
         handed = (matrix - REGULARISATION * (T.T @ stiffness.pressure_mass @ T)).tocsc()

@@ -5,7 +5,7 @@ more true area; what is left is the effective work of adhesion,
 
     gamma_eff(S) A(S) = gamma A(S_N) M(S_N - S) - U_el(S),     U_el(S) = 1/4 int_S^{S_N} A / q dS   (units of E*).
 
-A detached zone of half a wavelength opens at a tension a E* with
+A detached zone of one wavelength, 2 pi / q, opens at a tension a E* with
 
     a(S) = sigma_a / E* = sqrt(2 gamma_eff+ q / w) / pi,       gamma_eff+ = max(gamma_eff / E*, 0),
 
@@ -32,13 +32,14 @@ from numpy.typing import NDArray
 
 from persson.area_factor import AreaFactor
 from persson.corrected_variance import Correction, scales_of
-from persson.diffusion import EnergyFactor, StressDistribution, march
+from persson.diffusion import EnergyFactor, StressDistribution, march, steps_of
 from persson.magnification import MagnificationMesh
 from persson.nonadhesive import contact_fraction, energy_length
 from persson.spectrum import Spectrum
 from persson.volterra import survival
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 Route = Literal["finite_volumes", "volterra"]
 ROUTES: tuple[Route, ...] = ("finite_volumes", "volterra")
@@ -57,7 +58,7 @@ class AdhesionProblem:
     work_length : float
         gamma / E*, m.
     detached_width : float
-        w, the detached width in half wavelengths.
+        w, the detached width in wavelengths.
     correction : Correction, optional
         Of the stress variance in partial contact; None for the theory as it is.
     """
@@ -156,7 +157,8 @@ def solve_fixed_point(
     """
     known_area, known_energy = problem.nonadhesive_area(), problem.nonadhesive_energy()
     factor = problem.area_factor(problem.mesh.slope_variance[-1] - problem.mesh.slope_variance)
-    last: dict[str, StressDistribution] = {}
+    last: dict[int, tuple[FloatArray, FloatArray]] = {}
+    every, barriers, variances = np.arange(problem.loads.size), np.zeros(guess.shape), np.ones(guess.shape)
     plain_variance, correction = problem.mesh.stress_variance, problem.correction
     scales, energy_factor = scales_of(problem.mesh), problem.energy_factor
 
@@ -165,75 +167,81 @@ def solve_fixed_point(
             return np.asarray(np.broadcast_to(plain_variance, area.shape))
         return correction.variance(plain_variance, np.minimum(area, 1.0), scales)
 
-    def energy_above(area: FloatArray) -> FloatArray:
-        known = (known_area[:, 1:] + known_area[:, :-1]) / 2
+    def energy_above(area: FloatArray, rows: IntArray) -> FloatArray:
+        known = (known_area[rows, 1:] + known_area[rows, :-1]) / 2
         if correction is None:
             stored = (area[:, 1:] + area[:, :-1]) / 2
         else:
             stored = correction.stored(plain_variance, np.minimum(area, 1.0), scales)
         cells = (stored - known) * np.diff(problem.mesh.weight)
-        below = known_energy.copy()
+        below = known_energy[rows]
         below[:, 1:] += np.cumsum(cells, axis=1) / 4
         return np.asarray(below[:, -1:] - below)
 
-    def work_of(area: FloatArray) -> FloatArray:
-        return np.asarray((problem.work_length * area[:, -1:] * factor - energy_above(area)) / area)
+    def work_of(area: FloatArray, rows: IntArray) -> FloatArray:
+        return np.asarray((problem.work_length * area[:, -1:] * factor - energy_above(area, rows)) / area)
 
     def barrier_of(work: FloatArray, wavenumber: FloatArray) -> FloatArray:
         return np.asarray(np.sqrt(2 * np.maximum(work, 0) * wavenumber / problem.detached_width) / np.pi)
 
-    def diffuse(area: FloatArray) -> FloatArray:
-        work = work_of(area)
+    def diffuse(area: FloatArray, rows: IntArray) -> FloatArray:
+        work, loads = work_of(area, rows), problem.loads[rows]
         barrier = problem.mesh.smoothed(barrier_of(work, problem.mesh.before))
         barrier[:, 0] = barrier_of(work[:, :1], problem.mesh.after[:1])[:, 0]
         variance = variance_of(area)
         if route == "volterra":
             inside = problem.mesh.smoothed_inside(barrier_of((work[:, 1:] + work[:, :-1]) / 2, problem.mesh.inside))
             return np.stack(
-                [
-                    survival(float(p), v, b, m)
-                    for p, v, b, m in zip(problem.loads, variance, barrier, inside, strict=True)
-                ]
+                [survival(float(p), v, b, m) for p, v, b, m in zip(loads, variance, barrier, inside, strict=True)]
             )
-        result = march(problem.loads, variance, barrier, n_cells, energy_factor)
-        last["distribution"] = result.distribution
+        barriers[rows], variances[rows] = barrier, variance
+        # as many steps as all loads ask for, so that what is found does not hang on which of them are converged
+        result = march(loads, variance, barrier, n_cells, energy_factor, steps_of(variances, barriers))
+        last.update(
+            zip(rows.tolist(), zip(result.distribution.faces, result.distribution.density, strict=True), strict=True)
+        )
         return result.area
 
     area, iterations, converged = _anderson(diffuse, guess, tolerance, max_iterations)
-    work = work_of(area)
+    work = work_of(area, every)
+    ends = [np.stack(part) for part in zip(*(last[load] for load in sorted(last)), strict=True)]
     return AdhesiveFields(
         problem=problem,
         area=area,
-        energy=energy_above(area),
+        energy=energy_above(area, every),
         work=work,
         variance=variance_of(area),
         barrier=barrier_of(work, problem.mesh.before),
-        distribution=last.get("distribution"),
+        distribution=StressDistribution(*ends) if ends else None,
         iterations=iterations,
         converged=converged,
     )
 
 
 def _anderson(
-    mapping: Callable[[FloatArray], FloatArray], guess: FloatArray, tolerance: float, max_iterations: int
+    mapping: Callable[[FloatArray, IntArray], FloatArray], guess: FloatArray, tolerance: float, max_iterations: int
 ) -> tuple[FloatArray, int, BoolArray]:
-    """Fixed point of each row on its own; ends on a plain evaluation, so that area and distribution agree."""
-    state = guess
+    """Fixed point of each row on its own; ends on a plain evaluation, so that area and distribution agree.
+
+    `mapping` takes rows and their numbers; rows that are converged are left out of it.
+    """
+    state, image = guess.copy(), guess.copy()
     points: list[FloatArray] = []
     images: list[FloatArray] = []
+    rows = np.arange(guess.shape[0])
     for iteration in range(1, max_iterations + 1):
-        image = mapping(state)
-        converged = np.asarray(np.max(np.abs(image - state), axis=1) < tolerance)
-        if converged.all() or iteration == max_iterations:
+        image[rows] = mapping(state[rows], rows)
+        rows = rows[~(np.max(np.abs(image - state)[rows], axis=1) < tolerance)]
+        if rows.size == 0 or iteration == max_iterations:
             break
-        points, images = [*points[-MIXING_DEPTH:], state], [*images[-MIXING_DEPTH:], image]
-        state = image.copy()
-        for row in np.flatnonzero(~converged):
+        points, images = [*points[-MIXING_DEPTH:], state.copy()], [*images[-MIXING_DEPTH:], image.copy()]
+        state[rows] = image[rows]
+        for row in rows:
             mixed = _mix([p[row] for p in points], [i[row] for i in images])
             # mixing may leave what an area can be; the plain iterate never does
             if np.all(mixed > 0) and np.all(mixed <= 1 + tolerance):
                 state[row] = mixed
-    return image, iteration, converged
+    return image, iteration, ~np.isin(np.arange(guess.shape[0]), rows)
 
 
 def _mix(points: list[FloatArray], images: list[FloatArray]) -> FloatArray:

@@ -115,7 +115,7 @@ class Correction:
     window : float, optional
         k > 0; None: no window.
     detached_width : float
-        With adhesion: width of the detached zones in half wavelengths, in (0, 1]; 1 in the plain theory.
+        With adhesion: width of the detached zones in wavelengths, in (0, 1]; 1 in the plain theory.
     fringe : tuple of two floats, optional
         k_a > 0 and c of the adhesive fringe (`fringed`), in place of the fixed point of the theory with adhesion.
     source, range : str
@@ -151,7 +151,7 @@ class Correction:
         if self.form == "total" and (self.breadth is not None or self.window is not None):
             raise ValueError("form: 'total' has neither breadth nor window, which change from line to line")
         if not 0 < self.detached_width <= 1:
-            raise ValueError(f"detached_width: {self.detached_width} must lie in (0, 1] (half wavelengths)")
+            raise ValueError(f"detached_width: {self.detached_width} must lie in (0, 1] (wavelengths)")
         if self.fringe is not None and (not self.fringe[0] > 0 or self.form == "drift"):
             raise ValueError(f"fringe: {self.fringe}; its first number must be > 0, and the form not 'drift'")
 

@@ -108,12 +108,19 @@ def exact_until(
     return np.maximum(image_end, free_end), image_end >= free_end
 
 
+def steps_of(variance: FloatArray, barrier: FloatArray) -> IntArray:
+    """Runge-Kutta steps in each cell, (n,), from arrays as in `march`: no barrier jumps by more than LARGEST_JUMP."""
+    jump = np.abs(np.diff(barrier, axis=1)) / (LARGEST_JUMP * np.sqrt(variance[..., 1:]))
+    return np.asarray(np.maximum(np.ceil(np.max(jump, axis=0)), 1).astype(np.int64))
+
+
 def march(
     loads: FloatArray,
     variance: FloatArray,
     barrier: FloatArray,
     n_cells: int,
     energy_factor: EnergyFactor | None = None,
+    n_steps: IntArray | None = None,
 ) -> March:
     """Diffuse from delta functions to the last node, with a^2 linear in V between the nodes.
 
@@ -130,6 +137,8 @@ def march(
     energy_factor : callable, optional
         S of the step between nodes k and k + 1 at contact fractions (n_loads,): the stress drifts to its mean over the
         contact as S asks; None for no drift.
+    n_steps : (n,) array, optional
+        Runge-Kutta steps in each cell; None for those of `steps_of`.
 
     Raises
     ------
@@ -149,41 +158,51 @@ def march(
         raise ValueError(
             f"variance[1]: {variance[..., 1].max()} must be <= (distance of the barrier / {SAFE})^2 for every load"
         )
-    last = variance.shape[1] - 1
     with np.errstate(divide="ignore"):
         exact = erf(loads[:, None] / np.sqrt(2 * variance))
     area = np.where(has_image[:, None], exact, 1.0)
     grid = _grid(n_cells)
     extent = loads[:, None] + barrier + REACH * np.sqrt(variance)
     content = np.zeros((loads.size, n_cells))
-    for node in range(int(first.min()), last + 1):
-        if node > first.min():
-            step = np.diff(variance[:, node - 1 : node + 1], axis=1)
-            for ends in _pieces(extent[:, node - 1 : node + 1], barrier[:, node - 1 : node + 1], variance[:, node]):
-                if energy_factor is None:
-                    content = _step(grid, content, step, *ends)
-                    continue
-                factor = partial(energy_factor, node - 1)
-                begin = _relaxation(grid, content, ends, factor, 0)
-                end = _relaxation(grid, _step(grid, content, step, *ends, begin), ends, factor, 1)
-                content = _step(grid, content, step, *ends, ((begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2))
-            marching = node > first
-            area[marching, node] = content[marching].sum(axis=1)
+
+    def begin_at(node: int) -> None:
         for load in np.flatnonzero(first == node):
             faces = grid.faces * extent[load, node] - barrier[load, node]
             content[load] = _exact_contents(loads[load], variance[load, node], faces, bool(has_image[load]))
+
+    start = int(first.min())
+    begin_at(start)
+    n_steps = steps_of(variance, barrier) if n_steps is None else n_steps
+    steps = _steps(extent[:, start:], barrier[:, start:], variance[:, start:], n_steps[start:])
+    for step, cell in enumerate(steps.cell + start):
+        if energy_factor is None:
+            content = _advance(grid, content, steps.terms[step])
+        else:
+            factor = partial(energy_factor, cell)
+            begin = _relaxation(grid, content, steps.ends[step, 0], factor)
+            predicted = _advance(grid, content, steps.drifting(step, *begin))
+            end = _relaxation(grid, predicted, steps.ends[step, 1], factor)
+            mean = ((begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2)
+            content = _advance(grid, content, steps.drifting(step, *mean))
+        if steps.reaches[step]:
+            area[:, cell + 1] = np.where(first <= cell, content.sum(axis=1), area[:, cell + 1])
+            if cell + 1 in first:
+                begin_at(cell + 1)
     faces = grid.faces * extent[:, -1:] - barrier[:, -1:]
     return March(area, StressDistribution(faces, content / np.diff(faces, axis=1)))
 
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """Faces y_f in [0, 1] and the three constant operators, bands (below, diagonal, above) acting on cell contents."""
+    """Faces y_f in [0, 1], (n_cells + 1,), their centres, and what the terms of a step multiply.
+
+    `operators`, (3, 4, n_cells), has the bands (below, diagonal, above) of -GAMMA times diffusion, shift and stretch,
+    and of the identity, acting on cell contents.
+    """
 
     faces: FloatArray
-    diffusion: FloatArray
-    shift: FloatArray
-    stretch: FloatArray
+    centre: FloatArray
+    operators: FloatArray
 
 
 @cache
@@ -200,7 +219,10 @@ def _grid(n_cells: int) -> _Grid:
     # the barrier: the slope to the first centre; what leaves then carries the stress of the barrier itself
     diffusion[1, 0] -= 0.5 / centre[0] / width[0]
     inner = faces[1:-1]
-    return _Grid(faces, diffusion, _divergence(mean, mean), _divergence(inner * mean, inner * mean))
+    moving = [diffusion, _divergence(mean, mean), _divergence(inner * mean, inner * mean)]
+    identity = np.zeros((3, n_cells))
+    identity[1] = 1.0
+    return _Grid(faces, centre, np.stack([*(-GAMMA * bands for bands in moving), identity], axis=1))
 
 
 def _divergence(low: FloatArray, high: FloatArray) -> FloatArray:
@@ -213,89 +235,106 @@ def _divergence(low: FloatArray, high: FloatArray) -> FloatArray:
     return bands
 
 
-def _pieces(
-    extent: FloatArray, barrier: FloatArray, variance: FloatArray
-) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
-    """A step cut so that no barrier jumps by more than LARGEST_JUMP: shares of V, extents and barriers of each piece.
+@dataclass(frozen=True, eq=False)
+class _Steps:
+    """Runge-Kutta steps from node to node.
 
-    The barrier moves evenly; with a^2 linear in V a piece takes the share of V that it has of the change of a^2.
+    In the time tau of a step the faces move evenly.  a^2, not a, is nearly linear in V (it leaves zero like a square
+    root); a linear in tau and a^2 linear in V give dV/dtau = share * dV * 2 a / (a_0 + a_1), share the part that a step
+    has of the change of a^2 over its cell; the displacement of the faces is summed exactly.
+
+    Attributes
+    ----------
+    cell : (n_steps,) array
+        Of the mesh, in which a step lies.
+    reaches : (n_steps,) array
+        Whether it ends at the node above the cell.
+    ends : (n_steps, 2, 2, n_loads) array
+        Before and after: extents of the domain, and barriers.
+    size, position, spread : (n_steps, 3, n_loads) array
+        At the three stages: extent, barrier, dV/dtau.
+    terms : (n_steps, 3, n_loads, 4) array
+        What multiplies the operators of the grid.
     """
-    jump = np.abs(np.diff(barrier, axis=1))
-    count = int(np.ceil(np.max(jump[:, 0] / (LARGEST_JUMP * np.sqrt(variance))))) or 1
-    squares = np.diff(barrier**2, axis=1)
-    cuts = [barrier[:, :1] + k / count * np.diff(barrier, axis=1) for k in range(count + 1)]
-    sizes = [extent[:, :1] + k / count * np.diff(extent, axis=1) for k in range(count + 1)]
-    pieces = []
-    for k in range(count):
-        share = np.divide(cuts[k + 1] ** 2 - cuts[k] ** 2, squares, out=np.full_like(jump, 1 / count), where=jump > 0)
-        pieces.append((share, np.hstack(sizes[k : k + 2]), np.hstack(cuts[k : k + 2])))
-    return pieces
+
+    cell: IntArray
+    reaches: NDArray[np.bool_]
+    ends: FloatArray
+    size: FloatArray
+    position: FloatArray
+    spread: FloatArray
+    terms: FloatArray
+
+    def drifting(self, step: int, rate: FloatArray, mean: FloatArray) -> FloatArray:
+        """Terms (3, n_loads, 4) of a step in which the stress drifts, -rate (sigma - mean): the faces move against."""
+        terms: FloatArray = self.terms[step].copy()
+        drift = rate * self.spread[step]
+        terms[..., 1] -= drift * (self.position[step] + mean) / self.size[step]
+        terms[..., 2] += drift
+        return terms
+
+
+def _steps(extent: FloatArray, barrier: FloatArray, variance: FloatArray, n_steps: IntArray) -> _Steps:
+    """All steps between nodes, from arrays (n_loads, n_nodes), with `n_steps` (n_nodes - 1,) in each cell."""
+    extent, barrier, variance = extent.T, barrier.T, variance.T
+    jump, squares = np.diff(barrier, axis=0), np.diff(barrier**2, axis=0)
+    cell = np.repeat(np.arange(n_steps.size), n_steps)
+    count = n_steps[cell][:, None]
+    piece = (np.arange(cell.size) - np.searchsorted(cell, cell))[:, None]
+    sizes = [extent[cell] + (piece + end) / count * np.diff(extent, axis=0)[cell] for end in (0, 1)]
+    barriers = [barrier[cell] + (piece + end) / count * jump[cell] for end in (0, 1)]
+    moves = jump[cell] != 0
+    share = np.divide(barriers[1] ** 2 - barriers[0] ** 2, squares[cell], out=1 / count + 0.0 * moves, where=moves)
+    step = (share * np.diff(variance, axis=0)[cell])[:, None]
+    both = np.stack([*sizes, *barriers])[:, :, None]
+    time = np.array(STAGE_TIMES)[:, None]
+    size, position = both[0] + time * (both[1] - both[0]), both[2] + time * (both[3] - both[2])
+    total = both[2] + both[3]
+    spread = step * np.divide(2 * position, total, out=np.ones_like(position), where=total > 0)
+    terms = [spread / size**2, (both[3] - both[2]) / -size, (both[1] - both[0]) / size, np.ones_like(size)]
+    ends = np.stack([np.stack(sizes, axis=1), np.stack(barriers, axis=1)], axis=2)
+    return _Steps(cell, (piece == count - 1)[:, 0], ends, size, position, spread, np.stack(terms, axis=-1))
 
 
 def _relaxation(
-    grid: _Grid,
-    content: FloatArray,
-    ends: tuple[FloatArray, FloatArray, FloatArray],
-    energy_factor: Callable[[FloatArray], FloatArray],
-    side: int,
+    grid: _Grid, content: FloatArray, end: FloatArray, energy_factor: Callable[[FloatArray], FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
-    """beta = (1 - S) / (2 var) and m at a side of a step, (n_loads, 1) each; no drift before the march begins."""
-    _, extent, barrier = ends
-    centre = (grid.faces[1:] + grid.faces[:-1]) / 2 * extent[:, side, None] - barrier[:, side, None]
+    """beta = (1 - S) / (2 var) and m at an end of a step, (n_loads,) each; no drift before the march begins."""
+    extent, barrier = end
+    centre = grid.centre * extent[:, None] - barrier[:, None]
     area = content.sum(axis=1)
     begun = area > 0
     norm = np.where(begun, area, 1.0)
     mean = np.sum(content * centre, axis=1) / norm
     spread = np.sum(content * (centre - mean[:, None]) ** 2, axis=1) / norm
-    rate = np.where(begun, (1 - energy_factor(area)) / (2 * np.where(begun, spread, 1.0)), 0.0)
-    return rate[:, None], mean[:, None]
+    return np.where(begun, (1 - energy_factor(area)) / (2 * np.where(begun, spread, 1.0)), 0.0), mean
 
 
-def _step(
-    grid: _Grid,
-    content: FloatArray,
-    step: FloatArray,
-    share: FloatArray,
-    extent: FloatArray,
-    barrier: FloatArray,
-    pull: tuple[FloatArray, FloatArray] | None = None,
-) -> FloatArray:
-    """One Runge-Kutta step between extents and barriers (n_loads, 2), in a time tau in which the faces move evenly.
-
-    a^2, not a, is nearly linear in V (it leaves zero like a square root); a linear in tau and a^2 linear in V give
-    dV/dtau = share * step * 2 a / (a_0 + a_1), and the displacement of the faces is summed exactly.
-    """
-    stretch, shift = np.diff(extent, axis=1), -np.diff(barrier, axis=1)
-    sum_of_ends = np.sum(barrier, axis=1, keepdims=True)
-
-    def bands(part: float) -> FloatArray:
-        size = extent[:, :1] - part * (extent[:, :1] - extent[:, 1:])
-        position = barrier[:, :1] - part * shift
-        pace = np.divide(2 * position, sum_of_ends, out=np.ones_like(position), where=sum_of_ends > 0)
-        spread, moved, stretched = share * step * pace, shift, stretch
-        if pull is not None:  # the faces move against the stress that drifts
-            rate, mean = pull
-            moved = shift - rate * spread * (position + mean)
-            stretched = stretch + rate * spread * size
-        return np.asarray(
-            grid.diffusion[:, None, :] * (spread / size**2)
-            + grid.shift[:, None, :] * (moved / size)
-            + grid.stretch[:, None, :] * (stretched / size)
-        )
-
+def _advance(grid: _Grid, content: FloatArray, terms: FloatArray) -> FloatArray:
+    """One Runge-Kutta step of the cell contents (n_loads, n_cells); `terms` (3, n_loads, 4) of its stages."""
+    bands = np.matmul(terms[:, None], grid.operators)
     slopes: list[FloatArray] = []
-    for time, weights in zip(STAGE_TIMES, STAGE_WEIGHTS, strict=True):
-        right = content + sum((weight * slope for weight, slope in zip(weights, slopes, strict=True)), 0.0)
-        stage = _solve(bands(time), right)
-        slopes.append((stage - right) / GAMMA)
-    return stage
+    for stage, weights in enumerate(STAGE_WEIGHTS):
+        right = content.copy()
+        for weight, slope in zip(weights, slopes, strict=True):
+            right += weight / GAMMA * slope
+        solution = _solve(bands[stage], right.copy())
+        slopes.append(solution - right)
+    return solution
 
 
 def _solve(bands: FloatArray, right: FloatArray) -> FloatArray:
-    """(1 - GAMMA L) Q = right, all loads as one tridiagonal system (the bands between loads are zero)."""
-    scaled = -GAMMA * bands
-    below, diagonal, above = scaled[0].ravel()[1:], 1 + scaled[1].ravel(), scaled[2].ravel()[:-1]
-    *_, solution, info = dgtsv(below, diagonal, above, right.ravel())
+    """(1 - GAMMA L) Q = right, all loads as one tridiagonal system (no band reaches from load to load); in place."""
+    *_, solution, info = dgtsv(
+        bands[0].ravel()[1:],
+        bands[1].ravel(),
+        bands[2].ravel()[:-1],
+        right.ravel(),
+        overwrite_dl=True,
+        overwrite_d=True,
+        overwrite_du=True,
+        overwrite_b=True,
+    )
     if info != 0:
         raise ArithmeticError(f"singular diffusion step (LAPACK dgtsv info {info})")
     return np.asarray(solution).reshape(right.shape)

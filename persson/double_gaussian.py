@@ -1,17 +1,16 @@
 """The paper's double Gaussian as a fit of a stress distribution, with a relaxed sigma_a and G.
 
-    P(sigma) = [exp(-(sigma - sigma_0)^2 / 4 G sigma_0^2) - exp(-(sigma + sigma_0 + sigma_a)^2 / 4 G sigma_0^2)]
-               / (2 sigma_0 sqrt(pi G)).
+    P(sigma) = [exp(-(s - sigma_0)^2 / 4 G sigma_0^2) - exp(-(s + sigma_0)^2 / 4 G sigma_0^2)] / (2 sigma_0 sqrt(pi G)),
+    s = sigma + sigma_a > 0, and zero below.
 
-It solves the diffusion equation, but with the barrier at -sigma_a / 2 where it vanishes: a barrier held at -sigma_a
-would have its image at -sigma_0 - 2 sigma_a.  The theory's barrier moves, and no double Gaussian solves it.  So it is a
-fit and sigma_a a number of the fit, not the detachment stress of the theory; `fit_double_gaussian` returns both
-parameters and the residual.
+It vanishes at -sigma_a and solves the diffusion equation with a barrier held there, from delta(sigma - sigma_0 +
+sigma_a): its centres lie at -sigma_a +- sigma_0, and its load is sigma_0 - sigma_a A/A0, not sigma_0.  The theory's
+barrier moves with the wavenumber, so that this is a fit of the theory's own P too, and its sigma_a a number of the fit.
+The paper relaxes sigma_a and G alone; an amplitude may be set free beside them.
 
-Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, final double
-Gaussian, with G sigma_0^2 where the print mixes units.  SI units.  Limits: the tensile tail |sigma|^-3 of a real
-contact lies outside; state the window of the fit.  At small loads the theory's P is no double Gaussian (residual 0.09,
-sigma_a near 0, where the fit is bounded): the residual shows it.
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, final double Gaussian, with
+G sigma_0^2 where the print mixes units.  SI units.  Limits: the tensile tail |sigma|^-3 of a real contact lies outside,
+so that the window and the weights of a fit decide about sigma_a: state them, and read the residual.
 """
 
 from __future__ import annotations
@@ -21,24 +20,37 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
+from scipy.special import erf
 
 FloatArray = NDArray[np.float64]
 
-LEAST_POINTS = 3
+LEAST_POINTS = 4  # one more than there are parameters with a free amplitude
+STARTS = (0.02, 0.2, 0.6, 1.5)  # of sigma_a, in standard deviations of the density given
+LEAST = 1e-3  # of the largest density: where ln P is fitted
+FLOOR = 1e-8  # of the largest density: what ln P sees of a fit that has ended
+WIDEST = 14.0  # standard deviations of sigma_a, and logarithms of G and amplitude: what noise alone may ask for
+MOST_EVALUATIONS = 5000  # of one fit: noise has long valleys
 
 
 @dataclass(frozen=True)
 class DoubleGaussian:
-    """Parameters of the fit: sigma_0 and sigma_a in Pa, G dimensionless; rms residual over the largest P."""
+    """A fit: sigma_0 and sigma_a in Pa, G and amplitude dimensionless; rms residual over the largest P."""
 
     mean_pressure: float
     detachment_stress: float
     diffusivity: float
+    amplitude: float
     residual: float
 
+    @property
+    def load(self) -> float:
+        """int sigma P dsigma in Pa: amplitude (sigma_0 - sigma_a A/A0) with A/A0 = erf(1 / (2 sqrt G))."""
+        area = erf(1 / (2 * np.sqrt(self.diffusivity)))
+        return float(self.amplitude * (self.mean_pressure - self.detachment_stress * area))
+
     def __call__(self, pressure: ArrayLike) -> FloatArray:
-        """P in 1/Pa at pressures in Pa; zero below -sigma_a / 2."""
-        return double_gaussian(pressure, self.mean_pressure, self.detachment_stress, self.diffusivity)
+        """P in 1/Pa at pressures in Pa; zero below -sigma_a."""
+        return self.amplitude * double_gaussian(pressure, self.mean_pressure, self.detachment_stress, self.diffusivity)
 
 
 def double_gaussian(
@@ -50,24 +62,35 @@ def double_gaussian(
     --------
     >>> round(float(double_gaussian(1.0, 1.0, 0.0, 0.5)), 9)
     0.344951314
+    >>> float(double_gaussian(-0.8, 1.0, 0.8, 0.6))
+    0.0
     """
-    sigma = np.asarray(pressure, dtype=np.float64)
+    above = np.asarray(pressure, dtype=np.float64) + detachment_stress
     spread = 4 * diffusivity * mean_pressure**2
-    direct = np.exp(-((sigma - mean_pressure) ** 2) / spread)
-    image = np.exp(-((sigma + mean_pressure + detachment_stress) ** 2) / spread)
-    value = (direct - image) / np.sqrt(np.pi * spread)
-    return np.where(sigma > -detachment_stress / 2, value, 0.0)
+    difference = np.exp(-((above - mean_pressure) ** 2) / spread) - np.exp(-((above + mean_pressure) ** 2) / spread)
+    return np.where(above > 0, difference / np.sqrt(np.pi * spread), 0.0)
 
 
-def fit_double_gaussian(pressure: ArrayLike, density: ArrayLike, mean_pressure: float) -> DoubleGaussian:
-    """Least squares over the points given, sigma_0 held.
+def fit_double_gaussian(
+    pressure: ArrayLike,
+    density: ArrayLike,
+    mean_pressure: float,
+    *,
+    free_amplitude: bool = False,
+    logarithmic: bool = False,
+) -> DoubleGaussian:
+    """Least squares over the points given, sigma_0 held, the best of several starts.
 
     Parameters
     ----------
     pressure, density : (n,) array
-        sigma in Pa and P in 1/Pa, n >= 3, finite.
+        sigma in Pa and P in 1/Pa, n >= 4, finite.
     mean_pressure : float
         sigma_0 in Pa, > 0.
+    free_amplitude : bool
+        Fit a factor on P too; the paper holds it at 1.
+    logarithmic : bool
+        Equal weights of ln P, over the points with more than 1e-3 of the largest P, rather than of P.
 
     Raises
     ------
@@ -79,33 +102,50 @@ def fit_double_gaussian(pressure: ArrayLike, density: ArrayLike, mean_pressure: 
     Examples
     --------
     >>> sigma = np.linspace(-0.4, 5.0, 60)
-    >>> fit = fit_double_gaussian(sigma, double_gaussian(sigma, 1.0, 0.8, 0.6), 1.0)
-    >>> round(fit.detachment_stress, 6), round(fit.diffusivity, 6)
-    (0.8, 0.6)
+    >>> fit = fit_double_gaussian(sigma, double_gaussian(sigma, 1.0, 0.3, 0.6), 1.0)
+    >>> round(fit.detachment_stress, 6), round(fit.diffusivity, 6), fit.amplitude
+    (0.3, 0.6, 1.0)
     """
+    sigma, target = _checked(pressure, density, mean_pressure)
+    peak = float(np.max(target))
+    variance = max(float(np.sum(target * (sigma - mean_pressure) ** 2) / np.sum(target)), 1e-6 * mean_pressure**2)
+    kept = target > LEAST * peak if logarithmic else np.full(target.shape, True)
+
+    def made(parameters: FloatArray, residual: float = np.nan) -> DoubleGaussian:
+        stress, diffusivity = parameters[0] * np.sqrt(variance), np.exp(parameters[1])
+        amplitude = float(np.exp(parameters[2])) if free_amplitude else 1.0
+        return DoubleGaussian(mean_pressure, float(stress), float(diffusivity), amplitude, residual)
+
+    def misfit(parameters: FloatArray) -> FloatArray:
+        found = made(parameters)(sigma[kept])
+        if logarithmic:
+            return np.asarray(np.log(np.maximum(found, FLOOR * peak)) - np.log(target[kept]))
+        return np.asarray((found - target[kept]) / peak)
+
+    spread = np.log(variance / (2 * mean_pressure**2))
+    lowest = [0.0, spread - WIDEST, -WIDEST][: 2 + free_amplitude]
+    highest = [WIDEST, spread + WIDEST, WIDEST][: 2 + free_amplitude]
+    fits = [
+        least_squares(misfit, np.array([start, spread, 0.0][: len(lowest)]), bounds=(lowest, highest),
+                      xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=MOST_EVALUATIONS)
+        for start in STARTS
+    ]  # fmt: skip
+    ended = [fit for fit in fits if fit.success]
+    if not ended:
+        raise ArithmeticError(f"double Gaussian: {fits[0].message}")
+    best = min(ended, key=lambda fit: float(fit.cost))
+    return made(best.x, float(np.sqrt(np.mean(((made(best.x)(sigma) - target) / peak) ** 2))))
+
+
+def _checked(pressure: ArrayLike, density: ArrayLike, mean_pressure: float) -> tuple[FloatArray, FloatArray]:
+    """The points as arrays; ValueError names what is wrong with them."""
     sigma, target = np.asarray(pressure, dtype=np.float64), np.asarray(density, dtype=np.float64)
     if sigma.ndim != 1 or sigma.size < LEAST_POINTS or sigma.shape != target.shape:
         raise ValueError(
-            f"pressure, density: shapes {sigma.shape}, {target.shape}; two lists of one length >= 3 needed"
+            f"pressure, density: shapes {sigma.shape}, {target.shape}; two lists of one length >= {LEAST_POINTS} needed"
         )
     if not (np.all(np.isfinite(sigma)) and np.all(np.isfinite(target)) and np.any(target > 0)):
         raise ValueError("density: finite values with some > 0 are needed (1/Pa)")
     if not (np.isfinite(mean_pressure) and mean_pressure > 0):
         raise ValueError(f"mean_pressure: {mean_pressure} must be finite and > 0 (Pa)")
-    scale = float(np.max(target))
-    variance = max(float(np.sum(target * (sigma - mean_pressure) ** 2) / np.sum(target)), 1e-6 * mean_pressure**2)
-
-    def residual(parameters: FloatArray) -> FloatArray:
-        stress, diffusivity = parameters[0] * np.sqrt(variance), np.exp(parameters[1])
-        return np.asarray((double_gaussian(sigma, mean_pressure, stress, diffusivity) - target) / scale)
-
-    start = np.array([0.5, np.log(variance / (2 * mean_pressure**2))])
-    fit = least_squares(residual, start, bounds=([0.0, -np.inf], np.inf), xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    if not fit.success:
-        raise ArithmeticError(f"double Gaussian: {fit.message}")
-    return DoubleGaussian(
-        mean_pressure=mean_pressure,
-        detachment_stress=float(fit.x[0] * np.sqrt(variance)),
-        diffusivity=float(np.exp(fit.x[1])),
-        residual=float(np.sqrt(np.mean(fit.fun**2))),
-    )
+    return sigma, target

@@ -38,7 +38,7 @@ FloatArray = NDArray[np.float64]
 
 FINE_GROWTH, FINE_CELLS = 0.0125, 800
 COARSE_GROWTH, COARSE_CELLS, COARSE_SUBSTEPS, COARSE_LINES = 0.05, 300, 3, 50
-LADDER = 21
+LADDER = 17
 TOLERANCE, COARSE_TOLERANCE = 1e-9, 1e-7
 BRANCHES_FROM = 0.5  # of the energy of full contact: far below the 1.5 at which branches appear
 NEAR_ZERO_LOADS = (1e-4, 1e-3)  # in standard deviations of the full-contact stress
@@ -75,7 +75,7 @@ def solve(
     area_factor : "gaussian_slope_1d" or "isotropic_2d"
         Real over projected area of the roughness not resolved.
     detached_width : float
-        In half wavelengths, in (0, 1]; 0.5 raises the detachment stress by sqrt 2.
+        In wavelengths, in (0, 1]; 0.5 raises the detachment stress by sqrt 2.
     route : "finite_volumes" or "volterra"
         Two independent solutions of the same theory.
     resolution : float
@@ -188,7 +188,7 @@ def _check(
     if area_factor not in AREA_FACTORS:
         raise ValueError(f"area_factor: {area_factor!r} must be one of {', '.join(AREA_FACTORS)}")
     if not 0 < detached_width <= 1:
-        raise ValueError(f"detached_width: {detached_width} must lie in (0, 1] (half wavelengths)")
+        raise ValueError(f"detached_width: {detached_width} must lie in (0, 1] (wavelengths)")
     if route not in ROUTES:
         raise ValueError(f"route: {route!r} must be one of {', '.join(ROUTES)}")
     if not (np.isfinite(resolution) and resolution > 0):

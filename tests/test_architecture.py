@@ -24,6 +24,7 @@ ONLY_IN = {
     "meshio": ("fem_reference/",),
     "matplotlib": ("validation/report/", "bem/scene/plots.py", "bem/scene/result_views.py"),
     "jinja2": ("validation/report/",),
+    "latex2mathml": ("validation/report/",),
 }
 ORDER = (
     "bem/compiled",
@@ -43,6 +44,7 @@ ORDER = (
     "persson",
     "validation/harness",
     "validation/harness/entry_points",
+    "validation/report/verification",
     "validation/report",
     "validation/references/paper_method",
     "validation/references",

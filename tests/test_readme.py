@@ -54,12 +54,29 @@ def test_scene_commands_run(folder):
     assert (folder / "result" / "result.json").exists()
 
 
-def test_commands_from_a_scene_to_a_page_run(tmp_path):
-    for line in blocks("sh")[3].splitlines():
+def run_block(text, folder):
+    """Run the lines of a block of commands `linecontact ...`."""
+    for line in text.splitlines():
         command = [sys.executable, "-m", "validation.command_line.front_door", *line.split("#")[0].split()[1:]]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
+
+
+def test_commands_from_a_scene_to_a_page_run(tmp_path):
+    run_block(blocks("sh")[3], tmp_path)
     assert (tmp_path / "result" / "report.html").exists()
+
+
+def test_commands_for_a_scan_run(tmp_path):
+    run_block(blocks("sh")[4], tmp_path)
+    assert "as prepared" in (tmp_path / "scan" / "report.html").read_text("utf-8")
+
+
+@pytest.mark.slow
+def test_the_study_of_a_scene_runs(tmp_path):
+    run_block(f"linecontact example pull-off\n{blocks('sh')[5]}", tmp_path)
+    page = (tmp_path / "sure" / "study.html").read_text("utf-8")
+    assert "largest uncertainty" in page
 
 
 def test_python_lines_run(folder):

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from bem.command_line.folder_lock import FolderInUseError, locked
+from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import RESULT_FILE, CorruptResultError
 from validation.challenge import commands as challenge
@@ -29,7 +29,8 @@ from validation.harness.provenance import provenance
 from validation.harness.registry import CaseError, registry, select
 from validation.harness.runner import Note, run_cases
 from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
-from validation.harness.verdict import counts, fails
+from validation.harness.verdict import counted, counts, fails
+from validation.report.pdf import write_pdf
 from validation.report.render import PAGE, ReportError, bibliography, failures, write_html
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
@@ -68,7 +69,7 @@ def perform(options: argparse.Namespace) -> int:
         ExecutorError,
         ReportError,
         CorruptResultError,
-        FolderInUseError,
+        FolderError,
         baseline.BaselineError,
     ) as error:
         print(f"error: {error}", file=sys.stderr)
@@ -186,10 +187,14 @@ def _stored(made: Report, folder: Path, as_json: bool) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    """Render a stored report again, or the page of a run."""
+    """Render a stored report again, or the page of a run; print it where that is asked for."""
     if not (options.folder / REPORT_FILE).exists() and (options.folder / RESULT_FILE).exists():
-        return _run_page(options.folder, options.json)
-    return _render(read_report(options.folder), options.folder, options.json)
+        code = _run_page(options.folder, options.json)
+    else:
+        code = _render(read_report(options.folder), options.folder, options.json)
+    if options.pdf:
+        write_pdf(options.folder)
+    return code
 
 
 def _run_page(folder: Path, as_json: bool) -> int:
@@ -218,7 +223,7 @@ def _render(report: Report, folder: Path, as_json: bool) -> int:
         print(json.dumps(summary | {"verdicts": given, "seconds": seconds, "report": page}))
     else:
         verdicts = ", ".join(f"{count} {name}" for name, count in given.items())
-        print(f"{len(report.cases)} cases: {verdicts}; {seconds} s; report: {page}")
+        print(f"{counted(len(report.cases), 'case')}: {verdicts}; {seconds} s; report: {page}")
     return FAILED if failed else DONE
 
 
@@ -232,7 +237,8 @@ def _baseline_check(options: argparse.Namespace) -> int:
     found += baseline.orphans([case.id for case in cases], folder)
     for line in found:
         print(line, file=sys.stderr)
-    print(f"{len(report.cases)} cases compared with their baselines: {len(found)} differences")
+    compared = counted(len(report.cases), "case")
+    print(f"{compared} compared with their baselines: {counted(len(found), 'difference')}")
     return FAILED if found else DONE
 
 
@@ -314,6 +320,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     report = commands.add_parser("report", help="render the page of a run, or report.json of a folder again")
     report.add_argument("folder", type=Path)
     report.add_argument("--json", action="store_true", help="print the summary as JSON")
+    report.add_argument("--pdf", action="store_true", help="print it to report.pdf too, with bookmarks (by Chromium)")
     report.set_defaults(command=_report, perform=perform)
 
     paper = commands.add_parser("replicate", help="the results of the paper from 11 realisations, as a report")
@@ -329,13 +336,13 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     base = commands.add_parser("baseline", help="compare a report with the baselines, or update one").add_subparsers(
         required=True, metavar="ACTION"
     )
-    check = base.add_parser("check")
+    check = base.add_parser("check", help="say what a report holds otherwise than the baselines")
     check.add_argument("--out", type=Path, required=True, help="folder of a report")
     _add_own(check)
     check.set_defaults(command=_baseline_check, perform=perform)
-    change = base.add_parser("update")
-    change.add_argument("case")
-    change.add_argument("--reason", required=True)
+    change = base.add_parser("update", help="make the numbers of one case the new baseline")
+    change.add_argument("case", metavar="CASE", help="name of a case of the report")
+    change.add_argument("--reason", required=True, metavar="TEXT", help="why the numbers moved; it is stored with them")
     change.add_argument("--out", type=Path, required=True, help="folder of a report")
     _add_own(change)
     change.set_defaults(command=_baseline_update, perform=perform)

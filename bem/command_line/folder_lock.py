@@ -20,8 +20,12 @@ LOCK_FILE = ".lock"
 PATIENCE = 0.2  # s; a lock file that its holder just removed is tried again
 
 
-class FolderInUseError(RuntimeError):
-    """Another process writes to the folder; nothing was changed."""
+class FolderError(RuntimeError):
+    """A folder that cannot be written to; nothing was changed."""
+
+
+class FolderInUseError(FolderError):
+    """Another process writes to the folder."""
 
 
 @contextmanager
@@ -39,6 +43,8 @@ def locked(folder: Path) -> Iterator[bool]:
     ------
     FolderInUseError
         Another process holds it; who, where and since when.
+    FolderError
+        It cannot be made; why.
     FileExistsError
         It is not a folder.
 
@@ -56,6 +62,8 @@ def locked(folder: Path) -> Iterator[bool]:
         if not folder.is_dir():
             raise
         new = False
+    except OSError as error:
+        raise FolderError(f"{folder}: cannot be made ({error.filename}: {error.strerror})") from error
     path = folder / LOCK_FILE
     lock = FileLock(path)
     try:

@@ -14,11 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from importlib import import_module
 from itertools import pairwise
 from typing import Protocol, Self
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bem.adhesive.equilibrium import System
 from bem.continuation.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
@@ -110,7 +110,7 @@ def _in_last_gap(path: Branches, point: WithEdges, load: float) -> Equilibrium |
 
     if patches.count > 1 or widest <= FINEST_GAP or miss(FINEST_GAP) * miss(widest) > 0:
         return None
-    flaw = gap(float(brentq(miss, FINEST_GAP, widest, rtol=COARSE_LOAD_ACCURACY)))
+    flaw = gap(float(import_module("scipy.optimize").brentq(miss, FINEST_GAP, widest, rtol=COARSE_LOAD_ACCURACY)))
     crack = with_gap(flaw.center, flaw.width)
     highest = system.elastic.profile.max_height
     depth = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load).penetration

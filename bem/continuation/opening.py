@@ -28,10 +28,10 @@ layers of 0.1 to 0.3 periods, 1 to 100 harmonics: 3e-9 of the load, which is wha
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from importlib import import_module
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from bem.adhesive.equilibrium import System, balance
 from bem.elastic.collocation import Evaluation, evaluate
@@ -92,7 +92,7 @@ def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: 
 
     ends, flaw = (lowest - width / 2, lowest + width / 2), Flaw(lowest, width)
     if uneven(ends[0]) * uneven(ends[1]) < 0:
-        flaw = Flaw(float(brentq(uneven, *ends, xtol=CENTERED * width)), width)
+        flaw = Flaw(float(import_module("scipy.optimize").brentq(uneven, *ends, xtol=CENTERED * width)), width)
     if width >= RESOLVED_GAP:
         load = opening_load(system, complete, flaw, tolerance)
         state = LoadControl().reach(_gap_at(system, flaw, tolerance), load)

@@ -1,4 +1,4 @@
-"""What the numbers that a user gives may be: one table for scene files and for objects, told in the same words.
+"""What the numbers that a user gives may be: one table, and the same words, for scene files and objects.
 
 A range is that of a number, or of every item of a list; NaN is in none.  Magnitudes in SI units lie between `LEAST` and
 `MOST`, so that no product of them leaves double precision.

@@ -19,7 +19,6 @@ from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
@@ -95,15 +94,18 @@ def lone_cracks(body: CompletedBody, condition: Condition) -> tuple[Gaps, float]
     shallower = q + body.lowest
     alpha, beta = condition.separation_weight, TWO_PI * condition.load_weight
 
-    def miss(deficit: float) -> float:
+    def excess(deficit: float) -> float:
+        """How much too large a deficit is, by Newton's method."""
         tension = np.maximum(deficit - shallower, 0.0)
-        return alpha * float(np.sum(tension**2 / (2 * curvature))) + beta * deficit - condition.rest
+        miss = alpha * float(np.sum(tension**2 / (2 * curvature))) + beta * deficit - condition.rest
+        return miss / (alpha * float(np.sum(tension / curvature)) + beta)
 
     deficit = condition.rest / beta if alpha == 0 else 0.0
     if alpha > 0 and condition.rest > 0:
         first = int(np.argmin(q))
-        alone = float(np.sqrt(2 * curvature[first] * condition.rest / alpha))
-        deficit = brentq(miss, 0.0, alone * (1 + 1e-9), xtol=1e-300, rtol=1e-14)
+        deficit = float(np.sqrt(2 * curvature[first] * condition.rest / alpha))
+        while (less := excess(deficit)) > 1e-14 * deficit:  # convex: from above, never below the root
+            deficit -= less
     tension = deficit - shallower
     open_ = tension > UNDERFLOW * abs(body.lowest)
     half = np.minimum(2 * np.sqrt(tension[open_] / curvature[open_]), np.pi / (2 * profile.max_order))

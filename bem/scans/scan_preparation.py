@@ -286,7 +286,7 @@ def _even(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
 
 
 def _detrended(line: Line, method: str) -> tuple[Line, Step]:
-    """The line less a polynomial, whose range it is told."""
+    """The line less a polynomial fitted to it, and the range of that polynomial."""
     if method == "none":
         return line, {}
     x, h = line

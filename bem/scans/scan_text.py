@@ -110,7 +110,7 @@ def read_table(content: bytes, decimal: str | None = None) -> TextTable:
     ----------
     content : bytes
     decimal : "." or ",", optional
-        The decimal mark, where the file alone does not tell.
+        The decimal mark, where it does not follow from the file alone.
 
     Raises
     ------
@@ -175,10 +175,10 @@ def _reading_of(lines: Sequence[tuple[int, str]], decimal: str | None) -> tuple[
         if others != rows:
             number = next(n for n in rows if rows.get(n) != others.get(n))
             line = dict(lines)[number]
-            told = " or ".join(f"{count} column{'s' * (count != 1)}" for count in (width, columns))
+            read = " or ".join(f"{count} column{'s' * (count != 1)}" for count in (width, columns))
             allowed = f'decimal = "{reading.decimal}" for the first, decimal = "{other.decimal}" for the second'
             raise ScanFileError(
-                [Refusal("decimal", f"is needed: line {number} ({line[:40]!r}) may be {told}", allowed)]
+                [Refusal("decimal", f"is needed: line {number} ({line[:40]!r}) may be {read}", allowed)]
             )
     return reading, width
 

@@ -312,6 +312,15 @@ def read_result(folder: Path | str) -> Result:
         No result.json there.
     CorruptResultError
         Not JSON, another schema, wrong checksum, fields.npz missing or not the one written with it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> kept = Result({}, (), {}, (), (), "interrupted", failure="stopped by the user")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_result(kept, Path(folder))
+    ...     read_result(folder).failure
+    'stopped by the user'
     """
     folder = Path(folder)
     path = folder / RESULT_FILE

@@ -143,6 +143,16 @@ def test_states_between_two_targets_are_limited(monkeypatch):
     assert 8 <= len(stored) <= 16
 
 
+@pytest.mark.parametrize(("largest", "stored"), [(0.05, 15), (0.5, 7)], ids=["default", "coarse"])
+def test_load_control_stores_no_more_states_than_penetration_asks_for(largest, stored):
+    """Not one per largest increment of the load, 83 for the default, where the edges hardly move."""
+    accuracy = {"max_increment": largest}
+    states = solve(rough_scene([2e3, 4e3], harmonics=12, control="mean_pressure", accuracy=accuracy)).states
+    deeper = np.diff([state.penetration for state in states])[[not state.target for state in states[1:]]]
+    assert abs(len(states) - stored) <= 2
+    assert np.abs(deeper).min() >= min(largest, solver.DEEPER) * 50e-6
+
+
 def test_a_pressure_on_the_way_becomes_a_target():
     wanted = [1000.0, 3000.0]
     loading = {

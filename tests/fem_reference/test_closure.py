@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from fem_reference import elasticity
 from fem_reference.closure import Control, close, difference_jacobian, hessian, residual
 from fem_reference.crests import chosen_crests, crest_patches
 from fem_reference.mesh import Resolution
@@ -232,3 +233,20 @@ def test_four_unequal_patches_close():
     assert np.min(np.diff(np.sort(widths))) > 2e-3  # measured 0.070, 0.073, 0.077, 0.079: no two alike
     pull = np.sqrt(2 * 1e-6 / (1 - 0.3**2))
     np.testing.assert_allclose(found.stress_intensity, pull, rtol=2e-8)  # closed to 1e-8
+
+
+def test_meshes_that_differ_by_little_share_factors(monkeypatch):
+    """Jacobians by differences and last steps on each mesh; 18 factorisations for 29 evaluations."""
+    made = []
+    whole = elasticity.splu
+    monkeypatch.setattr(elasticity, "splu", lambda *given, **options: made.append(0) or whole(*given, **options))
+    state = solve(
+        **LAYER,
+        poisson_ratio=0.3,
+        control="penetration",
+        value=0.5 * AMPLITUDE,
+        work_of_adhesion=adhesion(ALPHA, 0.3),
+        resolution=QUICK,
+    )
+    assert state.status == "converged"
+    assert len(made) <= 20

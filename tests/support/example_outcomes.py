@@ -3,8 +3,8 @@
 import os
 import time
 
+from validation.corpus.endings import Task
 from validation.corpus.hard.hard_case_run import Outcome
-from validation.corpus.rows import Task
 
 EXPECTED = ("converged", "converged")
 

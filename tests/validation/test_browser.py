@@ -1,8 +1,9 @@
 """The page in a real browser: headless Chromium opens it, follows every link, sorts, prints; nothing is complained of.
 
 A script is added to a copy of the page, looks at it from inside and writes what it found into the document, which the
-browser hands back.  The page forbids requests (its content security policy), and the browser puts every attempt on
-the console.  Without Chromium these tests are skipped.
+browser hands back; screens of two widths, typing and what a screen reader meets go through its DevTools.  The page
+forbids requests (its content security policy), and the browser puts every attempt on the console.  Without Chromium
+these tests are skipped.
 """
 
 import json
@@ -11,6 +12,7 @@ from html import unescape
 
 import pytest
 from browser import BROWSER, browse, console_of
+from devtools import tab
 from report_parts import figure, row
 
 from validation.harness.schema import (
@@ -20,6 +22,7 @@ from validation.harness.schema import (
     Table,
     with_checksum,
 )
+from validation.report.pdf import write_pdf
 from validation.report.render import render
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
@@ -27,7 +30,7 @@ pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debia
 LOOK = """
 const found = {};
 const inside = [...document.querySelectorAll("a[href]")].map((link) => link.getAttribute("href"));
-found.outside = inside.filter((target) => !target.startsWith("#"));
+found.outside = inside.filter((target) => !target.startsWith("#") && !target.startsWith("https://doi.org/10."));
 found.dead = inside.filter((target) => target.startsWith("#") && !document.getElementById(target.slice(1)));
 found.links = inside.length;
 const ids = [...document.querySelectorAll("[id]")].map((element) => element.id);
@@ -36,15 +39,15 @@ found.resources = performance.getEntriesByType("resource").map((entry) => entry.
 found.wide = document.documentElement.scrollWidth > window.innerWidth;
 const pictures = [...document.querySelectorAll("figure svg")];
 found.drawn = pictures.filter((svg) => svg.getBoundingClientRect().height > 50).length;
-const table = document.querySelector("table.sortable");
+const table = document.querySelector("table.summary");
 const buttons = [...table.querySelectorAll("thead th button")];
 found.headings = table.querySelectorAll("thead th").length;
 found.reached = buttons.filter((button) => { button.focus(); return document.activeElement === button; }).length;
-const order = () => [...table.tBodies[0].rows].map((row) => row.cells[8].dataset.sort ?? "");
-buttons[8].click();
+const order = () => [...table.tBodies[0].rows].map((row) => row.cells[6].dataset.sort ?? "");
+buttons[6].click();
 found.up = order();
-found.said = buttons[8].parentElement.getAttribute("aria-sort");
-buttons[8].click();
+found.said = buttons[6].parentElement.getAttribute("aria-sort");
+buttons[6].click();
 found.down = order();
 found.hidden = [...document.querySelectorAll("main *")].filter((e) => e.tagName === "DETAILS").length;
 const note = document.createElement("output");
@@ -60,7 +63,7 @@ def case(name, group, *rows, **changes):
         "group": group,
         "level": "quick",
         "question": "Does it stick?",
-        "equations": "K^2 = 2 E* w",
+        "equations": r"$K^2 = 2 E^\ast w$",
         "sources": ["johnson1995"],
         "scene": "[solid]\nyoungs_modulus = 1.0e6 # <E>\n" * 30,
         "rows": list(rows),
@@ -112,7 +115,7 @@ def test_every_link_resolves(seen):
 
 
 def test_every_figure_is_drawn(seen):
-    assert seen[0]["drawn"] == 4  # three, one of them also on top
+    assert seen[0]["drawn"] == 5  # three, one of them also on top, and all results
 
 
 def test_page_is_not_wider_than_its_window(seen):
@@ -120,7 +123,7 @@ def test_page_is_not_wider_than_its_window(seen):
 
 
 def test_every_heading_is_reached_by_keyboard(seen):
-    assert seen[0]["reached"] == seen[0]["headings"] == 13
+    assert seen[0]["reached"] == seen[0]["headings"] == 14
 
 
 def test_headings_sort_by_number_both_ways(seen):
@@ -135,13 +138,99 @@ def test_nothing_is_folded_away_that_paper_could_not_unfold(seen):
     assert seen[0]["hidden"] == 0
 
 
-def test_page_prints_to_pdf(page, tmp_path):
-    done = browse(tmp_path, page, f"--print-to-pdf={tmp_path / 'page.pdf'}")
-    printed = (tmp_path / "page.pdf").read_bytes()
-    assert printed.startswith(b"%PDF"), done.stderr[-2000:]
+def test_page_prints_to_pdf_with_bookmarks(page, tmp_path):
+    (tmp_path / "report.html").write_text(page)
+    printed = write_pdf(tmp_path).read_bytes()
+    assert printed.startswith(b"%PDF")
+    assert b"/Type /Outlines" in printed
+    for heading in (b"Verification report", b"All results", b"Summary", b"closed forms", b"Bibliography"):
+        assert b"/Title (" + heading + b")" in printed
     sizes = re.findall(rb"/MediaBox \[0 0 ([0-9.]+) ([0-9.]+)\]", printed)
     assert {float(width) > float(height) for width, height in sizes} == {True, False}  # the summary lies across
     assert len(sizes) >= 5
+
+
+@pytest.fixture(scope="module", params=[(1280, 800), (390, 844)], ids=["desk", "phone"])
+def screen(page, tmp_path_factory, request):
+    """The page on a screen."""
+    path = tmp_path_factory.mktemp("screen") / "page.html"
+    path.write_text(page, "utf-8")
+    with tab(path) as opened:
+        opened.show(*request.param)
+        yield opened
+
+
+def test_page_does_not_scroll_sideways(screen):
+    wide, width = screen.find("[document.documentElement.scrollWidth, innerWidth]")
+    assert wide <= width
+
+
+def test_verdict_is_on_the_first_screen(screen):
+    box = screen.find("(({left, top, right, bottom}) => [left, top, innerWidth - right, innerHeight - bottom])"
+                      "(document.getElementById('verdict').getBoundingClientRect())")  # fmt: skip
+    assert min(box) >= 0
+
+
+def test_verdicts_of_the_summary_are_in_sight_however_far_it_is_scrolled(screen):
+    sides = screen.find("""(() => {
+      const table = document.querySelector("table.summary"), frame = table.parentElement;
+      frame.scrollLeft = frame.scrollWidth;
+      const cell = table.querySelector("td.verdict").getBoundingClientRect();
+      frame.scrollLeft = 0;
+      return [cell.left, innerWidth - cell.right];
+    })()""")
+    assert min(sides) >= 0
+
+
+def test_typing_filters_the_summary(screen):
+    count = "[...document.querySelector('table.summary').tBodies[0].rows].filter((r) => r.offsetHeight).length"
+    whole = screen.find(count)
+    screen.find("document.querySelector('#summary input').focus()")
+    screen.ask("Input.insertText", text="Theory deviates")
+    assert (whole, screen.find(count), screen.find("document.querySelector('#summary output').value")) == (
+        7,
+        1,
+        "1 of 7",
+    )
+    screen.find("document.querySelector('#summary input').select()")
+    screen.ask("Input.insertText", text=" ")
+    assert screen.find(count) == 7
+
+
+def test_every_figure_has_a_name_that_is_heard(screen):
+    heard = [name for role, name in screen.heard("image")]
+    assert len(heard) == screen.find("document.querySelectorAll('figure svg').length") == 5
+    assert all(name.startswith(("Caption of ", "All results")) for name in heard)
+
+
+def test_the_filter_has_a_name_that_is_heard(screen):
+    assert ("searchbox", "Filter rows") in screen.heard("searchbox")
+
+
+def test_nothing_is_complained_of_or_asked_for(screen):
+    assert (screen.console, screen.requests) == ([], [])
+
+
+SPOILT = {
+    "too wide": ("<header>", '<p style="width: 2000px">wide</p><header>', test_page_does_not_scroll_sideways),
+    "verdict below": ("<header>", '<p style="height: 900px"></p><header>', test_verdict_is_on_the_first_screen),
+    "not heard": ('role="img"', 'role="presentation"', test_every_figure_has_a_name_that_is_heard),
+    "no filter": ("row.hidden =", "row.unseen =", test_typing_filters_the_summary),
+    "not sticky": ("position: sticky; left: 0", "left: 0",
+                   test_verdicts_of_the_summary_are_in_sight_however_far_it_is_scrolled),
+    "request": ("</body>", '<img src="https://example.org/x.png"></body>', test_nothing_is_complained_of_or_asked_for),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", SPOILT)
+def test_a_spoilt_page_would_be_seen(page, tmp_path, fault):
+    before, after, check = SPOILT[fault]
+    assert before in page
+    (tmp_path / "page.html").write_text(page.replace(before, after), "utf-8")
+    with tab(tmp_path / "page.html") as opened:
+        opened.show(390, 844)
+        with pytest.raises(AssertionError):
+            check(opened)
 
 
 COMPLAINTS = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bem.scene.scene import parse_scene
-from validation.cases.rough_profiles import peers
+from validation.cases.rough_profiles import fft_solvers
 from validation.references import fft_solver
 from validation.references.fft_solver import GridContact, extrapolated, grid_contact
 
@@ -37,7 +37,7 @@ def test_extrapolation_knows_what_it_does_not_remove():
 
 def test_a_case_without_its_package_is_not_run_and_says_why(monkeypatch):
     monkeypatch.setattr(fft_solver, "find_spec", lambda name: None)
-    outcome = next(case for case in peers.CASES if case.id == "fft-peer").compute()
+    outcome = next(case for case in fft_solvers.CASES if case.id == "fft-peer").compute()
     assert outcome.rows == ()
     assert "pip install" in outcome.skipped
     assert "ContactMechanics" in outcome.skipped

@@ -62,7 +62,7 @@ def verify(*words, jobs="1"):
 def test_own_cases_run_are_kept_and_are_compared_again(folder, tmp_path, capsys):
     out = tmp_path / "out"
     assert verify("--cases", folder, "--out", out) == 0
-    assert "1 cases: 1 agrees" in capsys.readouterr().out
+    assert "1 case: 1 agrees" in capsys.readouterr().out
     assert "A. Author, A title (2025)" in (out / "report.html").read_text()
     check = ["baseline", "check", "--cases", str(folder), "--out", str(out)]
     assert main(check) == 1
@@ -210,7 +210,7 @@ def test_a_user_keeps_cases_of_their_own(installed):
     assert place.count(str(work.parent / "site")) == 2
     assert front_door(installed, "example", "own-cases")[0] == 0
     solver, own = work / "own-cases" / "own_solver.py", ("--cases", "own-cases", "--out", "report")
-    assert front_door(installed, "verify", "--jobs", "1", *own)[1].startswith("1 cases: 1 agrees")
+    assert front_door(installed, "verify", "--jobs", "1", *own)[1].startswith("1 case: 1 agrees")
     assert front_door(installed, "baseline", "check", *own)[0] == 0
     solver.write_text(solver.read_text().replace("2 / pi * asin", "2.00001 / pi * asin"))
     assert front_door(installed, "verify", "--jobs", "1", *own)[0] == 1

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 from browser import BROWSER, found_at
+from rough_scene import ROUGH
 
 import bem
 from bem.scene.result import write_result
@@ -13,14 +14,6 @@ from validation.report.run_figures import figures_of, shape_states
 from validation.report.run_page import render_run
 from validation.report.run_words import outcome, scene_in_words
 
-SCENE = {
-    "title": "rubber on <glass>",
-    "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-    "profile": {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 8, "seed": 1},
-    "adhesion": {"work_of_adhesion": 0.03},
-    "loading": {"control": "separation", "targets": [6e-5, 4e-5, 9e-4]},
-    "output": {"shapes": [6e-5, 4e-5], "spectra": True},
-}
 LOOK = """
 const box = document.getElementById("verdict").getBoundingClientRect();
 found.width = innerWidth;
@@ -43,7 +36,7 @@ found.order = [...table.tBodies[0].rows].map((row) => Number(row.cells[1].datase
 
 @pytest.fixture(scope="module")
 def result():
-    return bem.solve(SCENE)
+    return bem.solve(ROUGH)
 
 
 @pytest.fixture(scope="module")
@@ -148,12 +141,12 @@ def test_a_run_without_states_has_a_page(result):
 @pytest.mark.parametrize(
     "scene",
     [
-        {**SCENE, "layer": {"thickness": 1e-3}, "loading": {"control": "total_displacement", "targets": [1e-5]}},
-        {**SCENE, "loading": {"control": "mean_pressure", "targets": list(range(100, 2000, 100)),
+        {**ROUGH, "layer": {"thickness": 1e-3}, "loading": {"control": "total_displacement", "targets": [1e-5]}},
+        {**ROUGH, "loading": {"control": "mean_pressure", "targets": list(range(100, 2000, 100)),
                               "initial": "complete_contact", "flaw": 1e-5}},
-        {**SCENE, "loading": {"control": "separation", "targets": [6e-5], "at_mean_pressures": [100.0],
+        {**ROUGH, "loading": {"control": "separation", "targets": [6e-5], "at_mean_pressures": [100.0],
                               "stop_at_mean_pressure": 200.0}},
-        {**SCENE, "adhesion": None, "profile": {"kind": "harmonics", "period": 1.0, "orders": [1], "amplitudes": [0.1],
+        {**ROUGH, "adhesion": None, "profile": {"kind": "harmonics", "period": 1.0, "orders": [1], "amplitudes": [0.1],
                                                 "phases": [0.0]}},
     ],
     ids=["layer", "flaw", "pressures", "harmonics"],

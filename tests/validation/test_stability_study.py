@@ -9,7 +9,7 @@ import pytest
 
 from validation import __main__ as command_line
 from validation.cases.suite import stability as registered
-from validation.corpus.rows import ENDINGS, Task, counts, row_of, tasks_of
+from validation.corpus.endings import ENDINGS, Task, counts, row_of, tasks_of
 from validation.harness import execution
 from validation.harness.execution import Ended, Running
 from validation.harness.verdict import verdict_of

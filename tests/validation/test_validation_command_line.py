@@ -57,7 +57,7 @@ def test_run_that_agrees_ends_with_0_and_one_line(cases, tmp_path, capsys):
     assert run(tmp_path / "out") == 0
     reported = capsys.readouterr()
     assert reported.out.count("\n") == 1
-    assert reported.out.startswith("1 cases: 1 agrees; ")
+    assert reported.out.startswith("1 case: 1 agrees; ")
     assert str(tmp_path / "out" / "report.html") in reported.out
     assert "[1/1] fine" in reported.err
 

@@ -32,5 +32,5 @@ MODULES: tuple[str, ...] = (
     "validation.cases.paths.standing_patches",
     "validation.cases.paths.loop_work",
     "validation.cases.paths.path_bookkeeping",
-    "validation.cases.rough_profiles.peers",
+    "validation.cases.rough_profiles.fft_solvers",
 )

@@ -165,14 +165,14 @@ def compare_results(a: Result, b: Result) -> Comparison:
         numbers += _numbers(left, right, ErrorEstimate, place)
         for word in WORDS:
             if getattr(left, word) != getattr(right, word):
-                told = f"{getattr(left, word)} and {getattr(right, word)}"
-                others.append(f"{place}: {word.replace('_', ' ')} {told}")
+                values = f"{getattr(left, word)} and {getattr(right, word)}"
+                others.append(f"{place}: {word.replace('_', ' ')} {values}")
     kinds = [[event.kind for event in result.events] for result in (a, b)]
     if kinds[0] == kinds[1]:
         for k, (before, after) in enumerate(zip(a.events, b.events, strict=True), 1):
             numbers += _numbers(before, after, EventError, f"event {k}, {before.kind.replace('_', ' ')}")
     else:
-        others.append(f"events: {_told(kinds[0])} and {_told(kinds[1])}")
+        others.append(f"events: {_counts(kinds[0])} and {_counts(kinds[1])}")
     return Comparison(tuple(numbers), tuple(others), tuple(_scene_notes(a.scene, b.scene)))
 
 
@@ -194,7 +194,7 @@ def compare_reports(a: Report, b: Report) -> Comparison:
     for name in both:
         verdicts = [case_verdicts(case) for case in (left[name], right[name])]
         if verdicts[0] != verdicts[1]:
-            others.append(f"{name}: verdicts {_told(verdicts[0])} and {_told(verdicts[1])}")
+            others.append(f"{name}: verdicts {_counts(verdicts[0])} and {_counts(verdicts[1])}")
         found = [
             {q.name: q for q in quantities_of(case) if q.kind != "diagnostic"} for case in (left[name], right[name])
         ]
@@ -245,7 +245,7 @@ def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
                 yield f"the scenes differ in {table}.{key}: {left.get(key)} and {right.get(key)}"
 
 
-def _told(words: Iterable[str]) -> str:
+def _counts(words: Iterable[str]) -> str:
     """Words with their counts, in the order in which they come first."""
     listed = list(words)
     return ", ".join(f"{listed.count(word)} {word.replace('_', ' ')}" for word in dict.fromkeys(listed)) or "none"

@@ -25,6 +25,7 @@ from validation.harness.executors import Opener, local_processes
 from validation.harness.kept import DamagedError, keep, kept
 from validation.harness.provenance import sources_digest, versions
 from validation.harness.schema import CaseRecord
+from validation.harness.verdict import counted
 
 GUESSED_SECONDS = {"quick": 15.0, "standard": 60.0, "full": 300.0}  # of a case that never ran, by level
 
@@ -111,8 +112,8 @@ def _computed(
         return
     local = opener is local_processes
     workers = min(jobs, len(cases)) if local else 1
-    where = f"{workers} {'process' if workers == 1 else 'processes'}" if local else "workers elsewhere"
-    report(Note(f"{len(cases)} cases on {where}"))
+    where = counted(workers, "process", "processes") if local else "workers elsewhere"
+    report(Note(f"{counted(len(cases), 'case')} on {where}"))
     begun, left = time.monotonic(), {case.id for case in cases}
     solve: Callable[[Case], CaseRecord | Solved] = partial(_run, store=store, code=code) if local else _solved
     with closing(run_in_processes(solve, cases, workers, opener=opener)) as events:

@@ -74,6 +74,17 @@ def counts(cases: Iterable[CaseRecord]) -> dict[Verdict, int]:
     return {verdict: found.count(verdict) for verdict in VERDICTS}
 
 
+def counted(count: int, word: str, many: str | None = None) -> str:
+    """A count with its noun.
+
+    Examples
+    --------
+    >>> counted(1, "case"), counted(0, "case"), counted(2, "process", "processes")
+    ('1 case', '0 cases', '2 processes')
+    """
+    return f"{count} {word if count == 1 else many or word + 's'}"
+
+
 def fails(report: Report) -> bool:
     """Whether anything gating failed, or fewer or more cases are reported than were planned.
 

@@ -25,7 +25,7 @@ from validation.harness.executors import Opener
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note, failed_record, record_of
 from validation.harness.schema import SCHEMA, CaseRecord, Report
-from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra
+from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra, summary
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
 from validation.replicate.members import hurst as hurst_members
@@ -38,19 +38,25 @@ ENSEMBLE_EFFECTS = ("half_space", "adhesion", "slope_term", "spectra", "pressure
 
 TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
     ("replicate-realisations", "Which realisations is this made of?",
-     "h_m ~ m^-(H + 1/2), phases default_rng(seed).uniform(-pi, pi)", realisations.compute),
+     r"$h_m \propto m^{-(H + 1/2)}$, phases default_rng(seed).uniform(-pi, pi)", realisations.compute),
     ("replicate-area", "Is the area linear in the load, and twice the theory's?",
-     "A/A0 = a + b p/E*; Persson: A/A0 = erf(sqrt 2 p / (E* h'_rms)) without adhesion", area.compute),
-    ("replicate-separation", "Does the separation follow the theory?", "ln(p/E*) = c - s/u0", separation.compute),
+     r"$A / A_0 = a + b p / E^\ast$; "
+     r"Persson: $A / A_0 = \operatorname{erf}(\sqrt{2} \, p / (E^\ast h'_{\text{rms}}))$ "
+     "without adhesion", area.compute),
+    ("replicate-separation", "Does the separation follow the theory?",
+     r"$\ln(p / E^\ast) = c - s / u_0$", separation.compute),
     ("replicate-spectra", "What are the exponents of the spectra, and is contact full at short wavelengths?",
-     "C_u ~ q^-(2 + H), C_sigma = E*^2 q^2 C_u / 4; full contact: C_sigma ~ q^(1 - 2 H)", spectra.compute),
+     r"$C_u \propto q^{-(2 + H)}$, $C_\sigma = (E^\ast)^2 q^2 C_u / 4$; "
+     r"full contact: $C_\sigma \propto q^{1 - 2 H}$", spectra.compute),
     ("replicate-pressure", "What is the distribution of the pressure?",
-     "double Gaussian; P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3 for sigma -> -infinity", pressure.compute),
+     r"double Gaussian; $P \to \frac{2 E^\ast}{\pi \lambda} \sum_e w_e |\sigma|^{-3}$ "
+     r"for $\sigma \to -\infty$", pressure.compute),
     ("replicate-hurst", "Are short waves in full contact for H = 0.8, and not for H = 0.3?",
-     "C_u / C = A(q)/A0 in the theory", hurst.compute),
-    ("replicate-shapes", "What do the deformed shapes look like?", "s = (1/lambda) int gap dx", shapes.compute),
+     r"$C_u / C = A(q) / A_0$ in the theory", hurst.compute),
+    ("replicate-shapes", "What do the deformed shapes look like?",
+     r"$s = \frac{1}{\lambda} \int \text{gap} \, dx$", shapes.compute),
     ("replicate-heights", "Are the heights of the profiles Gaussian?",
-     "sum h_m^2 / 2 = h_rms^2", heights.compute),
+     r"$\sum_m h_m^2 / 2 = h_{\text{rms}}^2$", heights.compute),
 )  # fmt: skip
 
 
@@ -84,7 +90,8 @@ def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable
     outcome = run_ensemble(all_members(size), folder / "members", jobs, say, opener)
     evidence = gather(size, folder / "members", outcome.failed)
     say(Note("figures and statements"))
-    records = [_record(case) for case in cases(evidence)]
+    topics = [_record(case) for case in cases(evidence)]
+    records = [_record(_summary(topics)), *topics]
     for record in records:
         for figure in record.figures:
             write_figure(figure, folder / FIGURES)
@@ -92,7 +99,7 @@ def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable
         schema_=SCHEMA,
         level="replicate" if size == PAPER else "replicate, short form",
         command=command,
-        planned=len(TOPICS),
+        planned=len(TOPICS) + 1,
         provenance=facts | {"seconds": round(time.monotonic() - begun, 1), "jobs": jobs},
         cases=records,
         changes=[],
@@ -135,6 +142,15 @@ def cases(evidence: Evidence) -> list[Case]:
                  effects=ENSEMBLE_EFFECTS,
                  scene=scene_text(loading(evidence.size)[0].scene) if name == TOPICS[0][0] else "")
             for name, question, equations, compute in TOPICS]  # fmt: skip
+
+
+def _summary(topics: list[CaseRecord]) -> Case:
+    """The statements of all topics on one page."""
+    return Case(id="replicate-statements", group=GROUP, level="full",
+                question="What does the paper state, what do we find, and do they agree?",
+                equations="accepted: the tolerance, or twice the uncertainties, and at most half the way to the "
+                "alternative that the row excludes",
+                sources=("carbone2009",), compute=partial(summary.compute, topics))  # fmt: skip
 
 
 def scene_text(scene: Mapping[str, Any]) -> str:

@@ -2,8 +2,11 @@
 
 A/A0 = a + b p/E* by least squares over the loads of `FITTED` (chosen beforehand: from 0.005 E*, below which the paper
 has few patches, to the highest load), each realisation on its own; a theory over the same loads.  Linearity is judged
-by the largest distance of the mean curve from its own line.  Without adhesion the theory has the closed form A/A0 =
-erf(sqrt 2 p / (E* h'_rms)).
+by the curvature, the second Legendre coefficient of A over these loads, over the largest area: 0 for a line, and what
+it is for the area of a single Hertzian line contact, A ~ sqrt p.  "About 50 %" is said of the area in the abstract and
+of the coefficient of proportionality in the caption of the area figure; our line does not pass through the origin, so
+that both are judged.  Without adhesion the theory has the closed form A/A0 = erf(sqrt 2 p / (E* h'_rms)).  The loads
+and the theory's points are ours: the paper prints none.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
@@ -17,9 +20,9 @@ from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import axes, drawn, marks, shaded, trace
 from validation.harness.schema import Figure, Table
-from validation.replicate.evidence import Evidence, joined, mean_and_error
+from validation.replicate.evidence import Evidence, jackknife, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS
-from validation.replicate.statements import disagreement, statement
+from validation.replicate.statements import Alternative, disagreement, statement
 
 FITTED = tuple(load for load in LOADS if load >= 0.005)
 COMPARED = (0.005, 0.01, 0.015, 0.02, 0.025)
@@ -27,6 +30,11 @@ CAUSE = (
     "the straight line does not pass through the origin: at small loads a profile of one period touches near its "
     "highest crest only, and the area per load falls from three times the theory's there to less than twice; the mean "
     "ratio over the same loads is about 2"
+)
+
+GAIN = (
+    "the theory of this code gains a sixth of its area from adhesion, at every load; the paper shows two curves that "
+    "it calls hardly different, without numbers"
 )
 
 
@@ -42,6 +50,20 @@ def line_through(load: ArrayLike, area: ArrayLike) -> tuple[float, float]:
     return float(intercept), float(slope)
 
 
+def curvature(load: ArrayLike, area: ArrayLike) -> float:
+    """Second Legendre coefficient of the area over its loads, over the largest area.
+
+    Examples
+    --------
+    >>> load = np.linspace(0.005, 0.025, 9)
+    >>> abs(curvature(load, 0.01 + 3 * load)) < 1e-12, round(curvature(load, np.sqrt(load)), 4)
+    (True, -0.0341)
+    """
+    place, values = np.asarray(load, dtype=np.float64), np.asarray(area, dtype=np.float64)
+    scaled = (2 * place - place[0] - place[-1]) / (place[-1] - place[0])
+    return float(np.polynomial.legendre.legfit(scaled, values, 2)[2] / values[-1])
+
+
 def compute(evidence: Evidence) -> Outcome:
     """Rows, figure and table."""
     areas = evidence.values(lambda state: state.contact_fraction)
@@ -53,20 +75,33 @@ def compute(evidence: Evidence) -> Outcome:
     load = np.array(LOADS)
     lines = np.array([line_through(load[fitted], one[fitted]) for one in areas])
     (intercept, slope), (intercept_error, slope_error) = mean_and_error(lines)
-    residual = float(np.max(np.abs(mean[fitted] - intercept - slope * load[fitted])) / mean[-1])
+    bend, bend_error = jackknife(lambda curve: curvature(load[fitted], curve[fitted]), areas)
     ratio, ratio_error = mean_and_error((areas / wet)[:, compared].mean(axis=1)[:, None])
     theory_slope = line_through(load[fitted], wet[fitted])[1]
     short = evidence.shortfall
     rows = (
         statement("contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
-                  float(ratio[0]), float(ratio_error[0]), 2.0, 0.3, measured=0.072,
-                  where="abstract: the theory underestimates the area by about 50 %", shortfall=short),
-        statement("largest distance of the area curve from a straight line, 0.005 to 0.025 E*, over the largest area",
-                  residual, float(np.max(error[fitted]) / mean[-1]), 0.0, 0.03, measured=0.012,
-                  where="abstract: the area is linear in the load also with adhesion", shortfall=short),
+                  float(ratio[0]), float(ratio_error[0]), 2.0, 0.2, Alternative(1.0, "the theory's own area"),
+                  measured=0.074, where="abstract: the theory underestimates the area by about 50 %",
+                  shortfall=short),
+        statement("curvature of the area over 0.005 to 0.025 E*, over the largest area", bend, bend_error, 0.0, 0.015,
+                  Alternative(curvature(load[fitted], np.sqrt(load[fitted])), "one Hertzian contact, A ~ sqrt p"),
+                  measured=0.0148, where="abstract: the area is linear in the load also with adhesion",
+                  shortfall=short, reported=f"{bend / bend_error:+.1f} standard errors from a straight line"),
         disagreement("slope of the straight line over that of the theory with adhesion", float(slope / theory_slope),
                      float(slope_error / theory_slope), 2.0, (0.75, 0.95), CAUSE,
-                     where="abstract: the theory underestimates the area by about 50 % at any load", shortfall=short),
+                     where="caption of the area figure: the theory's coefficient of proportionality is about half",
+                     shortfall=short),
+        disagreement("contact area over that of Persson's theory with adhesion at 0.001 E*", float(mean[0] / wet[0]),
+                     float(error[0] / wet[0]), 2.0, (1.2, 1.8), CAUSE,
+                     where="abstract: about 50 % for any given load", shortfall=short),
+        disagreement("theory's contact area with adhesion over that without, mean of 0.005 to 0.025 E*",
+                     float(np.mean((wet / dry)[compared])), 0.0, 1.0, (1.1, 1.25), GAIN,
+                     where="caption: not significantly different; text: only marginal, the adhesion energy is small",
+                     shortfall=short),
+        statement("larger underestimate than for isotropic surfaces without adhesion", float("nan"), 0.0, 1.0, 0.4,
+                  Alternative(0.0, "no larger"), measured=0.0, where="abstract: the discrepancy is larger than in 2D",
+                  shortfall=short or "not testable here: roughness in two directions is not computed"),
     )  # fmt: skip
     slopes = Table(
         caption="Straight lines A/A0 = a + b p/E* through 0.005 to 0.025 E*; errors are standard errors of the mean.",

@@ -2,7 +2,7 @@
 
 loading    the paper's profile (H = 0.7, h_rms = 50 um, period 0.01 m, E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2) with
            1000 harmonics, seeds 0 to 10, from first touch to 0.025 E*; spectra and distributions at all of `LOADS`
-shapes     one of them whose highest crest lies above 90 um, through s = 86, 48 and 9.6 um
+shapes     one of them whose highest crest lies above 90 um, through s = 86, 48, 38 and 9.6 um
 high load  one profile with fewer harmonics, pressed until contact is all but complete
 Hurst      H = 0.8 and H = 0.3 with fewer harmonics, each to the same load over its rms slope
 
@@ -23,7 +23,7 @@ YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03
 MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
 LOADS = (0.001, 0.0025, 0.005, 0.0075, 0.01, 0.0125, 0.015, 0.0175, 0.02, 0.0225, 0.025)  # of E*
 SPECTRA_AT = (0.005, 0.02)  # of E*
-SHAPES_AT = (86e-6, 48e-6, 9.6e-6)  # separations, m
+SHAPES_AT = (86e-6, 48e-6, 38e-6, 9.6e-6)  # separations, m: the caption says 48 um where the text says 38 um
 HIGHEST_CREST = 90e-6  # m, exceeded by the profile whose shapes are shown
 NEARLY_FLAT = (1e-6, 0.2e-6, 0.04e-6, 8e-9, 2e-9)  # separations, m
 HURSTS = (0.8, 0.3)

@@ -1,9 +1,9 @@
-"""Deformed shapes at s = 86, 48 and 9.6 um of a profile whose highest crest lies above 90 um.
+"""Deformed shapes at s = 86, 48, 38 and 9.6 um of a profile whose highest crest lies above 90 um.
 
-The text of the paper says 38 um where its caption says 48 um; 48 um is shown.  Seeds 0 and 1 have crests of 84 and 85
-um, below 86 um: they do not touch there.  The solid's surface and the profile, both about the mean plane of the
-undeformed surface, in um, over the period; the separations also in rms heights.  The mean gap is the separation,
-exactly, which checks the shapes.
+The text of the paper says 38 um where its caption says 48 um; both are shown.  Seeds 0 and 1 have crests of 84 and 85
+um, below 86 um: they do not touch there.  All shapes in one frame lie above the profile, whose mean plane is the
+height 0; near the highest crest each is drawn about the mean plane of the solid.  The separations also in rms heights.
+The mean gap is the separation, exactly, which checks the shapes.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.drawings import axes, drawn, trace
-from validation.harness.schema import Figure, Reference, Row, Table, Tolerance
+from validation.harness.schema import Figure, Reference, Row, Series, Table, Tolerance
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import MODULUS, RMS_HEIGHT, SHAPES_AT
 
@@ -46,7 +47,7 @@ def compute(evidence: Evidence) -> Outcome:
                         for s, state in zip(SHAPES_AT, states, strict=True)])  # fmt: skip
     return Outcome(
         rows=(row,),
-        figures=tuple(_figure(one, k, s, near) for k, s in enumerate(SHAPES_AT) for near in (False, True)),
+        figures=(_together(one), *(_near_highest_crest(one, k, s) for k, s in enumerate(SHAPES_AT))),
         tables=(table,),
     )
 
@@ -58,30 +59,49 @@ def _mean_gap(one: Realisation, k: int) -> float:
     return float(np.trapezoid(np.append(gap, gap[0]), around) / one.surface.period)
 
 
-def _figure(one: Realisation, k: int, separation: float, near: bool) -> Figure:
-    """The period about the highest crest, or the part of it near this crest."""
+def _together(one: Realisation) -> Figure:
+    """All shapes over the period, in one frame."""
+    series: list[Series] = []
+    for k, separation in enumerate(SHAPES_AT):
+        x, solid, profile, _ = _about_highest_crest(one, k, one.surface.period)
+        if not series:
+            series.append(trace("rigid profile", x, (profile + separation) * 1e6, "thin"))
+        pressed = one.result.targets[k]
+        said = f"s = {separation * 1e6:g} µm, p = {pressed.mean_pressure / MODULUS:.3g} E*, "
+        series.append(trace(f"{said}A/A0 = {pressed.contact_fraction:.3g}", x, (solid + separation) * 1e6, hue=k))
+    return drawn(
+        "shapes",
+        "Deformed shapes above one profile at the separations of the paper, in one frame; its caption has 48 µm where "
+        "its text has 38 µm. The profile is ours.",
+        axes("distance from the highest crest / mm", "height / µm", *series),
+    )
+
+
+def _near_highest_crest(one: Realisation, k: int, separation: float) -> Figure:
+    x, solid, profile, touching = _about_highest_crest(one, k, NEAR * one.surface.period)
+    return drawn(
+        f"shape-{separation * 1e6:g}-um-near",
+        f"Deformed shape at s = {separation * 1e6:g} µm = {separation / RMS_HEIGHT:.3g} h_rms, near the highest crest.",
+        axes(
+            "distance from the highest crest / mm",
+            "height / µm",
+            trace("rigid profile", x, profile * 1e6, "thin"),
+            trace("surface of the solid", x, solid * 1e6, hue=0),
+            trace("in contact", x, [None if np.isnan(v) else float(v) for v in touching * 1e6], hue=1),
+        ),
+    )
+
+
+def _about_highest_crest(
+    one: Realisation, k: int, reach: float
+) -> tuple[list[float], FloatArray, FloatArray, FloatArray]:
+    """Places in mm, solid, profile and the solid where it touches (nan elsewhere) in m, at target k."""
     fields, period = one.result.fields, one.surface.period
     crests, heights = one.surface.crests
     place = (fields[f"x_{k}"] - crests[np.argmax(heights)] + period / 2) % period - period / 2
     order = np.argsort(place)
-    order = order[np.abs(place[order]) <= (NEAR * period if near else period)]
+    order = order[np.abs(place[order]) <= reach]
     order = order[:: max(1, order.size // MOST_POINTS)]
-    x = (place[order] * 1e3).tolist()
-    solid, gap = fields[f"displacement_{k}"][order], fields[f"gap_{k}"][order]
-    touching = np.where(fields[f"patch_{k}"][order] >= 0, solid, np.nan) * 1e6
-    pressed = one.result.targets[k]
-    which = ", near the highest crest."
-    if not near:
-        load = f"p = {pressed.mean_pressure / MODULUS:.3g} E*"
-        which = f": {load}, contact fraction {pressed.contact_fraction:.3g} in {pressed.n_patches} patches."
-    return drawn(
-        f"shape-{separation * 1e6:g}-um{'-near' if near else ''}",
-        f"Deformed shape at s = {separation * 1e6:g} µm = {separation / RMS_HEIGHT:.3g} h_rms{which}",
-        axes(
-            "distance from the highest crest / mm",
-            "height / µm",
-            trace("rigid profile", x, (solid - gap) * 1e6, "thin"),
-            trace("surface of the solid", x, solid * 1e6, hue=0),
-            trace("in contact", x, [None if np.isnan(v) else float(v) for v in touching], hue=1),
-        ),
-    )
+    solid = fields[f"displacement_{k}"][order]
+    touching = np.where(fields[f"patch_{k}"][order] >= 0, solid, np.nan)
+    return (place[order] * 1e3).tolist(), solid, solid - fields[f"gap_{k}"][order], touching

@@ -3,7 +3,12 @@
 A statement agrees when the two numbers differ by no more than the tolerance given, or twice the uncertainties of both.
 Where the paper gives a number its last digit is its uncertainty, and, where the number was taken from 11 realisations
 of its own, the standard error that our 11 show; where it only says "about" the tolerance says how much.
-Where we find otherwise the row is a known discrepancy: the band of the ratio ours / paper's, and the cause.
+
+A row that would agree with anything says nothing.  So each names the alternative that it excludes, and what it accepts
+is at most half the distance to it: an ensemble that scatters more is no test, and its row is not run.  Where we find
+otherwise the row is a known discrepancy: the band of the ratio ours / paper's, which leaves 1 out, and the cause; it is
+not run where the two differ by less than two standard errors.  Where the paper only says that two things differ, the
+row is yes or no.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
 """
@@ -12,11 +17,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
+from validation.harness.compare import combined_tolerance, error_of
+from validation.harness.rows import counted
 from validation.harness.schema import Band, Reference, Row, Tolerance
 
 PAPER = "Carbone, Scaraggi, Tartaglino 2009"
 REVIEW = "2027-11-21"
+STALE = 0.2  # of the tolerance: a difference that left the stored one by more has moved
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """What a statement excludes: a value in the unit of the row, and in words."""
+
+    value: float
+    words: str
 
 
 def statement(
@@ -25,6 +42,7 @@ def statement(
     error: float,
     paper: float | Sequence[float],
     allowed: float,
+    against: Alternative,
     *,
     measured: float,
     where: str,
@@ -32,7 +50,7 @@ def statement(
     last_digit: float = 0.0,
     same_ensemble: bool = False,
     shortfall: str = "",
-    told: str = "",
+    reported: str = "",
 ) -> Row:
     """A row that agrees or deviates.
 
@@ -45,6 +63,8 @@ def statement(
         What the paper says.
     allowed, measured : float
         Tolerance of the difference, and the difference found when it was set.
+    against : Alternative
+        What would contradict the paper.
     where : str
         Where the paper says so.
     unit : str
@@ -54,23 +74,52 @@ def statement(
         Whether the paper's number comes from an ensemble as large as ours, so that it scatters as much.
     shortfall : str
         Why the ensemble is not the paper's: the row is then not run.
-    told : str
+    reported : str
         What is to be read beside the verdict.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance itself reaches further than half the way to the alternative, with the paper's ensemble.
     """
-    found, said = _values(ours), _values(paper)
-    uncertainty = math.hypot(last_digit, error) if same_ensemble else last_digit
-    return Row(
+    said = _values(paper)
+    distance = min(abs(against.value - value) for value in said if value is not None)
+    if allowed > distance / 2 and not shortfall:
+        raise ValueError(f"{quantity}: a tolerance of {allowed:g} does not exclude {against.value:g}, {against.words}")
+    excludes = f"excludes {against.value:.4g}, {against.words}"
+    row = Row(
         quantity=quantity,
         unit=unit,
-        reference=Reference(kind="independent code", source=f"{PAPER}, {where}", uncertainty=uncertainty),
+        reference=Reference(kind="independent code", source=f"{PAPER}, {where}",
+                            uncertainty=math.hypot(last_digit, error) if same_ensemble else last_digit),
         norm="absolute",
         expected=said,
-        computed=found,
+        computed=_values(ours),
         uncertainty=error,
         tolerance=Tolerance(value=allowed, measured=measured, basis="required"),
         status="not run" if shortfall else "run",
-        message=shortfall or told,
-    )
+        message=shortfall or "; ".join(part for part in (excludes, reported) if part),
+    )  # fmt: skip
+    accepted = combined_tolerance(row)
+    if row.status == "run" and accepted > distance / 2:
+        why = f"no test: {accepted:.2g} is accepted, {against.value:.4g} ({against.words}) is {distance:.2g} away"
+        return row.model_copy(update={"status": "not run", "message": why})
+    return row
+
+
+def stale(rows: Sequence[Row]) -> Row:
+    """How many statements differ from the paper otherwise than was stored beside their tolerance."""
+    moved = [
+        row.quantity
+        for row in rows
+        if row.status == "run"
+        and row.tolerance is not None
+        and abs(error_of(row) - row.tolerance.measured) > STALE * row.tolerance.value
+    ]
+    found = counted("statements whose stored difference is stale",
+                    Reference(kind="self", source="the differences stored beside the tolerances"), [0.0],
+                    [float(len(moved))])  # fmt: skip
+    return found.model_copy(update={"message": "; ".join(moved)})
 
 
 def disagreement(
@@ -84,9 +133,18 @@ def disagreement(
     where: str,
     unit: str = "",
     shortfall: str = "",
+    reported: str = "",
 ) -> Row:
-    """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause."""
-    return Row(
+    """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause.
+
+    Raises
+    ------
+    ValueError
+        If the band holds 1, where there is no disagreement.
+    """
+    if band[0] <= 1 <= band[1]:
+        raise ValueError(f"{quantity}: a band of {band[0]:g} to {band[1]:g} holds 1, where the two agree")
+    row = Row(
         quantity=quantity,
         unit=unit,
         reference=Reference(kind="independent code", source=f"{PAPER}, {where}"),
@@ -96,8 +154,19 @@ def disagreement(
         uncertainty=error,
         band=Band(low=band[0], high=band[1], cause=cause, source=f"{PAPER}, {where}", review=REVIEW),
         status="not run" if shortfall else "run",
-        message=shortfall,
+        message=shortfall or reported,
     )
+    apart = abs(error_of(row.model_copy(update={"band": None})))
+    if row.status == "run" and apart < 2 * error:
+        return row.model_copy(update={"status": "not run", "message": f"no finding: {apart / error:.1f} errors apart"})
+    return row
+
+
+def differs(quantity: str, found: bool, message: str, *, where: str, shortfall: str = "") -> Row:
+    """A row where the paper says that two things differ, without a number: yes (1) or no (0), with what was found."""
+    row = counted(f"{quantity} (yes: 1)", Reference(kind="independent code", source=f"{PAPER}, {where}"), [1.0],
+                  [float(found)], message=shortfall or message)  # fmt: skip
+    return row.model_copy(update={"status": "not run"}) if shortfall else row
 
 
 def _values(value: float | Sequence[float]) -> list[float | None]:

@@ -140,7 +140,8 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
         middle = [low + rise for low, rise in zip(y, half, strict=True)]
         axes.errorbar(x, middle, half, fmt="none", ecolor=colour, elinewidth=1.0, capsize=2.5, label=series.label)
     elif series.style == "thin":
-        axes.plot(x, y, "-", color="#9aa0a6", linewidth=0.5, zorder=1.5, label=series.label)
+        shade = {"color": "#9aa0a6"} if series.hue is None else {"color": colour, "alpha": 0.35}
+        axes.plot(x, y, "-", linewidth=0.5, zorder=1.5, label=series.label, **shade)
     elif series.style == "dots":
         axes.plot(x, y, ".", color=colour, markersize=1.8, alpha=0.45, linestyle="none", label=series.label)
     elif series.style == "points":

@@ -20,8 +20,11 @@ from bem.scene.atomic_file import write_atomically
 from validation.harness.case import Case
 from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance
 from validation.harness.schema import CaseRecord, Report, Row, is_intact
-from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counts, verdict_of
+from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
 from validation.report.figures import svg_of
+from validation.report.verification.all_results import first_sentence, scatter
+from validation.report.verification.row_views import budget_of, named, worst_place
+from validation.report.verification.typesetting import TypesettingError, subscripts, typeset, with_links
 
 PAGE = "report.html"
 LANDING = "landing-"  # prefix of the ids of figures that open the page
@@ -42,9 +45,14 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class Line:
-    """A row as the tables show it; what begins with `sort_` is the number behind a text, "" where there is none."""
+    """A row as the tables show it; what begins with `sort_` is the number behind a text, "" where there is none.
+
+    `name` is its quantity without what the error is scaled with, which stands in `norm`.
+    """
 
     row: Row
+    name: str
+    norm: str
     expected: Markup
     computed: Markup
     error: float
@@ -75,7 +83,7 @@ def write_html(report: Report, folder: Path) -> None:
     Raises
     ------
     ReportError
-        A case cites a source that is not in the bibliography.
+        As of `render`.
     """
     write_atomically(folder / PAGE, render(report))
 
@@ -90,8 +98,15 @@ def render(report: Report) -> str:
     Raises
     ------
     ReportError
-        A case cites a source that is not in the bibliography.
+        A case cites a source that is not in the bibliography, or has an equation that cannot be set.
     """
+    try:
+        return _rendered(report)
+    except TypesettingError as error:
+        raise ReportError(f"an equation cannot be set: {error}") from error
+
+
+def _rendered(report: Report) -> str:
     lines = {case.id: [_line(row) for row in case.rows] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
     page = (
@@ -99,6 +114,10 @@ def render(report: Report) -> str:
         .get_template("page.jinja")
         .render(
             report=report,
+            sentence=first_sentence(report),
+            passed=not fails(report) and is_intact(report),
+            all_results=_overview(report),
+            budgets={case.id: [budget for row in case.rows if (budget := budget_of(row))] for case in report.cases},
             lines=lines,
             verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
             marks=MARKS,
@@ -132,6 +151,10 @@ def environment() -> Environment:
     )
     made.filters["number"] = number
     made.filters["short"] = _short
+    made.filters["typeset"] = typeset
+    made.filters["with_links"] = with_links
+    made.filters["subscripts"] = subscripts
+    made.filters["counted"] = counted
     return made
 
 
@@ -215,9 +238,13 @@ def _is_before(review: str, today: str) -> bool:
 
 def _line(row: Row) -> Line:
     allowed = f"{row.band.low:g} to {row.band.high:g}" if row.band else number(combined_tolerance(row))
-    worst = _place_of_worst(row)
+    worst = worst_place(row)
+    name, over = named(row.quantity, row.unit)
+    scale = "" if row.scale == 1 else f"{number(row.scale)} {row.unit}".strip()
     return Line(
         row=row,
+        name=name,
+        norm=f"{row.norm}, over {' = '.join(filter(None, (over, scale)))}" if over or scale else row.norm,
         expected=_value(row.expected, worst),
         computed=_value(row.computed, worst) + _spread(row.uncertainty),
         error=error_of(row),
@@ -228,19 +255,6 @@ def _line(row: Row) -> Line:
         sort_computed=_sorted_as(row.computed[worst]),
         sort_allowed=row.band.high if row.band else combined_tolerance(row),
     )
-
-
-def _place_of_worst(row: Row) -> int:
-    """Index of the value that the error is of: the farthest off, or the ratio farthest from the middle of its band."""
-    middle = None if row.band is None else (row.band.low + row.band.high) / 2
-
-    def miss(a: float | None, b: float | None) -> float:
-        if a is None or b is None or math.isnan(a - b) or (middle is not None and b == 0):
-            return math.inf
-        return abs(a - b) if middle is None else abs(a / b - middle)
-
-    misses = [miss(a, b) for a, b in zip(row.computed, row.expected, strict=True)]
-    return misses.index(max(misses))
 
 
 def _value(values: list[float | None], worst: int) -> Markup:
@@ -270,6 +284,12 @@ def _drawn(case: CaseRecord, prefix: str) -> list[tuple[str, str, str, list[str]
     return [
         (figure.id, figure.caption, svg_of(figure, f"{where}-{case.id}-{figure.id}"), figure.files) for figure in chosen
     ]
+
+
+def _overview(report: Report) -> tuple[str, str] | None:
+    """SVG and caption of the figure of all results."""
+    figure = scatter(report)
+    return None if figure is None else (svg_of(figure, "all-results"), figure.caption)
 
 
 def _worst(case: CaseRecord) -> str:

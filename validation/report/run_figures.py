@@ -37,7 +37,7 @@ def figures_of(result: Result) -> Iterator[Figure]:
 
 
 def shape_states(result: Result) -> dict[str, State | None]:
-    """The names of the stored shapes, each with its state; None where the order of the path does not tell it."""
+    """The names of the stored shapes, each with its state; None where it does not follow from the path."""
     names = sorted((name[2:] for name in result.fields if name.startswith("x_")), key=int)
     control = result.scene["loading"]["control"].replace("penetration", "separation")
     asked = result.scene["output"]["shapes"]

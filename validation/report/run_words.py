@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from bem.scene.result import FINAL_STATUSES, Result
+from validation.harness.verdict import counted
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 CONTROLS = {
@@ -47,10 +48,9 @@ def outcome(result: Result) -> str:
     certified, targets = sum(state.certificate.ok for state in result.states), len(result.targets)
     how = {"converged": "Converged", "not_converged": "Not converged"}.get(result.status, result.status.capitalize())
     words = [
-        f"{how}: {targets} {_plural('state', targets)} at targets "
-        f"({len(result.scene['loading']['targets'])} in the scene)",
+        f"{how}: {counted(targets, 'state')} at targets ({len(result.scene['loading']['targets'])} in the scene)",
         f"{certified} of {len(result.states)} states certified by the independent quadrature",
-        f"{len(result.events)} {_plural('event', len(result.events))}",
+        counted(len(result.events), "event"),
     ]
     if result.states:
         last = result.states[-1]
@@ -95,7 +95,7 @@ def _profile_in_words(profile: Mapping[str, Any]) -> str:
             f"detrended by {profile['detrend']}"
         )
     count = len(profile["orders"])
-    return f"Profile of {count} {_plural('harmonic', count)} up to order {max(profile['orders'])}: period {period}"
+    return f"Profile of {counted(count, 'harmonic')} up to order {max(profile['orders'])}: period {period}"
 
 
 def _loading_in_words(loading: Mapping[str, Any]) -> Iterator[str]:
@@ -103,12 +103,12 @@ def _loading_in_words(loading: Mapping[str, Any]) -> Iterator[str]:
     initial = loading["initial"]
     start = "a stored state" if isinstance(initial, Mapping) else {"separated": "surfaces apart"}.get(initial, initial)
     targets: Sequence[float] = loading["targets"]
-    told = [quantity(target, unit) for target in targets[:LISTED]]
+    listed = [quantity(target, unit) for target in targets[:LISTED]]
     if len(targets) > LISTED:
-        told = [*told[: LISTED - 2], "…", quantity(targets[-1], unit)]
+        listed = [*listed[: LISTED - 2], "…", quantity(targets[-1], unit)]
     yield (
-        f"Beginning with {start.replace('_', ' ')}, {name} is held at {', '.join(told)} "
-        f"({len(targets)} {_plural('target', len(targets))}, in this order)."
+        f"Beginning with {start.replace('_', ' ')}, {name} is held at {', '.join(listed)} "
+        f"({counted(len(targets), 'target')}, in this order)."
     )
     if loading["at_mean_pressures"]:
         yield "Kept on the way: " + ", ".join(quantity(value, "Pa") for value in loading["at_mean_pressures"]) + "."
@@ -116,7 +116,3 @@ def _loading_in_words(loading: Mapping[str, Any]) -> Iterator[str]:
         yield f"The path ends at {quantity(loading['stop_at_mean_pressure'], 'Pa')}."
     if loading.get("flaw") is not None:
         yield f"A flaw of {quantity(loading['flaw'], 'm')} lets complete contact open."
-
-
-def _plural(word: str, count: int) -> str:
-    return word if count == 1 else f"{word}s"

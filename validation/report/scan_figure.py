@@ -62,8 +62,8 @@ def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:
     cut = next((step for step in steps if step["step"] == "cut"), None)
     if cut is not None:
         done.append(f"{cut['harmonics']} of {cut['of']} harmonics keep {cut['slope_share_kept']:.1%} of the rms slope")
-    told = "; ".join(filter(None, done))
-    return f"Scan of {samples} samples: {told or 'taken as it is'}."
+    words = "; ".join(filter(None, done))
+    return f"Scan of {samples} samples: {words or 'taken as it is'}."
 
 
 def _unit(values: NDArray[np.float64]) -> tuple[float, str]:

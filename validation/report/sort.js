@@ -1,11 +1,13 @@
-document.querySelectorAll("table.sortable").forEach((table) => {
-  const heads = [...table.querySelectorAll("thead th")];
+const FILTERED = 6; // rows from which a table has a filter box
+document.querySelectorAll("table").forEach((table) => {
+  const heads = [...(table.tHead?.querySelectorAll("th") ?? [])];
   const body = table.tBodies[0];
+  if (heads.length === 0 || body.rows.length < 2) return;
   const key = (row, column) => {
     const cell = row.cells[column];
     const text = cell.dataset.sort ?? cell.textContent.trim();
     const value = Number(text);
-    return text === "" || text === "nan" ? null : Number.isNaN(value) ? text.toLowerCase() : value;
+    return text === "" || text === "nan" || text === "–" ? null : Number.isNaN(value) ? text.toLowerCase() : value;
   };
   const compare = (x, y) => {
     if (typeof x === typeof y) return (x > y) - (x < y);
@@ -14,7 +16,7 @@ document.querySelectorAll("table.sortable").forEach((table) => {
   heads.forEach((head, column) => {
     const button = document.createElement("button");
     button.type = "button";
-    button.textContent = head.textContent;
+    button.append(...head.childNodes);
     head.replaceChildren(button);
     button.addEventListener("click", () => {
       const up = head.getAttribute("aria-sort") !== "ascending";
@@ -29,4 +31,21 @@ document.querySelectorAll("table.sortable").forEach((table) => {
         .forEach((row) => body.append(row));
     });
   });
+  if (body.rows.length < FILTERED) return;
+  const line = document.createElement("p"), label = document.createElement("label");
+  const box = document.createElement("input"), count = document.createElement("output");
+  line.className = "filter";
+  box.type = "search";
+  label.append("Filter rows ", box);
+  line.append(label, " ", count);
+  box.addEventListener("input", () => {
+    const words = box.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const rows = [...body.rows];
+    rows.forEach((row) => {
+      const text = row.textContent.toLowerCase();
+      row.hidden = !words.every((word) => text.includes(word));
+    });
+    count.value = words.length ? `${rows.filter((row) => !row.hidden).length} of ${rows.length}` : "";
+  });
+  table.parentElement.before(line);
 });

@@ -1,7 +1,7 @@
 """Do the hard cases stay stable?  Every one in a row, over a denominator that is fixed beforehand.
 
 The corpora of the boundary elements, of the finite element reference and of Persson's theory state what they expect
-before anything runs.  Each case runs alone in a process under a time limit; corpus/rows.py says how it may end, and
+before anything runs.  Each case runs alone in a process under a time limit; corpus/endings.py says how it may end, and
 counts that apart from whether the result is correct.  Planned and reported cases are counted and compared; a row that
 is missing is an error of the study.  Finished rows are kept (answers.py), so that an interrupted study continues.
 
@@ -21,9 +21,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
-from validation.corpus.hard.hard_case_run import Outcome
-from validation.corpus.random import random_trial
-from validation.corpus.rows import (
+from validation.corpus.endings import (
     COLUMNS,
     LIMITS,
     Code,
@@ -36,6 +34,8 @@ from validation.corpus.rows import (
     table_of,
     tasks_of,
 )
+from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.random import random_trial
 from validation.harness.execution import Ended, Running, run_in_processes, run_in_turn
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note

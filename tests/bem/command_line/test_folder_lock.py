@@ -1,6 +1,7 @@
 """Two processes never write to one output folder: the second is reported who holds it, and nothing is lost."""
 
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -8,8 +9,24 @@ import sys
 
 import pytest
 
-from bem.command_line.folder_lock import LOCK_FILE, FolderInUseError, locked
+from bem.__main__ import main as bem_main
+from bem.command_line.folder_lock import LOCK_FILE, FolderError, FolderInUseError, locked
+from validation.__main__ import main as validation_main
 
+SCENE = """
+[solid]
+youngs_modulus = 1e6
+poisson_ratio = 0.5
+[profile]
+kind = "harmonics"
+period = 0.01
+orders = [1]
+amplitudes = [1e-5]
+phases = [0.0]
+[loading]
+control = "separation"
+targets = [5e-6]
+"""
 HOLD = """
 import sys, time
 from pathlib import Path
@@ -90,11 +107,7 @@ def test_many_that_come_and_go_are_never_inside_together(tmp_path):
 )
 def test_every_command_that_writes_asks_for_it(module, command, holder, tmp_path):
     scene = tmp_path / "none.toml"
-    scene.write_text(
-        "[solid]\nyoungs_modulus = 1e6\npoisson_ratio = 0.5\n"
-        '[profile]\nkind = "harmonics"\nperiod = 0.01\norders = [1]\namplitudes = [1e-5]\nphases = [0.0]\n'
-        '[loading]\ncontrol = "separation"\ntargets = [5e-6]\n'
-    )
+    scene.write_text(SCENE)
     before = sorted(path.name for path in (tmp_path / "out").iterdir())
     given = [str(scene) if word == scene.name else word for word in command]
     run = [sys.executable, "-m", module, *given, "--out", str(tmp_path / "out")]
@@ -102,3 +115,24 @@ def test_every_command_that_writes_asks_for_it(module, command, holder, tmp_path
     assert (done.returncode, done.stdout) == (2, "")
     assert f"in use by process {holder.pid} on " in done.stderr
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == before
+
+
+def test_a_folder_that_cannot_be_made_is_refused_with_the_reason(tmp_path):
+    (tmp_path / "file").write_text("")
+    message = rf"out: cannot be made \({re.escape(str(tmp_path))}.*: Not a directory\)$"
+    with pytest.raises(FolderError, match=message), locked(tmp_path / "file" / "out"):
+        pass
+
+
+@pytest.mark.parametrize("program", ["bem", "validation"])
+def test_both_programs_say_so_in_plain_words(tmp_path, capsys, program):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    out = ["--out", str(tmp_path / "scene.toml" / "out")]
+    if program == "bem":
+        assert bem_main(["run", str(tmp_path / "scene.toml"), *out]) == 2
+    else:
+        assert validation_main(["run", "--only", "harness", *out]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    assert "cannot be made" in said
+    assert "Errno" not in said

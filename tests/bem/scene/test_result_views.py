@@ -6,21 +6,14 @@ import sys
 
 import numpy as np
 import pytest
+from rough_scene import ROUGH
 
 import bem
 
 
 @pytest.fixture(scope="module")
 def result():
-    data = {
-        "title": "a <wave>",
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 8, "seed": 1},
-        "adhesion": {"work_of_adhesion": 0.03},
-        "loading": {"control": "separation", "targets": [6e-5, 4e-5, 9e-4]},
-        "output": {"shapes": [4e-5], "spectra": True},
-    }
-    return bem.solve(data)
+    return bem.solve(ROUGH | {"title": "a <wave>", "output": {"shapes": [4e-5], "spectra": True}})
 
 
 def test_the_table_of_states_holds_every_number(result):

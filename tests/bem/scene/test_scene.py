@@ -161,8 +161,14 @@ def test_mistake_is_told_with_its_path(path, value, where, tmp_path):
         ("output", {"spectra": [30e-6], "pressure_distribution": True}),
     ],
 )
-def test_edge_of_a_range_is_accepted(path, value):
-    parse_scene(scene_with(path, value))
+def test_edge_of_a_range_is_taken_as_it_is(path, value):
+    found = parse_scene(scene_with(path, value)).resolved()
+    for name in path.split("."):
+        found = found[name]
+    if isinstance(value, dict):
+        assert {key: found[key] for key in value} == value
+    else:
+        assert found == (None if value is ABSENT else value)
 
 
 def test_start_from_complete_contact_without_adhesion_needs_no_flaw():

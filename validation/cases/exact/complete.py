@@ -53,7 +53,8 @@ MEASURED_ENERGY = 4e-14  # 2.2e-16 here; sums of 100 terms in another order
 CASES = (
     Case(id="complete-contact", group="closed forms", level="quick",
          question="Does load control end in complete contact at the right pressure and with the right energy?",
-         equations="sigma = sigma_0 + sum E* m q0 h_m / 2 cos(m q0 x + phi_m),  U_el = sum E* m q0 h_m^2 / 8",
+         equations=r"$\sigma = \sigma_0 + \sum_m \frac{E^\ast m q_0 h_m}{2} \cos(m q_0 x + \varphi_m)$, "
+                   r"$U_{\text{el}} = \sum_m \frac{E^\ast m q_0 h_m^2}{8}$",
          sources=("carbone2009", "johnson1995"), compute=_complete, effects=("half_space", "load_control"),
          scene=adapters.scene_text("rough_100")),
 )  # fmt: skip

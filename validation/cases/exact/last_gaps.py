@@ -138,7 +138,8 @@ LONE = Tolerance(value=6e-7, measured=2e-7)  # what the closed form leaves out
 CASES = (
     Case(id="last-gaps", group="closed forms", level="quick",
          question="Do the last gaps before complete contact without adhesion close as the closed forms say?",
-         equations="gap = 2/pi asin sqrt(1 - p/p*);  T = k c^2/4,  s = 2 pi T^2/(lambda E* k)",
+         equations=r"gap $= \frac{2}{\pi} \arcsin \sqrt{1 - p / p^\ast}$; "
+                   r"$T = k c^2 / 4$, $s = \frac{2 \pi T^2}{\lambda E^\ast k}$",
          sources=("westergaard1939", "tada2000", "carbone2008"), compute=_last_gaps,
          effects=("half_space", "layer", "load_control")),
 )  # fmt: skip

@@ -140,8 +140,8 @@ MEASURED_FRACTION, MEASURED_SHIFT, MEASURED_PLACE = 2.8e-14, 2.9e-14, 6.6e-14
 CASES = (
     Case(id="merged-crests", group="closed forms", level="quick",
          question="Do two patches that merge across the end of the period become the one patch of the closed form?",
-         equations="p = Q(y) / sqrt((cos y - cos a) / 2),  Q(a) = -sqrt(E* w q sin a / (2 pi)),  "
-         "mean pressure = sum c_k L_k(cos a)",
+         equations=r"$p = Q(y) / \sqrt{(\cos y - \cos a) / 2}$, $Q(a) = -\sqrt{E^\ast w q \sin a / (2 \pi)}$, "
+         r"mean pressure $= \sum_k c_k L_k(\cos a)$",
          sources=("westergaard1939", "johnson1995", "muskhelishvili1953"), compute=_merged_crests,
          effects=("half_space", "adhesion"), scene=adapters.scene_text("merged_crests")),
 )  # fmt: skip

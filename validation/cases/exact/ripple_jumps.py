@@ -256,7 +256,8 @@ CASES = (
     Case(id="ripple-jumps", group="closed forms", level="quick",
          question="Does every jump from ripple to ripple happen where it must, touch the crests it must, and release "
          "what it must?",
-         equations="released = U(a_1) - U(a_2) - p (Delta(a_1) - Delta(a_2)),  p(a_1) = p(a_2) a maximum or a touch",
+         equations=r"released $= U(a_1) - U(a_2) - p \, (\Delta(a_1) - \Delta(a_2))$, "
+                   r"$p(a_1) = p(a_2)$ a maximum or a touch",
          sources=("johnson1995", "muskhelishvili1953"), compute=_ripple_jumps,
          effects=("half_space", "adhesion", "load_control", "unloading"), scene=adapters.scene_text("rippled_wave")),
 )  # fmt: skip

@@ -144,8 +144,8 @@ MEASURED_UP, MEASURED_DOWN, MEASURED_JUMP = 1.8e-13, 2e-13, 1e-9
 CASES = (
     Case(id="rippled-wave", group="closed forms", level="quick",
          question="Does contact on a rippled wave spread and recede by the jumps of the closed form?",
-         equations="p(f) = sum c_k L_k(cos pi f);  loading: f = min {f: p(f) >= load},  "
-         "unloading: f = max {f: p(f) <= load}",
+         equations=r"$p(f) = \sum_k c_k L_k(\cos \pi f)$; loading: $f = \min \{f: p(f) \ge \text{load}\}$, "
+         r"unloading: $f = \max \{f: p(f) \le \text{load}\}$",
          sources=("guduru2007", "johnson1995", "muskhelishvili1953"), compute=_rippled_wave,
          effects=("half_space", "adhesion"), scene=adapters.scene_text("rippled_wave")),
 )  # fmt: skip

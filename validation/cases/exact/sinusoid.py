@@ -20,9 +20,9 @@ from validation.references.closed_forms import Sinusoid
 
 AMPLITUDE, WAVELENGTH, YOUNGS_MODULUS, POISSON_RATIO = 1e-4, 0.01, 1e6, 0.5
 EQUATIONS = (
-    "p = p* [sin^2 psi - alpha sqrt(tan psi)],  "
-    "Delta = D S (1 - ln S) + alpha p* lambda sqrt(tan psi) ln S / (pi E*),  "
-    "S = sin^2 psi, psi = pi a / lambda, p* = pi E* D / lambda"
+    r"$p = p^\ast [\sin^2 \psi - \alpha \sqrt{\tan \psi}]$, "
+    r"$\Delta = D S (1 - \ln S) + \frac{\alpha p^\ast \lambda}{\pi E^\ast} \sqrt{\tan \psi} \ln S$, "
+    r"$S = \sin^2 \psi$, $\psi = \pi a / \lambda$, $p^\ast = \pi E^\ast D / \lambda$"
 )
 
 
@@ -214,11 +214,11 @@ CASES = (
     ),
     Case(id="sinusoid-convergence", group="convergence", level="quick",
          question="How many unknowns does an adhesive contact need for a given accuracy?",
-         equations="geometric decay: the coupled modes of a patch fall as rho^-n, rho from the nearest gap",
+         equations=r"geometric decay: the coupled modes of a patch fall as $\rho^{-n}$, $\rho$ from the nearest gap",
          sources=("johnson1995",), compute=_convergence, effects=("half_space", "adhesion")),
     Case(id="westergaard", group="closed forms", level="quick",
          question="Does contact without adhesion reproduce the sinusoid of Westergaard?",
-         equations="contact fraction 2 psi / pi at Delta = D S (1 - ln S), p = p* S, S = sin^2 psi",
+         equations=r"contact fraction $2 \psi / \pi$ at $\Delta = D S (1 - \ln S)$, $p = p^\ast S$, $S = \sin^2 \psi$",
          sources=("westergaard1939",), compute=_westergaard, effects=("half_space",),
          scene=adapters.scene_text("sinusoid")),
 )  # fmt: skip

@@ -249,7 +249,7 @@ ONE_PATCH = _case(
     "fem-one-patch",
     "standard",
     "Do the finite elements reproduce Johnson's states, at given edges and by their own closure?",
-    "p = p* [S - alpha sqrt(tan psi)], K = alpha p* sqrt(lambda), S = sin^2 psi",
+    r"$p = p^\ast [S - \alpha \sqrt{\tan \psi}]$, $K = \alpha p^\ast \sqrt{\lambda}$, $S = \sin^2 \psi$",
     ("johnson1995", "destuynder1983", "shih1986", *ELEMENTS),
     partial(_one_patch, 4),
 )
@@ -258,7 +258,7 @@ CASES = (
         "fem-complete-contact",
         "quick",
         "Do the finite elements converge at their order in complete contact, for any Poisson's ratio?",
-        "U / lambda = h_1^2 / (4 c(q));  observed order at least 3.8 (P2/P1), 5.5 (P4/P3)",
+        r"$U / \lambda = h_1^2 / (4 c(q))$; observed order at least 3.8 (P2/P1), 5.5 (P4/P3)",
         ("carbone2008", *ELEMENTS),
         _complete,
     ),

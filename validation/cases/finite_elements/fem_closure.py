@@ -84,7 +84,9 @@ CASES = (
     Case(
         id="fem-closure-modulus", group="finite elements against closed forms", level="quick",
         question="Has the contact whose edges the finite elements find the stress intensity and the stability it must?",
-        equations="K = sqrt(2 E* gamma);  d2U/da2 = dG/da = K / E* dK/da, both edges outwards or to one side",
+        equations=r"$K = \sqrt{2 E^\ast \gamma}$; "
+        r"$\frac{d^2 U}{da^2} = \frac{dG}{da} = \frac{K}{E^\ast} \frac{dK}{da}$, "
+        "both edges outwards or to one side",
         sources=("johnson1995",), compute=_closure, effects=("layer", "adhesion")
     ),
 )  # fmt: skip

@@ -156,8 +156,9 @@ def _signed(comparison: Comparison, quantity: str) -> float:
 
 
 EQUATIONS = (
-    "K = sqrt(2 E* gamma sqrt(1 + h'^2)) at every edge (K = 0 without adhesion), u = h - h_max + Delta on the contact; "
-    "judged by |BEM - FEM| <= 2 (u_BEM + u_FEM)"
+    r"$K = \sqrt{2 E^\ast \gamma \sqrt{1 + h'^2}}$ at every edge ($K = 0$ without adhesion), "
+    r"$u = h - h_{\text{max}} + \Delta$ on the contact; judged by "
+    r"$|\text{BEM} - \text{FEM}| \le 2 (u_{\text{BEM}} + u_{\text{FEM}})$"
 )
 SOURCES = ("carbone2008", "carbone2009", "gustafsson2020", "taylor1973", "destuynder1983", "shih1986", "roache1998")
 

@@ -168,7 +168,8 @@ CASES = (
         level="standard",
         question="Do thin and incompressible layers keep their accuracy along whole paths, with adhesion and without?",
         equations=(
-            "c(q) = 2 / (E* q) [(3 - 4 nu) sinh 2qd - 2qd] / [(3 - 4 nu) cosh 2qd + 2 (qd)^2 + 5 - 12 nu + 8 nu^2]"
+            r"$c(q) = \frac{2}{E^\ast q} "
+            r"\frac{(3 - 4 \nu) \sinh 2qd - 2qd}{(3 - 4 \nu) \cosh 2qd + 2 (qd)^2 + 5 - 12 \nu + 8 \nu^2}$"
         ),
         sources=("carbone2008",),
         compute=_layer_path,

@@ -125,7 +125,7 @@ MEASURED_WORK, MEASURED_SYMMETRY = 2.6e-10, 0.006
 CASES = (
     Case(id="loading-history", group="path", level="quick",
          question="Is what a loop dissipates the sum of what its events release, and is a lost symmetry an event?",
-         equations="int sigma_0 dDelta = U_2 - U_1 + sum of energies released;  energy released >= 0",
+         equations=r"$\int \sigma_0 \, d\Delta = U_2 - U_1$ + sum of energies released; energy released $\ge 0$",
          sources=("carbone2009", "johnson1995"), compute=_history,
          effects=("half_space", "adhesion", "slope_term", "unloading"), scene=adapters.scene_text("hysteresis")),
 )  # fmt: skip

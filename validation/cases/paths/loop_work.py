@@ -62,7 +62,7 @@ MEASURED_LOOP = (4e-7, 1.6e-7)  # the quadrature where the load turns sharply: 1
 CASES = (
     Case(id="loop-work", group="path", level="quick",
          question="Is what the work of a loop leaves the energy that its events release, whatever is controlled?",
-         equations="int F dv = Phi_2 - Phi_1 + energy released, v and F of the control",
+         equations=r"$\int F \, dv = \Phi_2 - \Phi_1$ + energy released, $v$ and $F$ of the control",
          sources=("carbone2009", "carbone2008"), compute=_loops,
          effects=("layer", "adhesion", "slope_term", "load_control", "unloading"),
          scene=adapters.scene_text("thin_layer")),

@@ -145,7 +145,7 @@ SAME = 1e-16  # bit for bit
 CASES = (
     Case(id="first-crossing", group="path", level="quick",
          question="Are the states at mean pressures asked for the first on the way, and all targets met in order?",
-         equations="p(s) = p_asked for the first time since the path turned",
+         equations=r"$p(s) = p_{\text{asked}}$ for the first time since the path turned",
          sources=("carbone2009",), compute=_crossed, effects=("half_space", "adhesion", "slope_term", "unloading"),
          scene=adapters.scene_text("rough_100")),
     Case(id="restarted-path", group="path", level="quick",

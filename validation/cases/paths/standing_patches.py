@@ -114,7 +114,7 @@ MEASURED_REST = (6e-12, 2.3e-12)  # rounding of the motion in small steps; the s
 CASES = (
     Case(id="standing-patches", group="path", level="quick",
          question="Does a patch stand that shrinks, but comes to rest, when another one detaches?",
-         equations="d(edge)/dt ~ -dU/d(edge)",
+         equations=r"$\dot e \propto -\partial U / \partial e$ for every edge $e$",
          sources=("carbone2009",), compute=_standing, effects=("half_space", "adhesion", "unloading"),
          scene=adapters.scene_text("sinusoid")),
 )  # fmt: skip

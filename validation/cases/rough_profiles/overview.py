@@ -76,8 +76,8 @@ def _area() -> Outcome:
     )
     figure = drawn(
         "landing-area-against-load",
-        "Contact area against load of one rough profile: the theory follows from below, and adhesion adds more "
-        "area than it says.",
+        "Contact area against load of one rough profile. Points above the lines are a known discrepancy: Persson's "
+        "theory, which is a mean-field one, gives too little area, and adhesion adds more than it says.",
         axes("mean pressure / E*", "contact fraction", _curve("bem, adhesion", wet, "points"),
              trace("theory, adhesion", THEORY_LOADS, [theory(load, WORK) for load in THEORY_LOADS]),
              _curve("bem, no adhesion", targets, "points"),
@@ -164,18 +164,21 @@ def _cost() -> Outcome:
 
 
 CAUSE = "mean-field theory: it neglects correlations between neighbouring contacts, strongest for lines"
-BAND_SOURCE = "measured on this realisation, 1.4 to 1.7; Carbone, Scaraggi, Tartaglino 2009: up to a factor of two"
+BAND_SOURCE = (
+    "measured on this realisation, 1.4 to 1.7; the factor of two of Carbone, Scaraggi, Tartaglino 2009 is with adhesion"
+)
 BAND = (1.25, 1.85)
 MEASURED = (3.1e-16, 2.5e-5, 1.9e-4)
 
 CASES = (
     Case(id="area-against-load", group="rough profiles", level="quick",
          question="How does contact area grow with load, with and without adhesion, and what does the theory say?",
-         equations="A/A0 = erf(sqrt 2 sigma_0 / (E* h'_rms)) (Persson, no adhesion)",
+         equations=r"$A / A_0 = \operatorname{erf}(\sqrt{2} \, \sigma_0 / (E^\ast h'_{\text{rms}}))$ "
+                   "(Persson, no adhesion)",
          sources=("carbone2009", "persson2001"), compute=_area,
          effects=("half_space", "adhesion", "slope_term", "load_control"), scene=adapters.scene_text("rough_100")),
     Case(id="what-accuracy-costs", group="convergence", level="quick",
          question="How many seconds does a digit cost, by boundary elements and by finite elements?",
-         equations="p = p* [sin^2 psi - alpha sqrt(tan psi)],  K = sqrt(2 E* gamma)",
+         equations=r"$p = p^\ast [\sin^2 \psi - \alpha \sqrt{\tan \psi}]$, $K = \sqrt{2 E^\ast \gamma}$",
          sources=("johnson1995",), compute=_cost, effects=("half_space", "adhesion")),
 )  # fmt: skip

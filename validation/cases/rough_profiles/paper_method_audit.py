@@ -192,7 +192,7 @@ MEASURED = {
 CASES = (
     Case(id="paper-method-layer", group="paper's method", level="quick",
          question="Does the paper's own method find the same two contacts on a layer?",
-         equations="minimum of U over the edges; second order in 1/cells, extrapolated",
+         equations="minimum of $U$ over the edges; second order in 1/cells, extrapolated",
          sources=("carbone2009", "carbone2008"), compute=_layer, effects=("layer", "adhesion")),
     Case(id="paper-method-path", group="paper's method", level="standard",
          question="Does it, from first touch on a rough profile, through all events, end in the same state?",

@@ -249,7 +249,7 @@ MEASURED_ERROR = {1e-3: 2.7e-9, 1e-6: 2.7e-9, 1e-8: 8.4e-11, 1e-10: 1.8e-12}
 CASES = (
     Case(id="error-estimate", group="accuracy", level="quick",
          question="Do the error estimates of a state bound its true errors closely, and is the tolerance met?",
-         equations="true error <= estimate <= 100 true error in 95 % of the numbers;  error <= tolerance",
+         equations=r"true error $\le$ estimate $\le$ 100 true error in 95 % of the numbers; error $\le$ tolerance",
          sources=("johnson1995", "carbone2009"), compute=_error_estimate,
          effects=("half_space", "layer", "adhesion", "slope_term", "unloading", "load_control"),
          scene=adapters.scene_text("rough_100")),

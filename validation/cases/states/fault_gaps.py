@@ -221,24 +221,27 @@ MEASURED_PHASES = (0.15, 0.07)
 CASES = (
     Case(id="layer-complete-contact", group="closed forms", level="quick",
          question="Has a compressible layer pressed flat the energy and the displacement of its closed form?",
-         equations="U_el = sum h_m^2 / (4 c(q_m)),  u_tot = h_max + c(0) sigma_0",
+         equations=r"$U_{\text{el}} = \sum_m \frac{h_m^2}{4 c(q_m)}$, "
+                   r"$u_{\text{tot}} = h_{\text{max}} + c(0) \sigma_0$",
          sources=("carbone2008",), compute=_layer_complete, effects=("layer", "load_control")),
     Case(id="layer-two-patches-fem", group="finite elements", level="quick",
          question="Do both codes see the same load, stress intensity, energy and displacement of two given patches?",
-         equations="div sigma = 0 in the layer;  u_y = h - h_max + u_tot on the patches;  K = sqrt(2 E* G)",
+         equations=r"$\nabla \cdot \sigma = 0$ in the layer; $u_y = h - h_{\text{max}} + u_{\text{tot}}$ on "
+                   r"the patches; $K = \sqrt{2 E^\ast G}$",
          sources=("carbone2008",), compute=_layer_by_fem, effects=("layer",)),
     Case(id="westergaard-spectrum", group="closed forms", level="quick",
          question="Are spectrum and distribution of the pressure those of Westergaard's contact?",
-         equations="sigma = 2 p* cos(x/2) sqrt(sin^2 psi - sin^2(x/2)),  C_sigma(m q0) = sigma_m^2 / q0",
+         equations=r"$\sigma = 2 p^\ast \cos \frac{x}{2} \sqrt{\sin^2 \psi - \sin^2 \frac{x}{2}}$, "
+                   r"$C_\sigma(m q_0) = \sigma_m^2 / q_0$",
          sources=("westergaard1939",), compute=_spectra, effects=("half_space", "spectra", "pressure_distribution"),
          scene=adapters.scene_text("sinusoid")),
     Case(id="shifted-profile", group="identities", level="quick",
          question="Is a profile the same wherever the period begins, also when patches merge across its end?",
-         equations="h(x - s) has the contact fractions, loads and patches of h(x)",
+         equations="$h(x - s)$ has the contact fractions, loads and patches of $h(x)$",
          sources=("carbone2009",), compute=_shifted, effects=("half_space", "adhesion", "slope_term", "unloading"),
          scene=adapters.scene_text("rough_100")),
     Case(id="independent-realisations", group="identities", level="quick",
          question="Are the phases of different realisations independent?",
-         equations="mean over m of cos(phi_m - phi'_m) = 0 within 1 / sqrt(2 n)",
+         equations=r"mean over $m$ of $\cos(\varphi_m - \varphi'_m) = 0$ within $1 / \sqrt{2 n}$",
          sources=("carbone2009",), compute=_realisations),
 )  # fmt: skip

@@ -133,12 +133,13 @@ MEASURED_GAP, MEASURED_GIVEN_GAP = 2e-13, 2e-14
 CASES = (
     Case(id="energy-release-rate", group="identities", level="quick",
          question="Do stress intensities and their sensitivities give the derivatives of the energy by edges?",
-         equations="dU/db = G - w, dU/da = -(G - w), G = K^2 / 2E*, w = gamma sqrt(1 + h'^2), dU/dDelta = load;  "
-         "d2U/db de = d(G - w)/de for every edge e",
+         equations=r"$\frac{\partial U}{\partial b} = G - w$, $\frac{\partial U}{\partial a} = -(G - w)$, "
+         r"$G = \frac{K^2}{2 E^\ast}$, $w = \gamma \sqrt{1 + h'^2}$, $\frac{\partial U}{\partial \Delta}$ = load; "
+         r"$\frac{\partial^2 U}{\partial b \, \partial e} = \frac{\partial (G - w)}{\partial e}$ for every edge $e$",
          sources=("carbone2009",), compute=_energy_release, effects=("half_space", "adhesion", "slope_term")),
     Case(id="path-identities", group="identities", level="quick",
          question="Do mean gap and dissipation hold along a loading and unloading path with events?",
-         equations="s = mean gap;  energy released >= 0",
+         equations=r"$s$ = mean gap; energy released $\ge 0$",
          sources=("carbone2009",), compute=_path_identities,
          effects=("half_space", "adhesion", "slope_term", "unloading"), scene=adapters.scene_text("rough_100")),
 )  # fmt: skip

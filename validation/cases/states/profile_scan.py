@@ -82,6 +82,6 @@ MEASURED_SURFACE, MEASURED_PLACE = (1e-12, 4e-13), (1e-12, 4e-13)
 CASES = (
     Case(id="shifted-scan", group="identities", level="quick",
          question="Does the surface of a scan that does not begin at x = 0 pass through its samples?",
-         equations="h(x_j) = h_j - mean for every sample, wherever x_0 is",
+         equations=r"$h(x_j) = h_j - \langle h \rangle$ for every sample, wherever $x_0$ is",
          sources=("carbone2009",), compute=_shifted_scan),
 )  # fmt: skip

@@ -232,13 +232,14 @@ CASES = (
     Case(
         id="stability-flag", group="closed forms", level="quick",
         question="Are states stable at fixed load up to the largest tension and not beyond it, and how stiff are they?",
-        equations="stable at fixed load where dp/dpsi > 0;  stiffness = (dp/dpsi) / (dDelta/dpsi)",
+        equations=r"stable at fixed load where $dp / d\psi > 0$; stiffness $= \frac{dp / d\psi}{d\Delta / d\psi}$",
         sources=("johnson1995",), compute=_stability, effects=("half_space", "adhesion", "unloading"),
         scene=adapters.scene_text("sinusoid")
     ),
     Case(id="refused-states", group="identities", level="quick",
          question="Does the certificate accept equilibria and refuse states that are wrong in one way each?",
-         equations="G = w or K = 0 at edges,  u = h - h_max + Delta on patches,  gap >= 0,  H > 0 or p >= 0",
+         equations=r"$G = w$ or $K = 0$ at edges, $u = h - h_{\text{max}} + \Delta$ on patches, gap $\ge 0$, "
+                   r"$H > 0$ or $p \ge 0$",
          sources=("carbone2009", "muskhelishvili1953"), compute=_refusals, effects=("half_space", "adhesion"),
          scene=adapters.scene_text("sinusoid")),
 )  # fmt: skip

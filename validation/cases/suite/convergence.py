@@ -21,8 +21,8 @@ from validation.harness.rows import compared
 from validation.harness.schema import Figure, Panel, Reference, Row, Table
 
 EQUATIONS = (
-    "error = C rho^-n (K), C rho^-2n (load), rho = z + sqrt(z^2 - 1), z = 1 + gap / half width;  "
-    "FEM load: h^2m graded, h uniform;  Persson: 2 in stress, 3 in variance;  the paper's cells: 2"
+    r"error $= C \rho^{-n}$ (K), $C \rho^{-2n}$ (load), $\rho = z + \sqrt{z^2 - 1}$, $z$ = 1 + gap / half width; "
+    "FEM load: $h^{2m}$ graded, $h$ uniform; Persson: 2 in stress, 3 in variance; the paper's cells: 2"
 )
 
 
@@ -136,11 +136,11 @@ CASES = (
          sources=("johnson1995", "persson2001", "carbone2009"), compute=_rates, effects=("half_space", "adhesion")),
     Case(id="convergence-ensemble", group="convergence", level="standard",
          question="Does the mean area of an ensemble converge like the square root of the number of realisations?",
-         equations="spread of the mean over groups of n ~ n^-1/2",
+         equations=r"spread of the mean over groups of $n$ $\propto n^{-1/2}$",
          sources=("carbone2009",), compute=partial(_ensemble, 20, 64),
          effects=("half_space", "adhesion", "slope_term")),
     Case(id="convergence-elements", group="convergence", level="full",
          question="What do the edges cost finite elements on uniform meshes, and do graded ones win it back?",
-         equations="energy norm h^m graded, h^(1/2) uniform, whatever m; load: twice the order",
+         equations="energy norm $h^m$ graded, $h^{1/2}$ uniform, whatever $m$; load: twice the order",
          sources=("johnson1995",), compute=_elements, effects=("half_space", "adhesion")),
 )  # fmt: skip

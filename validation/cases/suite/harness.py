@@ -122,6 +122,7 @@ MEASURED_ARITHMETIC = 4e-15  # orders by logarithms; the others to the last digi
 CASES = (
     Case(id="harness", group="harness", level="quick",
          question="Does the harness judge rows right whose verdicts are known?",
-         equations="error = max |computed - expected| / scale;  allowed = max(tolerance, 2 (u + u_ref) / scale)",
+         equations=r"$e = \max_i \frac{|x_i - y_i|}{c}$; allowed $= \max(\text{tolerance}, \frac{2 (u_x + u_y)}{c})$, "
+                   "$x$ computed, $y$ expected, $c$ the scale",
          sources=("oberkampf2008",), compute=_harness),
 )  # fmt: skip

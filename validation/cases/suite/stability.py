@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from validation.corpus.rows import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
-from validation.corpus.rows import Row as HardRow
+from validation.corpus.endings import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
+from validation.corpus.endings import Row as HardRow
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import counted
 from validation.harness.schema import Reference

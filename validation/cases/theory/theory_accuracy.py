@@ -206,8 +206,9 @@ MEASURED_CONVERGENCE = ((2.0e-6, 2.1e-6, 1.5e-6), (1.2e-6, 1.2e-6, 1.1e-6), (2.7
 MEASURED_BALANCE = (6.7e-7, 1.1e-7, 2.3e-7)
 
 EQUATIONS = (
-    "dP/dV = 1/2 d2P/dsigma2, P = 0 at sigma = -a(V), a = sqrt(2 gamma_eff q / E*) / pi, "
-    "gamma_eff A = gamma A(1) M - U_el(V)"
+    r"$\frac{\partial P}{\partial V} = \frac{1}{2} \frac{\partial^2 P}{\partial \sigma^2}$, "
+    r"$P = 0$ at $\sigma = -a(V)$, $a = \frac{1}{\pi} \sqrt{2 \gamma_{\text{eff}} \, q / E^\ast}$, "
+    r"$\gamma_{\text{eff}} A = \gamma A(1) M - U_{\text{el}}(V)$"
 )
 
 CASES = (
@@ -218,7 +219,8 @@ CASES = (
     Case(
         id="theory-routes", group="theory", level="quick",
         question="Do finite volumes and an integral equation, each with its own fixed point, give the same area?",
-        equations=EQUATIONS + "; N(-D(V)/sqrt V) = int N(-(D(V) - D(U))/sqrt(V - U)) dF(U), D = sigma_0 + a, F = 1 - A",
+        equations=EQUATIONS + r"; $N(\frac{-D(V)}{\sqrt{V}}) = \int N(-\frac{D(V) - D(U)}{\sqrt{V - U}}) \, dF(U)$, "
+        r"$D = \sigma_0 + a$, $F = 1 - A$",
         sources=("carbone2009", "peskir2002"), compute=_routes, effects=("adhesion",), scene=SCENES
     ),
     Case(id="theory-convergence", group="theory", level="quick",
@@ -227,6 +229,6 @@ CASES = (
          sources=("carbone2009",), compute=_convergence, effects=("adhesion",), scene=SCENES),
     Case(id="theory-load-balance", group="theory", level="quick",
          question="Does the load grow by just the stress that the moving barrier absorbs?",
-         equations="d(int sigma P dsigma)/dV = a (-dA/dV)",
+         equations=r"$\frac{d}{dV} \int \sigma P \, d\sigma = -a \frac{dA}{dV}$",
          sources=("carbone2009",), compute=_balance, effects=("adhesion",), scene=SCENES),
 )  # fmt: skip

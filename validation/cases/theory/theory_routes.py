@@ -88,10 +88,12 @@ MEASURED_ROUTES = ((6e-9, 2.1e-9), (8e-6, 3.3e-6))
 CASES = (
     Case(id="theory-quadrature", group="theory", level="quick",
          question="Are the closed forms of the theory without adhesion the integrals they stand for?",
-         equations="A = erf(sqrt 2 sigma_0 / (E* S^1/2)),  U_el = E* / 4 int A / q dS,  narrow-band rule inside a line",
+         equations=r"$A = \operatorname{erf}(\sqrt{2} \, \sigma_0 / (E^\ast \sqrt{S}))$, "
+                   r"$U_{\text{el}} = \frac{E^\ast}{4} \int \frac{A}{q} \, dS$, narrow-band rule inside a line",
          sources=("persson2001", "carbone2009"), compute=_theory_by_quadrature),
     Case(id="theory-energies", group="theory", level="quick",
          question="Do finite volumes and the Volterra equation store the same energies in the theory with adhesion?",
-         equations="U_el = E* / 4 int A / q dS at A with adhesion,  U_ad = -gamma A M,  both at all roughness",
+         equations=r"$U_{\text{el}} = \frac{E^\ast}{4} \int \frac{A}{q} \, dS$ at $A$ with adhesion, "
+                   r"$U_{\text{ad}} = -\gamma A M$, both at all roughness",
          sources=("carbone2009", "persson2001"), compute=_energies_by_two_routes, effects=("adhesion",)),
 )  # fmt: skip

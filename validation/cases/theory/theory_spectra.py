@@ -82,7 +82,7 @@ MEASURED_LEVEL = 1.2e-2
 CASES = (
     Case(id="theory-spectra", group="theory", level="quick",
          question="Are the spectra of displacement and pressure power laws, and is contact complete at short ones?",
-         equations="C_u = C A(q)/A0 ~ q^-(2 + H), C_sigma = E*^2 q^2 C_u / 4 ~ q^-H",
+         equations=r"$C_u = C \, A(q) / A_0 \propto q^{-(2 + H)}$, $C_\sigma = (E^\ast)^2 q^2 C_u / 4 \propto q^{-H}$",
          sources=("carbone2009", "persson2001"), compute=_spectra, effects=("adhesion",),
          scene="power spectra over five decades; E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2\nh_rms = 50 um, H = 0.7\n"
          "h_rms = 5 um, H = 0.3, 0.4, 0.6, 0.7"),

@@ -156,7 +156,7 @@ def _figure(harmonics: int, states: tuple[State, ...], separations: list[float],
                             for state, value in zip(states, at, strict=True)])))  # fmt: skip
 
 
-EQUATIONS = "p >= 0, gap >= 0, p gap = 0;  s = mean gap;  A_grid(n) = A + O(1/n)"
+EQUATIONS = r"$p \ge 0$, $g \ge 0$, $p g = 0$ with the gap $g$; $s$ = mean gap; $A_{\text{grid}}(n) = A + O(1/n)$"
 
 CASES = (
     Case(id="fft-recorded", group="peers", level="standard",
