@@ -240,10 +240,11 @@ def test_the_shipped_answers_pass(solvers, form):
     assert run("--submission", f"all.{form}") == 0
 
 
-def test_the_answers_of_one_problem_are_a_submission(solvers):
+def test_the_answers_of_one_problem_are_a_submission(solvers, capsys):
     path = str(FOLDER / "steep" / "answers.json")
     assert run("--submission", path, "--only", "steep") == 0
-    assert run("--submission", path) == 1  # the other problems are missing
+    assert run("--submission", path) == 1
+    assert "4 of 72 answers right to 3 digits, 68 missing" in capsys.readouterr().out
 
 
 def test_a_wrong_answer_fails(solvers, capsys):
