@@ -66,6 +66,8 @@ ORDER = (
     "validation/studies/faults",
     "validation/studies/theory_correction",
     "validation/replicate",
+    "validation/challenge/entrants",
+    "validation/challenge",
     "validation",
     "validation/command_line",
     "validation/command_line/examples/own-cases",

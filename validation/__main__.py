@@ -21,6 +21,7 @@ from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import RESULT_FILE, CorruptResultError
 from bem.scene.scene import SceneError
+from validation.challenge import commands as challenge
 from validation.harness import baseline
 from validation.harness.case import Case
 from validation.harness.entry_points.own_cases import own_cases
@@ -370,6 +371,8 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     change.add_argument("--out", type=Path, required=True, help="folder of a report")
     _add_own(change)
     change.set_defaults(command=_baseline_update, perform=perform)
+
+    challenge.add_commands(commands, perform)
 
     study = commands.add_parser("study", help="run a study")
     listed = "; ".join(f"{name}: {what}" for name, what in STUDIES.items())

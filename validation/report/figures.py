@@ -94,17 +94,21 @@ def svg_of(figure: Figure, prefix: str) -> str:
     prefix : str
         Makes its ids unique on the page.
     """
+    return inline_svg(canvas_of(figure), prefix, figure.caption, described(figure))
+
+
+def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> str:
+    """A drawn figure as `svg_of` gives it; `description` is text of an SVG."""
     with styled():
         stream = io.StringIO()
-        canvas_of(figure).savefig(stream, format="svg", metadata=WITHOUT_DATE["svg"])
+        canvas.savefig(stream, format="svg", metadata=WITHOUT_DATE["svg"])
     text = stream.getvalue()
     element = text[text.index("<svg") :]
     element = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', element)
     element = re.sub(r'(xlink:href|href)="#([^"]+)"', rf'\1="#{prefix}-\2"', element)
     element = re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", element)
     names = f'role="img" aria-labelledby="{prefix}-title" aria-describedby="{prefix}-desc"'
-    said = f'<title id="{prefix}-title">{escape(figure.caption)}</title>'
-    said += f'<desc id="{prefix}-desc">{described(figure)}</desc>'
+    said = f'<title id="{prefix}-title">{escape(title)}</title><desc id="{prefix}-desc">{description}</desc>'
     return re.sub(r"<svg ([^>]*)>", lambda opening: f"<svg {names} {opening[1]}>{said}", element, count=1)
 
 

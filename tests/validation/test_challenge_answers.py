@@ -1,0 +1,111 @@
+"""What is shipped of the challenge is what its commands make, and says the same in all its forms."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from validation.challenge.answers import csv_of, json_of
+from validation.challenge.certify import certified
+from validation.challenge.closed_answers import CLOSED
+from validation.challenge.posing import poses
+from validation.challenge.problem import FOLDER, names, problem, toml_of
+from validation.challenge.record import EXTRAPOLATED
+from validation.challenge.standings import recorded
+from validation.challenge.worker import called, with_arrays
+
+QUICK = [name for name in names() if poses()[name].level == "quick"]
+ROUNDING = 1e-13  # of amplitudes and phases that are made anew; of the largest
+README = Path(__file__).parents[2] / "README.md"
+
+
+def same_answers(name, made):
+    """Whether shipped answers and those made anew agree by both uncertainties."""
+    for quantity, one in problem(name).key.answers.items():
+        other = made.answers[quantity]
+        allowed = np.add(one.uncertainty, other.uncertainty)
+        miss = np.abs(np.subtract(one.value, other.value))
+        assert np.all(miss <= allowed), f"{quantity} differs by {miss.max():.2e}, allowed {allowed.max():.2e}"
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_answers_are_what_the_solver_gives(name):
+    same_answers(name, certified(name, second=False))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("name", names())
+def test_answers_are_what_all_routes_give(name):
+    made = certified(name)
+    same_answers(name, made)
+    for quantity, one in problem(name).key.answers.items():
+        assert [check.route for check in one.checks] == [check.route for check in made.answers[quantity].checks]
+
+
+@pytest.mark.parametrize("name", names())
+def test_problems_are_what_is_posed(name):
+    shipped, posed = problem(name).data, tomllib.loads(toml_of(poses()[name]))
+    profiles = shipped.pop("profile"), posed.pop("profile")
+    assert shipped == posed and profiles[0]["orders"] == profiles[1]["orders"]
+    for key in ("amplitudes", "phases", "samples"):
+        first, second = (np.array(profile[key]) for profile in profiles)
+        np.testing.assert_allclose(first, second, rtol=0, atol=ROUNDING * np.abs(second).max())
+
+
+@pytest.mark.parametrize("name", names())
+def test_samples_and_harmonics_are_one_profile(name):
+    profile = problem(name).data["profile"]
+    samples = np.array(profile["samples"])
+    x = np.arange(samples.size) / samples.size
+    phase = 2 * np.pi * np.multiply.outer(x, profile["orders"]) + profile["phases"]
+    np.testing.assert_allclose(np.cos(phase) @ profile["amplitudes"], samples, atol=1e-12 * np.abs(samples).max())
+
+
+@pytest.mark.parametrize("name", names())
+def test_files_say_the_same(name):
+    key = problem(name).key
+    assert (FOLDER / name / "answers.json").read_text() == json_of(key)
+    assert (FOLDER / name / "answers.csv").read_text() == csv_of(key)
+    assert list(key.answers) == list(problem(name).data["asked"])
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_answer_has_a_second_route(name):
+    for quantity, one in problem(name).key.answers.items():
+        assert one.checks, f"{quantity} stands alone"
+        assert all(len(check.difference) == len(one.value) for check in one.checks)
+
+
+@pytest.mark.parametrize("name", sorted(CLOSED))
+def test_closed_forms_and_solver_agree(name):
+    for quantity, one in problem(name).key.answers.items():
+        scale = max(map(abs, one.value))
+        (check,) = one.checks
+        assert max(check.difference) <= 1e-11 * scale, quantity  # measured: 4e-12, a pressure at a fold; else 4e-13
+
+
+def test_the_standings_are_of_these_problems():
+    entries = recorded()["entries"]
+    assert {entry["problem"] for entry in entries} == set(names())
+    for entry in entries:
+        assert [row["quantity"] for row in entry["rows"]] == list(problem(entry["problem"]).key.answers)
+    ran = recorded()["run_on"]
+    assert "processor" in ran
+    for solver in {entry["solver"].removesuffix(EXTRAPOLATED) for entry in entries}:
+        assert "date" in ran[solver] and "commit" in ran[solver]
+
+
+def test_the_example_of_the_document_is_right():
+    (text,) = re.findall(r"```python\n((?:(?!```).)*def solve.*?)```", README.read_text("utf-8"), re.DOTALL)
+    place = {}
+    exec(text, place)
+    one = problem("westergaard")
+    found = called(place["solve"], one.data)["answers"]
+    for name, values in found.items():
+        np.testing.assert_allclose(values, one.key.answers[name].value, rtol=1e-12)
+    assert called(place["solve"], problem("steep").data)["status"] == "not offered"
+    assert len([line for line in text.splitlines() if line.strip()]) <= 12
+    assert isinstance(with_arrays(one.data)["path"]["targets"], np.ndarray)

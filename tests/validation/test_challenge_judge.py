@@ -1,0 +1,321 @@
+"""The judge: whatever a solver or a file of answers does is a row, the exit code, or one clear error."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bem.scene.atomic_file import write_atomically
+from validation.__main__ import main
+from validation.challenge.answers import Certified, Key
+from validation.challenge.extrapolation import extrapolated
+from validation.challenge.judging import judged, lost
+from validation.challenge.problem import FOLDER, names, problem
+from validation.challenge.record import estimated
+from validation.challenge.solving import Returned, returned
+
+SOLVERS = """
+import math, os, subprocess, sys, time
+from pathlib import Path
+import numpy as np
+
+def exact(problem):
+    with open("calls", "a") as file:
+        file.write("called")
+    p, profile = problem["path"]["targets"], problem["profile"]
+    full = np.pi * 1e6 / 0.75 * profile["amplitudes"][0] / profile["period"]
+    S, D = p / full, profile["amplitudes"][0]
+    x, y = (np.pi * problem["asked"][name]["points"] / profile["period"] for name in ("pressure_at", "gap_at"))
+    w = np.sin(y)
+    return {
+        "contact_fraction": 2 / np.pi * np.arcsin(np.sqrt(S)),
+        "separation": D * (1 - S + S * np.log(S)),
+        "elastic_energy": full * D * (S**2 / 4 - S**2 / 2 * np.log(S)),
+        "pressure_at": 2 * full * np.cos(x) * np.sqrt(S[2] - np.sin(x) ** 2),
+        "gap_at": 2 * D * (w * np.sqrt(w**2 - S[2]) - S[2] * np.arccosh(w / np.sqrt(S[2]))),
+        "wear": 1.0,
+    }
+
+def coarse(problem):
+    return {name: value * 1.00001 for name, value in exact(problem).items()}
+
+def raises(problem):
+    raise RuntimeError("boom")
+
+def dies(problem):
+    os._exit(3)
+
+def leaves(problem):
+    sys.exit("enough")
+
+def hangs(problem):
+    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+    Path("child").write_text(str(child.pid))
+    time.sleep(60)
+
+def declines(problem):
+    raise NotImplementedError("lines only")
+
+def number(problem):
+    return 3
+
+def not_numbers(problem):
+    nothing = [math.nan] * 4
+    return {"contact_fraction": nothing, "separation": "three", "elastic_energy": ["1", "2", "3", "4"],
+            "pressure_at": [True] * 3, "gap_at": [1j, 2, 3]}
+
+def shapes(problem):
+    return {"contact_fraction": [0.1], "separation": np.zeros((2, 2)), "elastic_energy": 1.0, "pressure_at": [],
+            "gap_at": [None, None, None]}
+
+def parts(problem):
+    return exact(problem) | {"separation": [None, *exact(problem)["separation"][1:]]}
+
+def prints(problem):
+    print("{" * 100000)
+    return exact(problem)
+"""
+
+
+@pytest.fixture
+def solvers(tmp_path, monkeypatch):
+    """A folder to stand in, with a module of solvers."""
+    (tmp_path / "mine.py").write_text(SOLVERS)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def answer(name, limit=60.0):
+    """A problem, judged, with what one of the solvers says to it."""
+    one = problem("westergaard")
+    return judged(one.key, returned(f"mine:{name}", one.text, limit), 3.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "status", "message"),
+    [
+        ("raises", "crashed", "RuntimeError: boom"),
+        ("dies", "crashed", "code 3"),
+        ("leaves", "crashed", "enough"),
+        ("number", "crashed", "a dictionary is needed, it returned int"),
+        ("declines", "not offered", "lines only"),
+    ],
+)
+def test_a_solver_without_answers_is_rows(solvers, name, status, message):
+    found = answer(name)
+    assert {row.status for row in found.rows} == {status} and len(found.rows) == 5
+    assert message in found.message and found.error is None and not found.passed
+
+
+def test_a_solver_that_hangs_is_ended_with_its_children(solvers):
+    begun = time.monotonic()
+    found = answer("hangs", limit=3.0)
+    assert {row.status for row in found.rows} == {"timed out"} and time.monotonic() - begun < 30
+    _ends(int((solvers / "child").read_text()))
+
+
+def test_a_judge_that_is_killed_leaves_no_process(solvers):
+    command = [sys.executable, "-m", "validation", *["challenge", "judge", "--solver", "mine:hangs", "--out", "out"]]
+    judge = subprocess.Popen(command, cwd=solvers, env={**os.environ, "PYTHONPATH": str(FOLDER.parents[2])})
+    child = solvers / "child"
+    for _ in range(600):
+        if child.exists() and child.read_text():
+            break
+        time.sleep(0.1)
+    judge.kill()
+    judge.wait()
+    _ends(int(child.read_text()))
+
+
+def _ends(process):
+    """Wait until a process has ended."""
+    for _ in range(50):
+        if not _runs(process):
+            return
+        time.sleep(0.1)
+    pytest.fail(f"process {process} still runs")
+
+
+def _runs(process):
+    """Whether a process is there and not a zombie that only waits to be reaped."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.parametrize(
+    ("name", "statuses"),
+    [
+        ("exact", ["right"] * 5),
+        ("prints", ["right"] * 5),
+        ("not_numbers", ["not a number"] * 5),
+        ("shapes", ["wrong shape", "wrong shape", "wrong shape", "wrong shape", "missing"]),
+        ("parts", ["right", "missing", "right", "right", "right"]),
+    ],
+)
+def test_each_quantity_has_its_verdict(solvers, name, statuses):
+    assert [row.status for row in answer(name).rows] == statuses
+
+
+def test_digits_are_those_of_the_error_and_not_more_than_the_key_has():
+    edges = Certified("m", (1.0, 4.0), (0.0, 4e-9), "", ())
+    key = Key("one", {"patches": Certified("", (2.0,), (0.0,), "", ()), "edges": edges})
+    found = judged(key, Returned("answered", answers={"patches": 2, "edges": [1.0, 4.0 + 4e-6]}), 7.0)
+    assert [row.digits for row in found.rows] == pytest.approx([15.0, 6.0], abs=1e-6)
+    assert [row.status for row in found.rows] == ["right", "wrong"]
+    assert found.rows[1].over_uncertainty == pytest.approx(1000, rel=1e-6)
+    perfect = judged(key, Returned("answered", answers={"edges": [1.0, 4.0]}), 7.0)
+    assert perfect.rows[1].digits == pytest.approx(9.0)
+
+
+def test_what_was_not_asked_is_named(solvers):
+    assert answer("exact").ignored == ("wear",)
+
+
+def run(*arguments):
+    return main(["challenge", "judge", *arguments, "--out", "out"])
+
+
+def test_a_judgement_is_written_and_kept(solvers, capsys):
+    assert run("--solver", "mine:exact", "--only", "westergaard") == 0
+    assert run("--solver", "mine:exact", "--only", "westergaard") == 0
+    assert (solvers / "calls").read_text() == "called"
+    content = json.loads((solvers / "out" / "challenge.json").read_text())
+    assert content["passed"] and content["problems"][0]["rows"][0]["digits"] == pytest.approx(12.0, abs=0.1)
+    page = (solvers / "out" / "challenge.html").read_text()
+    assert "5 of 5 answers right" in page and 'role="img"' in page and 'src="' not in page
+    assert "5 of 5 answers right" in capsys.readouterr().out
+
+
+def test_a_changed_solver_is_called_again(solvers):
+    assert run("--solver", "mine:exact", "--only", "westergaard") == 0
+    (solvers / "mine.py").write_text(SOLVERS.replace("* (1 - S + S * np.log(S))", "* (1 - S)"))
+    assert run("--solver", "mine:exact", "--only", "westergaard") == 1
+
+
+def test_a_baseline_fails_where_digits_are_lost_and_only_there(solvers, capsys):
+    only = ("--only", "westergaard")
+    assert run("--solver", "mine:exact", *only) == 0
+    write_atomically(solvers / "before.json", (solvers / "out" / "challenge.json").read_text())
+    assert run("--solver", "mine:coarse", *only, "--baseline", "before.json") == 1
+    assert "LOST westergaard: separation: 5.0 digits, 12.0 before" in capsys.readouterr().err
+    write_atomically(solvers / "coarse.json", (solvers / "out" / "challenge.json").read_text())
+    assert run("--solver", "mine:coarse", *only, "--digits", "9", "--baseline", "coarse.json") == 0
+    assert run("--solver", "mine:raises", *only, "--baseline", "coarse.json") == 1
+
+
+def test_half_a_digit_is_not_lost():
+    key = problem("westergaard").key
+    values = {name: list(one.value) for name, one in key.answers.items()}
+    exact, close, apart = (
+        judged(
+            key, Returned("answered", answers=values | {"separation": np.multiply(values["separation"], f).tolist()}), 3
+        )
+        for f in (1 + 1e-6, 1 + 2e-6, 1 + 4e-6)
+    )
+    assert list(lost([close], [exact])) == []
+    assert [line.split(",")[0] for line in lost([apart], [exact])] == ["westergaard: separation: 5.4 digits"]
+
+
+def submission(form):
+    """The shipped answers to all problems, as one file of a form."""
+    if form == "csv":
+        texts = [(FOLDER / name / "answers.csv").read_text().splitlines() for name in names()]
+        return "\n".join([texts[0][0], *(line for text in texts for line in text[1:])]) + "\n"
+    keys = {name: problem(name).key for name in names()}
+    return json.dumps(
+        {name: {key: list(one.value) for key, one in whole.answers.items()} for name, whole in keys.items()}
+    )
+
+
+@pytest.mark.parametrize("form", ["json", "csv"])
+def test_the_shipped_answers_pass(solvers, form):
+    (solvers / f"all.{form}").write_text(submission(form))
+    assert run("--submission", f"all.{form}") == 0
+
+
+def test_the_answers_of_one_problem_are_a_submission(solvers, capsys):
+    path = str(FOLDER / "steep" / "answers.json")
+    assert run("--submission", path, "--only", "steep") == 0
+    assert run("--submission", path) == 1
+    assert "4 of 72 answers right to 3 digits, 68 missing" in capsys.readouterr().out
+
+
+def test_a_wrong_answer_fails(solvers, capsys):
+    content = json.loads(submission("json"))
+    content["steep"]["mean_pressure"][1] *= 1.01
+    (solvers / "all.json").write_text(json.dumps(content))
+    assert run("--submission", "all.json") == 1
+    assert "steep: mean_pressure: wrong, 2.3 digits" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name", "text", "said"),
+    [
+        ([], "a.csv", "problem,quantity,index,value\nsteep,patches,0,2\nsteep,patches,one,2\n", "line 3"),
+        ([], "a.csv", "problem,quantity,index,value\nsteep,patches\n", "line 2: columns are missing"),
+        ([], "a.csv", "problem,quantity,index,value\nsteep,patches,0,2\nsteep,patches,0,3\n", "index 0"),
+        ([], "a.csv", "problem,quantity\n", "columns index, value are missing"),
+        ([], "a.json", "{", "a.json"),
+        ([], "a.json", "[1]", "is needed"),
+        ([], "a.json", '{"deep": {}}', "problem 'deep': one of westergaard"),
+        ([], "a.txt", "", "ends in .json or .csv"),
+        (["--only", "deep"], "a.json", "{}", "--only 'deep': one of westergaard"),
+        (["--baseline", "none.json"], "a.json", "{}", "none.json: no such file"),
+        (["--baseline", "a.json"], "a.json", "{}", "challenge.json of a judgement is needed"),
+    ],
+)
+def test_bad_input_is_one_clear_error(solvers, capsys, arguments, name, text, said):
+    (solvers / name).write_text(text)
+    assert run("--submission", name, *arguments) == 2
+    error = capsys.readouterr().err
+    assert error.count("error:") == 1 and said in error
+
+
+@pytest.mark.parametrize(
+    ("spec", "said"),
+    [("mine", "package.module:function is needed"), ("mine:none", "no function 'none'"), ("nowhere:f", "nowhere")],
+)
+def test_a_solver_that_cannot_be_found_is_bad_input(solvers, capsys, spec, said):
+    assert run("--solver", spec) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_grids_are_extrapolated():
+    def grid(spacing):
+        return Returned("answered", answers={"contact_fraction": [0.5 + spacing], "patches": [3]}, seconds=1.0)
+
+    found = extrapolated({}, [grid(0.4), grid(0.2), grid(0.1)])
+    assert found.answers == {"contact_fraction": [pytest.approx(0.5)], "patches": [3]}
+    adhesive = extrapolated({"adhesion": {}}, [grid(0.2), grid(0.2 / np.sqrt(2))])
+    assert adhesive.answers["contact_fraction"] == [pytest.approx(0.5)]
+    failed = Returned("not offered", "layers")
+    assert extrapolated({}, [grid(0.2), failed]) is failed
+
+
+def test_problems_are_listed_and_shown(solvers, capsys):
+    assert main(["challenge", "list"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(names())
+    assert main(["challenge", "show", "rough-1000"]) == 0
+    shown = capsys.readouterr().out
+    assert "youngs_modulus = 1000000.0" in shown and "# 1000 numbers" in shown and "dense algebra" in shown
+    assert main(["challenge", "show", "steep", "--out", "here"]) == 0
+    assert sorted(path.name for path in Path("here").iterdir()) == ["answers.csv", "answers.json", "problem.toml"]
+
+
+def test_what_extrapolation_says_of_the_finest_grid():
+    one = problem("westergaard")
+    finest, limit = (
+        Returned("answered", answers={"contact_fraction": values, "gap_at": [1.0, None, 2.0]})
+        for values in ([0.1, 0.3, 0.5, 0.8], [0.1, 0.3, 0.49, 0.8])
+    )
+    scale = max(one.key.answers["contact_fraction"].value)
+    assert estimated(one, "contact_fraction", finest, limit) == pytest.approx(0.01 / scale, rel=1e-2)
+    assert estimated(one, "gap_at", finest, limit) is None
+    assert estimated(one, "separation", finest, limit) is None

@@ -1,0 +1,130 @@
+"""The answers made anew: closed forms where there are, else the solver at its finest, beside the second routes.
+
+Uncertainties: of closed forms FLOOR of the scale, rounding; of the solver the largest of its own estimate, of the
+difference to each route as fine as itself (dense algebra, the path at a tenth of the increment) and of FLOOR.
+Finite elements are coarser than the solver: their difference is shown beside their own uncertainty and adds nothing.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bem.scene.atomic_file import write_atomically
+from bem.scene.result import Result
+from bem.solver import solve as solve_scene
+from validation.challenge.answers import Certified, Check, Key, csv_of, json_of, scale_of
+from validation.challenge.closed_answers import CLOSED, closed_answers
+from validation.challenge.entrants import boundary_elements
+from validation.challenge.posing import poses
+from validation.challenge.problem import PROBLEM_FILE, ChallengeError, toml_of
+from validation.challenge.second_routes import ROUTES
+from validation.challenge.worker import with_arrays
+from validation.harness.arrays import FloatArray
+
+Checks = dict[str, tuple[Check, ...]]
+FLOOR = 1e-12  # of the scale; closed forms and solver differ by up to 4e-13
+SOLVER = "boundary elements at tolerance 1e-12"
+SECOND: dict[str, tuple[str, ...]] = {
+    "two-crests-thick": ("finite elements", "dense algebra"),
+    "three-crests": ("finite elements", "dense algebra"),
+    "two-crests-thin": ("finite elements", "dense algebra"),
+}
+OF_PULL_OFF = {"pull_off_penetration": "penetration", "pull_off_mean_pressure": "mean_pressure"}
+AS_FINE = ("dense algebra", "path at a tenth of the increment")  # as the solver
+DEFAULT_ROUTES = AS_FINE
+
+
+def certified(name: str, second: bool = True) -> Key:
+    """The answers to a problem, made anew.
+
+    Parameters
+    ----------
+    name : str
+    second : bool
+        Whether by the second routes as well; without them there are no checks.
+
+    Raises
+    ------
+    ChallengeError
+        There is no such problem.
+    ArithmeticError
+        A route does not converge.
+    """
+    if name not in poses():
+        raise ChallengeError(f"problem {name!r}: one of {', '.join(poses())} is needed")
+    problem = with_arrays(tomllib.loads(toml_of(poses()[name])))
+    result = solve_scene(boundary_elements.tables(problem, 1e-12))
+    ours = {key: _array(value) for key, value in boundary_elements.answers(problem, result).items()}
+    if name in CLOSED:
+        closed = closed_answers(problem)
+        beside: Checks = {key: (Check(SOLVER, _difference(ours[key], closed[key])),) for key in ours}
+        return _key(problem, closed, "closed form", dict.fromkeys(ours, ()), beside)
+    routes = SECOND.get(name, DEFAULT_ROUTES) if second else ()
+    found = {route: ROUTES[route](problem, result) for route in routes}
+    checks: Checks = {
+        key: tuple(
+            Check(_named(route, spread, key), _difference(values[key], ours[key]))
+            for route, (values, spread) in found.items()
+            if key in values
+        )
+        for key in ours
+    }
+    return _key(problem, ours, SOLVER, {key: _estimates(result, key) for key in ours}, checks)
+
+
+def write(key: Key, folder: Path) -> None:
+    """Write problem.toml, answers.json and answers.csv into folder/NAME."""
+    place = folder / key.problem
+    place.mkdir(parents=True, exist_ok=True)
+    write_atomically(place / PROBLEM_FILE, toml_of(poses()[key.problem]))
+    write_atomically(place / "answers.json", json_of(key))
+    write_atomically(place / "answers.csv", csv_of(key))
+
+
+def _key(
+    problem: dict[str, Any],
+    values: dict[str, FloatArray],
+    made: str,
+    estimates: dict[str, Any],
+    checks: Checks,
+) -> Key:
+    answers = {}
+    for name, asked in problem["asked"].items():
+        value = values[name].tolist()
+        floor = 0.0 if name == "patches" else FLOOR * scale_of(name, value)
+        spread = np.full(len(value), floor)
+        as_fine = [c.difference for c in checks[name] if c.route in AS_FINE]
+        for estimate in (estimates[name], *as_fine):
+            if len(estimate):
+                spread = np.maximum(spread, np.abs(estimate))
+        answers[name] = Certified(asked["unit"], tuple(value), tuple(spread.tolist()), made, checks[name])
+    return Key(problem["name"], answers)
+
+
+def _estimates(result: Result, name: str) -> tuple[float, ...]:
+    """The solver's own, of every state or of its events; none for what it does not estimate."""
+    if name == "dissipated_energy":  # a difference of energies as large as these
+        return (FLOOR * max(abs(state.elastic_energy) for state in result.states),)
+    if name in OF_PULL_OFF:
+        (last,) = (event for event in result.events if event.kind == "pull_off")
+        return (getattr(last.error_estimate, OF_PULL_OFF[name]) or 0.0,)
+    source = "contact_fraction" if name == "gap_fraction" else name
+    found = [getattr(state.error_estimate, source, None) for state in result.targets]
+    return () if any(value is None for value in found) else tuple(map(float, found))  # type: ignore[arg-type]
+
+
+def _named(route: str, spread: dict[str, FloatArray], key: str) -> str:
+    """The route, with the uncertainty that it states of itself."""
+    return f"{route}, known to {np.max(spread[key]):.1g}" if key in spread else route
+
+
+def _difference(values: FloatArray, answers: FloatArray) -> tuple[float, ...]:
+    return tuple(float(f"{one:.2g}") for one in np.abs(values - answers))
+
+
+def _array(value: Any) -> FloatArray:
+    return np.atleast_1d(np.asarray(value, dtype=np.float64))

@@ -1,0 +1,178 @@
+"""The commands of the challenge: list and show problems, judge a solver or a submission, make answers and standings."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from bem.command_line.folder_lock import locked
+from validation.challenge import judge, standings
+from validation.challenge.answers import scale_of
+from validation.challenge.certify import certified, write
+from validation.challenge.problem import FOLDER, Problem, names, problem
+from validation.challenge.record import record
+from validation.harness.runner import Note
+
+DONE, FAILED = 0, 1
+DIGITS, TIME_LIMIT = 3.0, 600.0
+SHORT = 6  # numbers of a list that are shown
+
+
+def _list(options: argparse.Namespace) -> int:
+    """One problem a line, its name first."""
+    width = max(map(len, names()))
+    for name in names():
+        data = problem(name).data
+        print(f"{name:{width}}  {data['difficulty']:6}  {data['title']}")
+    return DONE
+
+
+def _show(options: argparse.Namespace) -> int:
+    """A problem with its answers, or its files as they are shipped."""
+    one = problem(options.name)
+    if options.out is not None:
+        options.out.mkdir(parents=True, exist_ok=True)
+        for source in sorted((FOLDER / one.name).iterdir()):
+            (options.out / source.name).write_bytes(source.read_bytes())
+            print(options.out / source.name)
+        return DONE
+    print("\n".join(map(_short, one.text.splitlines())))
+    print("\n".join(_answers(one)))
+    return DONE
+
+
+def _short(line: str) -> str:
+    """A line of problem.toml with long lists cut off."""
+    name, _, rest = line.partition(" = ")
+    values = tomllib.loads(line).get(name) if rest.startswith("[") else None
+    if values is None or len(values) <= SHORT:
+        return line
+    return f"{name} = [{', '.join(map(str, values[:SHORT]))}, ...]  # {len(values)} numbers"
+
+
+def _answers(one: Problem) -> list[str]:
+    lines = ["", "# the answers"]
+    for name, key in one.key.answers.items():
+        lines.append(f"{name}: {key.made}; errors are divided by {scale_of(name, key.value):.6g} {key.unit}".rstrip())
+        pairs = zip(key.value, key.uncertainty, strict=True)
+        lines += [f"    {value!r} +- {spread:.1g} {key.unit}".rstrip() for value, spread in pairs]
+        lines += [f"    {check.route}: differs by at most {max(check.difference):.1g}" for check in key.checks]
+    return lines
+
+
+def _judge(options: argparse.Namespace) -> int:
+    """Judge, and write what came out; 1 where an answer is missing or wrong, or digits were lost to a baseline."""
+    problems = judge.chosen(options.only)
+    with locked(options.out):
+        if options.solver is not None:
+            name = options.solver
+            found = judge.solved(name, problems, options.time_limit, options.out, _say)
+        else:
+            name = options.submission.name
+            found = judge.submitted(options.submission, problems)
+        judgement = judge.judge(name, problems, found, options.digits)
+        if options.baseline is not None:
+            judgement = judge.against(judgement, options.baseline)
+        judge.write(judgement, problems, options.out)
+    for one in judgement.problems:
+        for row in one.rows:
+            if row.status != "right":
+                why = f", {row.message}" if row.message else ""
+                reached = "" if row.digits is None else f", {row.digits:.1f} digits"
+                print(f"{one.problem}: {row.quantity}: {row.status}{reached}{why}", file=sys.stderr)
+    for line in judgement.lost or ():
+        print(f"LOST {line}", file=sys.stderr)
+    page = str(options.out / judge.PAGE)
+    if options.json:
+        print(json.dumps({"passed": judgement.passed, "outcome": judgement.outcome, "page": page}))
+    else:
+        print(f"{judgement.outcome}; page: {page}")
+    return DONE if judgement.passed else FAILED
+
+
+def _make(options: argparse.Namespace) -> int:
+    """The answers made anew."""
+    for name in options.names or names():
+        write(certified(name), options.out)
+        print(options.out / name, flush=True)
+    return DONE
+
+
+def _standings(options: argparse.Namespace) -> int:
+    """The recorded solvers run again."""
+    with locked(options.out):
+        path = record(options.out, options.solvers, options.time_limit, _say)
+    print(path)
+    return DONE
+
+
+def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) -> None:
+    """Add ours to the commands of a program.
+
+    Parameters
+    ----------
+    commands
+        As `add_subparsers` returns it.
+    perform : callable
+        Runs what was parsed.
+    """
+    actions = commands.add_parser("challenge", help="problems with certified answers: judge a solver by them")
+    actions = actions.add_subparsers(required=True, metavar="ACTION")
+
+    listed = actions.add_parser("list", help="one problem a line")
+    listed.set_defaults(command=_list, perform=perform)
+
+    show = actions.add_parser("show", help="a problem with its answers")
+    show.add_argument("name", help="of `list`")
+    show.add_argument("--out", type=Path, metavar="DIR", help="write problem.toml, answers.json, answers.csv there")
+    show.set_defaults(command=_show, perform=perform)
+
+    one = actions.add_parser("judge", help="judge a solver, or submitted answers")
+    given = one.add_mutually_exclusive_group(required=True)
+    given.add_argument("--solver", metavar="MODULE:FUNCTION", help="from the dictionary of a problem to one of answers")
+    given.add_argument("--submission", type=Path, metavar="FILE", help="answers as .json or .csv")
+    one.add_argument("--only", metavar="PATTERN", help="problems whose name matches, several between commas")
+    one.add_argument("--digits", type=float, default=DIGITS, help=f"that make an answer right (default: {DIGITS:g})")
+    one.add_argument(
+        "--time-limit", type=_seconds, default=TIME_LIMIT, metavar="S", help="of each problem (default: 600)"
+    )
+    one.add_argument(
+        "--baseline", type=Path, metavar="FILE", help="an earlier challenge.json: fail when digits are lost"
+    )
+    one.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="folder of challenge.html and challenge.json"
+    )
+    one.add_argument("--json", action="store_true", help="print the summary as JSON")
+    one.set_defaults(command=_judge, perform=perform)
+
+    make = actions.add_parser("answers", help="make the answers anew")
+    make.add_argument("names", nargs="*", metavar="NAME", help="problems (default: all)")
+    make.add_argument("--out", type=Path, default=FOLDER, metavar="DIR", help="default: where they are shipped")
+    make.set_defaults(command=_make, perform=perform)
+
+    again = actions.add_parser("standings", help="run the recorded solvers again")
+    again.add_argument("solvers", nargs="*", metavar="SOLVER", help=f"of {', '.join(standings.SOLVERS)} (default: all)")
+    again.add_argument(
+        "--time-limit", type=_seconds, default=TIME_LIMIT, metavar="S", help="of each problem (default: 600)"
+    )
+    again.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of what was finished")
+    again.set_defaults(command=_standings, perform=perform)
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not 0 < seconds < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text!r}: a number of seconds > 0 is needed")
+    return seconds
+
+
+def _say(note: Note) -> None:
+    print(note.text, file=sys.stderr, flush=True)

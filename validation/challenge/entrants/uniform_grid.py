@@ -1,0 +1,112 @@
+"""What a uniform grid answers: everything that is asked, from gaps, contacts and mean pressures on its points.
+
+Contacts are counted to whole points, edges lie half a spacing beside the last of them.  The displaced surface is gap
+plus profile; with its amplitudes a_m, pressures are E* q a_m / 2 and the energy per area sum E* q a_m^2 / 8.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from validation.harness.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class OnGrid:
+    """A state: gap in m and whether in contact at every point (n,), mean pressure in Pa."""
+
+    gap: FloatArray
+    contact: Any
+    mean_pressure: float
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The points of a problem."""
+
+    problem: dict[str, Any]
+    points: int
+
+    @property
+    def period(self) -> float:
+        """m."""
+        return float(self.problem["profile"]["period"])
+
+    @property
+    def modulus(self) -> float:
+        """E*, Pa."""
+        solid = self.problem["solid"]
+        return float(solid["youngs_modulus"] / (1 - solid["poisson_ratio"] ** 2))
+
+    @property
+    def x(self) -> FloatArray:
+        """m, (n,)."""
+        return np.asarray(np.arange(self.points) * (self.period / self.points), dtype=np.float64)
+
+    def profile(self) -> tuple[FloatArray, FloatArray]:
+        """Heights and slopes at the points.
+
+        Raises
+        ------
+        NotImplementedError
+            The grid does not resolve the profile.
+        """
+        raw = self.problem["profile"]
+        if self.points <= 2 * int(np.max(raw["orders"])):
+            raise NotImplementedError(f"{self.points} points do not resolve {int(np.max(raw['orders']))} harmonics")
+        modes = np.zeros(self.points // 2 + 1, dtype=np.complex128)
+        modes[raw["orders"]] = raw["amplitudes"] * np.exp(1j * raw["phases"]) * self.points / 2
+        slopes = 1j * 2 * np.pi / self.period * np.arange(modes.size) * modes
+        return np.fft.irfft(modes, self.points), np.fft.irfft(slopes, self.points)
+
+
+def answers(grid: Grid, states: list[OnGrid]) -> dict[str, Any]:
+    """What is asked of the states at the targets, None where the states end; what a path tells is left out."""
+    asked = grid.problem["asked"]
+    rest = [None] * (len(grid.problem["path"]["targets"]) - len(states))
+    fractions = [float(np.mean(state.contact)) for state in states]
+    found: dict[str, Any] = {
+        "contact_fraction": fractions,
+        "gap_fraction": [1 - fraction for fraction in fractions],
+        "mean_pressure": [state.mean_pressure for state in states],
+        "separation": [np.mean(state.gap) for state in states],
+        "elastic_energy": [_energy(grid, state) for state in states],
+        "patches": [int(np.sum(state.contact & ~np.roll(state.contact, 1))) for state in states],
+    }
+    found = {name: [*values, *rest] for name, values in found.items()}
+    for name, what in asked.items():
+        if "target" in what and what["target"] <= len(states):
+            found[name] = _field(grid, states[int(what["target"]) - 1], name, what)
+    return {name: value for name, value in found.items() if name in asked and value is not None}
+
+
+def _amplitudes(grid: Grid, state: OnGrid) -> tuple[Any, Any]:
+    """Complex amplitudes of the displaced surface, and wavenumbers."""
+    modes = np.fft.rfft(state.gap + grid.profile()[0]) * 2 / grid.points
+    return modes, 2 * np.pi / grid.period * np.arange(modes.size)
+
+
+def _energy(grid: Grid, state: OnGrid) -> float:
+    modes, q = _amplitudes(grid, state)
+    return float(np.sum(grid.modulus * q * np.abs(modes) ** 2) / 8)
+
+
+def _field(grid: Grid, state: OnGrid, name: str, what: dict[str, Any]) -> Any:
+    """A quantity of one state."""
+    if name == "edges":
+        before, after = np.roll(state.contact, 1), np.roll(state.contact, -1)
+        half = grid.period / grid.points / 2
+        ends = np.concatenate([grid.x[state.contact & ~before] - half, grid.x[state.contact & ~after] + half])
+        return np.sort(ends)
+    modes, q = _amplitudes(grid, state)
+    if name == "displacement_amplitudes":
+        return np.abs(modes)[what["orders"]]
+    if name == "gap_at":
+        return np.interp(what["points"], grid.x, state.gap, period=grid.period)
+    if name == "pressure_at":
+        pressure = state.mean_pressure + np.fft.irfft(grid.modulus * q * modes / 2 * grid.points / 2, grid.points)
+        return np.interp(what["points"], grid.x, pressure, period=grid.period)
+    return None

@@ -1,0 +1,183 @@
+"""A solver or a submission judged on problems: challenge.json and challenge.html, and what a baseline says of them.
+
+What a solver returned is kept in DIR/answers, so that an interrupted judgement continues; the key of an answer holds
+the problem, the file of the solver's module, the sources of the solvers of this project, and versions.  Another module
+that the solver imports is not seen: judge a changed one in a new folder.  What crashed or took too long is tried again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from bem.scene.atomic_file import write_atomically
+from validation.challenge import standings
+from validation.challenge.judging import Judged, judged, lost
+from validation.challenge.problem import ChallengeError, Problem, names, problem
+from validation.challenge.solving import Returned, look_up, returned
+from validation.challenge.submission import read_submission
+from validation.harness.provenance import provenance, versions
+from validation.harness.runner import Note
+from validation.report.challenge_page import render_challenge
+from validation.studies.answers import FOLDER, Answers
+from validation.studies.store import plain
+
+SCHEMA = "linecontact-challenge/1"
+JSON_FILE, PAGE = "challenge.json", "challenge.html"
+KEPT = ("answered", "not offered")
+SOLVERS = ("bem", "fem_reference", "persson", "validation/references")
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Everything of a judgement: who, on what terms, and the problems; `lost` is None without a baseline."""
+
+    solver: str
+    digits: float
+    problems: tuple[Judged, ...]
+    baseline: str | None = None
+    lost: tuple[str, ...] | None = None
+
+    @property
+    def passed(self) -> bool:
+        """No digits lost to the baseline; without one, every answer right."""
+        return all(one.passed for one in self.problems) if self.lost is None else not self.lost
+
+    @property
+    def outcome(self) -> str:
+        """In a sentence."""
+        statuses = [row.status for one in self.problems for row in one.rows]
+        counts = {status: statuses.count(status) for status in dict.fromkeys(statuses) if status != "right"}
+        others = "".join(f", {count} {status}" for status, count in counts.items())
+        spent = [one.seconds for one in self.problems if one.seconds is not None]
+        seconds = f"; {sum(spent):.3g} s" if spent else ""
+        held = "" if self.lost is None else f"; {len(self.lost)} quantities lost digits against the baseline"
+        right = statuses.count("right")
+        return f"{right} of {len(statuses)} answers right to {self.digits:g} digits{others}{seconds}{held}"
+
+
+def chosen(only: str | None) -> tuple[Problem, ...]:
+    """Problems whose name matches a pattern, or one of several between commas; all without one.
+
+    Raises
+    ------
+    ChallengeError
+        None does.
+    """
+    patterns = ["*"] if only is None else only.split(",")
+    found = tuple(problem(name) for name in names() if any(fnmatch(name, pattern) for pattern in patterns))
+    if not found:
+        raise ChallengeError(f"--only {only!r}: one of {', '.join(names())} is needed")
+    return found
+
+
+def solved(
+    spec: str, problems: Sequence[Problem], limit: float, folder: Path, report: Callable[[Note], None]
+) -> Iterator[Returned]:
+    """What a solver returns for each problem; from `folder` where it is kept there.
+
+    Raises
+    ------
+    ChallengeError
+        The solver cannot be imported.
+    """
+    look_up(spec)
+    store, source = Answers(folder / FOLDER, _key(), report), _digest(spec)
+    for one in problems:
+        decides = (spec, source, hashlib.sha256(one.text.encode()).hexdigest())
+        found = store.kept(Returned, one.name, *decides)
+        if found is None:
+            found = returned(spec, one.text, limit)
+            spent = "" if found.seconds is None else f" in {found.seconds:.3g} s"
+            report(Note(f"{one.name}: {found.status}{spent}{': ' + found.message if found.message else ''}"))
+            if found.status in KEPT:
+                store.keep(Returned, found, one.name, *decides)
+        yield found
+
+
+def submitted(path: Path, problems: Sequence[Problem]) -> Iterator[Returned]:
+    """What a submission answers to each problem."""
+    content = read_submission(path)
+    for one in problems:
+        yield Returned("answered", answers=content.get(one.name, {}))
+
+
+def judge(solver: str, problems: Sequence[Problem], found: Iterator[Returned], digits: float) -> Judgement:
+    """Every problem judged."""
+    rows = tuple(judged(one.key, answer, digits) for one, answer in zip(problems, found, strict=True))
+    return Judgement(solver, digits, rows)
+
+
+def against(judgement: Judgement, baseline: Path) -> Judgement:
+    """The same beside a baseline, challenge.json of an earlier judgement.
+
+    Raises
+    ------
+    ChallengeError
+        It is none.
+    """
+    try:
+        content = json.loads(baseline.read_text("utf-8"))
+        if content["schema"] != SCHEMA:
+            raise ChallengeError(f"baseline {baseline}: schema {content['schema']!r} is not {SCHEMA!r}")
+        before = TypeAdapter(tuple[Judged, ...]).validate_python(content["problems"])
+    except FileNotFoundError as error:
+        raise ChallengeError(f"baseline {baseline}: no such file") from error
+    except (json.JSONDecodeError, UnicodeDecodeError, KeyError, TypeError, ValidationError) as error:
+        raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
+    missed = tuple(lost(judgement.problems, before))
+    return Judgement(judgement.solver, judgement.digits, judgement.problems, baseline.name, missed)
+
+
+def write(judgement: Judgement, problems: Sequence[Problem], folder: Path) -> None:
+    """Write challenge.json and challenge.html."""
+    told = ("title", "difficulty", "what_is_hard")
+    content: dict[str, Any] = {
+        "schema": SCHEMA,
+        "solver": judgement.solver,
+        "digits": judgement.digits,
+        "outcome": judgement.outcome,
+        "passed": judgement.passed,
+        "baseline": judgement.baseline,
+        "lost": list(judgement.lost or ()),
+        "problems": [
+            asdict(row) | {name: one.data[name] for name in told}
+            for row, one in zip(judgement.problems, problems, strict=True)
+        ],
+        "provenance": provenance(),
+    }
+    content = plain(content)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_atomically(folder / JSON_FILE, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    write_atomically(folder / PAGE, render_challenge(content, standings.recorded()))
+
+
+def _key() -> str:
+    """SHA-256 of versions and of the sources of the solvers of this project."""
+    root, digest = Path(__file__).parents[2], hashlib.sha256(json.dumps(versions(), sort_keys=True).encode())
+    for folder in SOLVERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in (".py", ".c", ".h"):
+                digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def _digest(spec: str) -> str:
+    """SHA-256 of the file of the solver's module; empty where it has none."""
+    sys.path.insert(0, str(Path.cwd()))
+    try:
+        found = importlib.util.find_spec(spec.partition(":")[0])
+    finally:
+        sys.path.pop(0)
+    if found is None or found.origin is None or not Path(found.origin).is_file():
+        return ""
+    return hashlib.sha256(Path(found.origin).read_bytes()).hexdigest()

@@ -1,0 +1,130 @@
+"""The standings run for real: every entrant through the public door on every problem, into standings.json."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bem.scene.atomic_file import write_atomically
+from validation.challenge import judge
+from validation.challenge.answers import scale_of
+from validation.challenge.extrapolation import extrapolated
+from validation.challenge.judging import judged
+from validation.challenge.problem import ChallengeError, Problem
+from validation.challenge.solving import Returned
+from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note
+from validation.report.challenge_figures import drawn_standings
+from validation.report.challenge_page import overall_curves
+from validation.report.figures import save
+from validation.studies.store import plain
+
+DIGITS = 3.0
+EXTRAPOLATED = ", extrapolated"
+TITLE = "All problems: geometric means over the problems that a solver answers"
+MACHINE, TOLD = ("system", "processor", "cores"), ("date", "commit", "python", "numpy", "scipy", "kernels")
+
+
+def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[[Note], None]) -> Path:
+    """Run entrants and write standings.json; those not run, or not installed, keep their entries.
+
+    Parameters
+    ----------
+    folder : Path
+        What was finished there is taken.
+    solvers : sequence of str
+        Names of SOLVERS; empty for all that are installed.
+    limit : float
+        Seconds of each problem.
+
+    Raises
+    ------
+    ChallengeError
+        A solver does not exist, or is named and not installed.
+    """
+    for name in solvers:
+        if name not in SOLVERS:
+            raise ChallengeError(f"solver {name!r}: one of {', '.join(SOLVERS)} is needed")
+    problems = judge.chosen(None)
+    for entrant in ENTRANTS:
+        if solvers and entrant.name not in solvers:
+            continue
+        if entrant.missing:
+            if solvers:
+                raise ChallengeError(f"solver {entrant.name!r}: {', '.join(entrant.missing)} not installed")
+            report(Note(f"{entrant.name}: {', '.join(entrant.missing)} not installed, its entries are kept"))
+            continue
+        made = _entries(entrant, problems, limit, folder, report)
+        before = recorded()  # another solver may have been run meanwhile
+        replaced = (entrant.name, entrant.name + EXTRAPOLATED)
+        entries = [entry for entry in before["entries"] if entry["solver"] not in replaced] + made
+        facts = provenance()
+        spent = sum(entry["cpu_seconds"] or 0.0 for entry in made if entry["solver"] == entrant.name)
+        told = {name: facts[name] for name in TOLD} | _versions(entrant)
+        run = ", ".join(f"{name} {value}" for name, value in told.items()) + f"; {spent:.0f} CPU seconds in all"
+        ran = before["run_on"] | {name: facts[name] for name in MACHINE} | {entrant.name: run}
+        order = {name: index for index, name in enumerate(SOLVERS)}
+        entries.sort(key=lambda entry: order[entry["solver"].removesuffix(EXTRAPOLATED)])
+        content = plain({"schema": SCHEMA, "digits": DIGITS, "run_on": ran, "entries": entries})
+        save(drawn_standings(TITLE, overall_curves(entries)), RECORD.with_suffix(".svg"))
+        write_atomically(RECORD, json.dumps(content, allow_nan=False).replace('{"solver"', '\n{"solver"') + "\n")
+    return RECORD
+
+
+def _entries(
+    entrant: Entrant, problems: Sequence[Problem], limit: float, folder: Path, report: Callable[[Note], None]
+) -> list[dict[str, Any]]:
+    """An entry for each setting and problem."""
+    made, by_problem = [], dict[str, list[Returned]]()
+    for setting, spec in entrant.settings:
+        report(Note(f"{entrant.name}, {setting}"))
+        for one, found in zip(problems, judge.solved(spec, problems, limit, folder, report), strict=True):
+            by_problem.setdefault(one.name, []).append(found)
+            made.append(_entry(entrant.name, setting, one, found))
+    if entrant.grids:
+        for one in problems:
+            found = extrapolated(one.data, by_problem[one.name])
+            entry = _entry(entrant.name + EXTRAPOLATED, "from the two finest grids", one, found)
+            finest = by_problem[one.name][-1]
+            for row in entry["rows"]:
+                row["estimated"] = estimated(one, row["quantity"], finest, found)
+            made.append(entry)
+    return made
+
+
+def _entry(solver: str, setting: str, one: Problem, found: Returned) -> dict[str, Any]:
+    row = asdict(judged(one.key, found, DIGITS))
+    row["rows"] = [
+        {"quantity": r["quantity"], "status": r["status"]}
+        | {name: _rounded(r[name]) for name in ("digits", "error")}
+        | {"answered": r["answered"], "asked": r["asked"]}
+        for r in row["rows"]
+    ]
+    spent = {name: _rounded(row[name]) for name in ("seconds", "cpu_seconds")}
+    del row["ignored"]
+    return {"solver": solver, "setting": setting} | row | spent
+
+
+def estimated(one: Problem, quantity: str, finest: Returned, limit: Returned) -> float | None:
+    """What extrapolation says of the error of the finest grid, over the scale; None where a value is not there."""
+    values, limits = (np.atleast_1d(np.asarray(found.answers.get(quantity), object)) for found in (finest, limit))
+    if values.shape != limits.shape or any(value is None for value in (*values, *limits)):
+        return None
+    miss = np.abs(values.astype(np.float64) - limits.astype(np.float64))
+    return _rounded(float(np.max(miss)) / scale_of(quantity, one.key.answers[quantity].value))
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else float(f"{value:.3g}")
+
+
+def _versions(entrant: Entrant) -> dict[str, str]:
+    """Of the packages that an entrant needs."""
+    return {name: metadata.version(name) for name in entrant.needs}

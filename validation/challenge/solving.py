@@ -1,0 +1,107 @@
+"""A solver called on a problem in a process of its own, with a time limit: whatever it does, the judge goes on.
+
+The solver starts with one BLAS thread, the current folder first on its path, and what it prints kept as text.  At the
+time limit it is ended with all processes that it started.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from validation.challenge.problem import ChallengeError
+from validation.harness.executors import THREAD_VARIABLES
+
+TAIL = 400  # characters of what a process that died had printed
+LOOK_UP = 120.0  # s for the import of a solver
+
+
+@dataclass(frozen=True)
+class Returned:
+    """What a solver returned for a problem.
+
+    Parameters
+    ----------
+    status : str
+        "answered", "not offered", "crashed" or "timed out".
+    answers : dict
+        As they came, not yet judged.
+    seconds, cpu_seconds : float or None
+        Of the call alone, without the start of the process and the import of the solver.
+    """
+
+    status: str
+    message: str = ""
+    answers: dict[str, Any] = field(default_factory=dict)
+    seconds: float | None = None
+    cpu_seconds: float | None = None
+
+
+def look_up(spec: str) -> None:
+    """Make sure that a solver can be imported.
+
+    Raises
+    ------
+    ChallengeError
+        It cannot, with the last line of what was printed.
+    """
+    module, _, name = spec.partition(":")
+    if not module or not name:
+        raise ChallengeError(f"solver {spec!r}: package.module:function is needed")
+    found = returned(spec, "", LOOK_UP)
+    if found.status != "found":
+        last = found.message.strip().splitlines()[-1:] or [found.status]
+        raise ChallengeError(f"solver {spec!r}: {last[0]}")
+
+
+def returned(spec: str, problem: str, limit: float) -> Returned:
+    """What a solver returns for the text of a problem within a limit in s."""
+    with tempfile.TemporaryDirectory() as folder:
+        file, printed = Path(folder) / "returned.json", Path(folder) / "printed.txt"
+        command = [sys.executable, "-m", "validation.challenge.worker", spec, str(file)]
+        with printed.open("wb") as log:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=_environment(),
+                start_new_session=True,
+            )
+            try:
+                process.communicate(problem.encode(), limit)
+            except subprocess.TimeoutExpired:
+                return Returned("timed out", f"no answer in {limit:g} s")
+            finally:
+                _end(process)
+        if not file.exists():
+            text = printed.read_bytes().decode("utf-8", "replace")[-TAIL:]
+            return Returned("crashed", f"the process ended with code {process.returncode}: {text}".strip())
+        content: Mapping[str, Any] = json.loads(file.read_text("utf-8"))
+        return Returned(**content)
+
+
+def _environment() -> dict[str, str]:
+    """Ours, with one BLAS thread, and this package where it lies."""
+    root = str(Path(__file__).parents[2])
+    path = os.pathsep.join(filter(None, (os.environ.get("PYTHONPATH"), root)))
+    return {**os.environ, **dict.fromkeys(THREAD_VARIABLES, "1"), "PYTHONPATH": path}
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process and those that it started."""
+    if hasattr(os, "killpg"):
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()
+    process.wait()

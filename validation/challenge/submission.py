@@ -1,0 +1,81 @@
+"""Submitted answers: a file of JSON or CSV with what a solver said, to any number of problems.
+
+JSON: {problem: {quantity: number or list}}, or answers.json of one problem; a quantity may also be {"value": list}.
+CSV: columns problem, quantity, index (from 0), value, in any order; others are ignored, so that answers.csv is one.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from validation.challenge.problem import ChallengeError, names
+
+NEEDED = ("problem", "quantity", "index", "value")
+Submitted = dict[str, dict[str, Any]]
+
+
+def read_submission(path: Path) -> Submitted:
+    """Answers by problem and quantity, not yet judged.
+
+    Raises
+    ------
+    ChallengeError
+        The file is neither, a line is not complete, or a problem does not exist; with the line or the name.
+    """
+    try:
+        text = path.read_text("utf-8")
+    except FileNotFoundError as error:
+        raise ChallengeError(f"submission {path}: no such file") from error
+    except UnicodeDecodeError as error:
+        raise ChallengeError(f"submission {path}: UTF-8 is needed") from error
+    if path.suffix not in (".json", ".csv"):
+        raise ChallengeError(f"submission {path}: a name that ends in .json or .csv is needed")
+    found = _of_json(path, text) if path.suffix == ".json" else _of_csv(path, text)
+    for name in found:
+        if name not in names():
+            raise ChallengeError(f"submission {path}: problem {name!r}: one of {', '.join(names())} is needed")
+    return found
+
+
+def _of_json(path: Path, text: str) -> Submitted:
+    try:
+        content = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise ChallengeError(f"submission {path}: {error}") from error
+    if isinstance(content, dict) and isinstance(content.get("problem"), str):
+        content = {content["problem"]: content.get("answers")}
+    if not isinstance(content, dict) or not all(isinstance(given, dict) for given in content.values()):
+        raise ChallengeError(f"submission {path}: {{problem: {{quantity: number or list}}}} is needed")
+    return {name: {key: _value(given) for key, given in answers.items()} for name, answers in content.items()}
+
+
+def _value(given: Any) -> Any:
+    return given.get("value") if isinstance(given, Mapping) else given
+
+
+def _of_csv(path: Path, text: str) -> Submitted:
+    reader = csv.DictReader(text.splitlines(), skipinitialspace=True)
+    absent = [name for name in NEEDED if name not in (reader.fieldnames or ())]
+    if absent:
+        raise ChallengeError(f"submission {path}: line 1: columns {', '.join(absent)} are missing")
+    found: dict[str, dict[str, dict[int, float]]] = {}
+    for row in reader:
+        where = f"submission {path}: line {reader.line_num}"
+        if any(row[name] is None for name in NEEDED):
+            raise ChallengeError(f"{where}: columns are missing")
+        try:
+            index, value = int(row["index"]), float(row["value"])
+        except ValueError as error:
+            raise ChallengeError(f"{where}: index and value: {error}") from error
+        values = found.setdefault(row["problem"], {}).setdefault(row["quantity"], {})
+        if index < 0 or index in values:
+            raise ChallengeError(f"{where}: index {index}: each from 0 is needed once")
+        values[index] = value
+    return {
+        name: {key: [values.get(i) for i in range(max(values) + 1)] for key, values in answers.items()}
+        for name, answers in found.items()
+    }

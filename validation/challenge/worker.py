@@ -1,0 +1,101 @@
+"""The process of its own in which a solver is called: problem on stdin, what it returned in a file.
+
+`python -m validation.challenge.worker MODULE:FUNCTION FILE` writes JSON with `status` ("answered", "not offered",
+"crashed"), `message`, `answers`, `seconds` and `cpu_seconds`; without a problem on stdin only the solver is looked up.
+Imports nothing of the suite: a solver is measured alone.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import threading
+import time
+import tomllib
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+PULSE = 0.5  # s between looks at whether the judge lives
+
+
+def main(spec: str, file: Path) -> None:
+    """Call the solver and store what came back."""
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+    sys.path.insert(0, str(Path.cwd()))
+    text = sys.stdin.read()
+    solver = solver_of(spec)
+    found = called(solver, tomllib.loads(text)) if text else {"status": "found"}
+    file.write_text(json.dumps(found), "utf-8")
+
+
+def solver_of(spec: str) -> Callable[[dict[str, Any]], Any]:
+    """The function that `package.module:function` names.
+
+    Raises
+    ------
+    ValueError
+        It names none.
+    """
+    module, _, name = spec.partition(":")
+    solver: Any = import_module(module)
+    for part in name.split("."):
+        solver = getattr(solver, part, None)
+    if not callable(solver):
+        raise ValueError(f"solver {spec!r}: {module} has no function {name!r}")
+    return solver  # type: ignore[no-any-return]
+
+
+def called(solver: Callable[[dict[str, Any]], Any], problem: dict[str, Any]) -> dict[str, Any]:
+    """What a solver says to a problem, and how long it took."""
+    given = with_arrays(problem)
+    wall, cpu = time.perf_counter(), _cpu_seconds()
+    try:
+        answers = solver(given)
+    except NotImplementedError as error:
+        return {"status": "not offered", "message": str(error) or "not offered"}
+    except Exception as error:
+        return {"status": "crashed", "message": f"{type(error).__name__}: {error}"}
+    spent = {"seconds": time.perf_counter() - wall, "cpu_seconds": _cpu_seconds() - cpu}
+    if not isinstance(answers, dict):
+        return spent | {"status": "crashed", "message": f"a dictionary is needed, it returned {type(answers).__name__}"}
+    return spent | {"status": "answered", "answers": {str(name): plain(value) for name, value in answers.items()}}
+
+
+def _end_with(parent: int) -> None:
+    """End this process and those that it started when the judge is killed."""
+    while os.getppid() == parent:
+        time.sleep(PULSE)
+    if hasattr(os, "killpg"):
+        os.killpg(os.getpgrp(), signal.SIGKILL)
+    os._exit(1)
+
+
+def _cpu_seconds() -> float:
+    """Of this process and of those that it started and that have ended."""
+    return time.process_time() + sum(os.times()[2:4])
+
+
+def with_arrays(data: Any) -> Any:
+    """The same with lists of numbers as arrays: what a solver gets."""
+    if isinstance(data, dict):
+        return {name: with_arrays(value) for name, value in data.items()}
+    return np.array(data) if isinstance(data, list) else data
+
+
+def plain(value: Any) -> Any:
+    """A value as JSON holds it; what is no number stays visible as text."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return value if value is None or isinstance(value, int | float | str) else str(value)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]))

@@ -1,0 +1,148 @@
+"""challenge.html: a solver judged, and placed among the recorded standings; from challenge.json and them alone."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from validation.report.challenge_figures import Curve, error_of_digits, standings_svg
+from validation.report.render import asset, environment
+
+AREAS = ("contact_fraction", "gap_fraction")
+Problem = Mapping[str, Any]  # of challenge.json, or an entry of standings.json
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A solver at one setting over all problems.
+
+    Parameters
+    ----------
+    right, answered, asked : int
+        Quantities.
+    digits : float or None
+        Median over the quantities that have any.
+    seconds : float or None
+        CPU seconds of the problems answered, in all.
+    """
+
+    solver: str
+    setting: str
+    problems: int
+    right: int
+    answered: int
+    asked: int
+    digits: float | None
+    seconds: float | None
+    judged: bool = False
+
+
+def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) -> str:
+    """The page as text.
+
+    Parameters
+    ----------
+    judged : mapping
+        Content of challenge.json.
+    standings : mapping
+        Content of standings.json.
+    """
+    names = [problem["problem"] for problem in judged["problems"]]
+    entries = [entry for entry in standings["entries"] if entry["problem"] in names]
+    label = judged["solver"].rpartition(".")[2] if ":" in judged["solver"] else judged["solver"]
+    problems = [(problem, _figure(problem, entries, label)) for problem in judged["problems"]]
+    table = [*standing_rows(entries), standing(judged["solver"], "judged here", judged["problems"], judged=True)]
+    table.sort(key=lambda row: (-row.right, row.seconds or 0.0))
+    page = environment().get_template("challenge_page.jinja").render(
+        judged=judged,
+        problems=problems,
+        table=table,
+        place=1 + next(index for index, row in enumerate(table) if row.judged),
+        overall=standings_svg("overall", "All problems: geometric means over the problems answered",
+                              overall_curves(entries), _curve(label, [judged["problems"]])),
+        grids=grid_errors(entries),
+        run_on=standings["run_on"],
+        style=asset("style.css"),
+        script=asset("sort.js"),
+    )  # fmt: skip
+    return str(page)
+
+
+def standing(solver: str, setting: str, problems: Sequence[Problem], judged: bool = False) -> Standing:
+    """One line of the table."""
+    rows = [row for problem in problems for row in problem["rows"]]
+    digits = [row["digits"] for row in rows if row["digits"] is not None]
+    seconds = [p["cpu_seconds"] for p in problems if p["cpu_seconds"] is not None and _digits(p)]
+    return Standing(
+        solver=solver,
+        setting=setting,
+        problems=sum(bool(_digits(problem)) for problem in problems),
+        right=sum(row["status"] == "right" for row in rows),
+        answered=len(digits),
+        asked=len(rows),
+        digits=statistics.median(digits) if digits else None,
+        seconds=sum(seconds) if seconds else None,
+        judged=judged,
+    )
+
+
+def standing_rows(entries: Iterable[Problem]) -> list[Standing]:
+    """A line for each solver and setting on record."""
+    return [standing(*key, problems) for key, problems in _grouped(entries).items()]
+
+
+def grid_errors(entries: Sequence[Problem]) -> list[tuple[str, str, str, float, float, float]]:
+    """Of extrapolated grids, with adhesion or without: solver, problem, quantity, and three errors over the scale.
+
+    The error of the finest grid, what extrapolation says of it, and the error that is left after extrapolation.
+    """
+    found = []
+    for entry in entries:
+        for row in entry["rows"]:
+            if row.get("estimated") is None or row["error"] is None or row["quantity"] not in AREAS:
+                continue
+            solver = entry["solver"].rpartition(",")[0]
+            finest = [e for e in entries if (e["solver"], e["problem"]) == (solver, entry["problem"])][-1]
+            (true,) = (r["error"] for r in finest["rows"] if r["quantity"] == row["quantity"])
+            found.append((solver, entry["problem"], row["quantity"], true, row["estimated"], row["error"]))
+    return found
+
+
+def overall_curves(entries: Iterable[Problem]) -> list[Curve]:
+    """A curve for each solver on record: geometric means of seconds and errors over the problems it answered."""
+    by_solver: dict[str, list[list[Problem]]] = {}
+    for (solver, _), problems in _grouped(entries).items():
+        by_solver.setdefault(solver, []).append(problems)
+    return [_curve(solver, settings) for solver, settings in by_solver.items()]
+
+
+def _figure(problem: Problem, entries: Sequence[Problem], solver: str) -> str:
+    of_problem = [entry for entry in entries if entry["problem"] == problem["problem"]]
+    title = f"{problem['problem']}: error against seconds"
+    return standings_svg(problem["problem"], title, overall_curves(of_problem), _curve(solver, [[problem]]))
+
+
+def _curve(label: str, settings: Iterable[Sequence[Problem]]) -> Curve:
+    """A point for each setting that answered anything."""
+    points = []
+    for problems in settings:
+        known = [(problem["cpu_seconds"], _digits(problem)) for problem in problems if _digits(problem)]
+        if not known:
+            continue
+        seconds = [spent for spent, _ in known if spent is not None]
+        mean = statistics.geometric_mean([max(s, 1e-6) for s in seconds]) if seconds else None
+        points.append((mean, error_of_digits([statistics.mean(digits) for _, digits in known])))
+    return Curve(label, tuple(points))
+
+
+def _digits(problem: Problem) -> list[float]:
+    return [row["digits"] for row in problem["rows"] if row["digits"] is not None]
+
+
+def _grouped(entries: Iterable[Problem]) -> dict[tuple[str, str], list[Problem]]:
+    found: dict[tuple[str, str], list[Problem]] = {}
+    for entry in entries:
+        found.setdefault((entry["solver"], entry["setting"]), []).append(entry)
+    return found
