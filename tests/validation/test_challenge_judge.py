@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -75,6 +76,16 @@ def shapes(problem):
 
 def parts(problem):
     return exact(problem) | {"separation": [None, *exact(problem)["separation"][1:]]}
+
+def kills(problem):
+    # the first call takes with it the process that asked
+    with open("asked", "a") as asked:
+        asked.write(problem["name"] + " ")
+    if not os.path.exists("killed"):
+        open("killed", "w").close()
+        os.kill(os.getppid(), 9)
+        time.sleep(60)
+    return exact(problem)
 
 def prints(problem):
     print("{" * 100000)
@@ -191,6 +202,29 @@ def test_a_judgement_is_written_and_kept(solvers, capsys):
     page = (solvers / "out" / "challenge.html").read_text()
     assert "5 of 5 answers right" in page and 'role="img"' in page and 'src="' not in page
     assert "5 of 5 answers right" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
+def test_a_worker_killed_in_the_middle_costs_no_problem_and_counts_none_twice(solvers):
+    assert run("--solver", "mine:kills", "--only", "westergaard,complete-contact", "--jobs", "2") == 1
+    found = json.loads((solvers / "out" / "challenge.json").read_text())["problems"]
+    assert [one["problem"] for one in found] == ["westergaard", "complete-contact"]
+    assert [row["status"] for row in found[0]["rows"]] == ["right"] * 5
+    assert 3 <= len((solvers / "asked").read_text().split()) <= 4  # those that ran beside the killed one, once more
+
+
+def test_a_solver_of_an_installed_package_goes_by_its_name(solvers, monkeypatch):
+    monkeypatch.setattr("validation.challenge.commands.solvers", lambda: {"ours": "mine:exact"})
+    assert run("--solver", "ours", "--only", "westergaard") == 0
+
+
+@pytest.mark.parametrize("given", [("--executor", "slurm"), ("--jobs", "0")])
+def test_workers_that_cannot_be_are_bad_input(solvers, capsys, given):
+    try:
+        code = run("--solver", "mine:exact", *given)
+    except SystemExit as error:
+        code = error.code
+    assert code == 2 and given[1] in capsys.readouterr().err and not (solvers / "out").exists()
 
 
 def test_a_changed_solver_is_called_again(solvers):

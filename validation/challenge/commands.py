@@ -11,14 +11,15 @@ from pathlib import Path
 from typing import Any
 
 from bem.command_line.folder_lock import locked
-from validation.challenge import judge, standings
+from validation.challenge import standings
 from validation.challenge.answers import scale_of
-from validation.challenge.certify import certified, write
 from validation.challenge.problem import FOLDER, Problem, names, problem
-from validation.challenge.record import record
+from validation.harness.entry_points import solvers
+from validation.harness.executors import LOCAL, opener_of
 from validation.harness.runner import Note
 
 DONE, FAILED = 0, 1
+SOLVER = "from the dictionary of a problem to one of answers"
 DIGITS, TIME_LIMIT = 3.0, 600.0
 SHORT = 6  # numbers of a list that are shown
 
@@ -67,11 +68,15 @@ def _answers(one: Problem) -> list[str]:
 
 def _judge(options: argparse.Namespace) -> int:
     """Judge, and write what came out; 1 where an answer is missing or wrong, or digits were lost to a baseline."""
+    from validation.challenge import judge
+
+    workers = (options.jobs, opener_of(options.executor)) if (options.jobs, options.executor) != (1, LOCAL) else None
     problems = judge.chosen(options.only)
     with locked(options.out):
         if options.solver is not None:
             name = options.solver
-            found = judge.solved(name, problems, options.time_limit, options.out, _say)
+            spec = solvers().get(name, name)
+            found = judge.solved(spec, problems, options.time_limit, options.out, _say, workers)
         else:
             name = options.submission.name
             found = judge.submitted(options.submission, problems)
@@ -97,6 +102,8 @@ def _judge(options: argparse.Namespace) -> int:
 
 def _make(options: argparse.Namespace) -> int:
     """The answers made anew."""
+    from validation.challenge.certify import certified, write
+
     for name in options.names or names():
         write(certified(name), options.out)
         print(options.out / name, flush=True)
@@ -105,6 +112,8 @@ def _make(options: argparse.Namespace) -> int:
 
 def _standings(options: argparse.Namespace) -> int:
     """The recorded solvers run again."""
+    from validation.challenge.record import record
+
     with locked(options.out):
         path = record(options.out, options.solvers, options.time_limit, _say)
     print(path)
@@ -134,7 +143,7 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
 
     one = actions.add_parser("judge", help="judge a solver, or submitted answers")
     given = one.add_mutually_exclusive_group(required=True)
-    given.add_argument("--solver", metavar="MODULE:FUNCTION", help="from the dictionary of a problem to one of answers")
+    given.add_argument("--solver", metavar="MODULE:FUNCTION", help=f"{SOLVER}, or a name of an installed package")
     given.add_argument("--submission", type=Path, metavar="FILE", help="answers as .json or .csv")
     one.add_argument("--only", metavar="PATTERN", help="problems whose name matches, several between commas")
     one.add_argument("--digits", type=float, default=DIGITS, help=f"that make an answer right (default: {DIGITS:g})")
@@ -147,6 +156,8 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     one.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder of challenge.html and challenge.json"
     )
+    one.add_argument("--jobs", type=_count, default=1, metavar="N", help="problems at a time (default: 1)")
+    one.add_argument("--executor", default=LOCAL, metavar="SPEC", help="local (default) or dask://host:port")
     one.add_argument("--json", action="store_true", help="print the summary as JSON")
     one.set_defaults(command=_judge, perform=perform)
 
@@ -172,6 +183,12 @@ def _seconds(text: str) -> float:
     if not 0 < seconds < float("inf"):
         raise argparse.ArgumentTypeError(f"{text!r}: a number of seconds > 0 is needed")
     return seconds
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: a whole number > 0 is needed")
+    return int(text)
 
 
 def _say(note: Note) -> None:

@@ -12,8 +12,10 @@ import importlib.util
 import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatch
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +27,8 @@ from validation.challenge.judging import Judged, judged, lost
 from validation.challenge.problem import ChallengeError, Problem, names, problem
 from validation.challenge.solving import Returned, look_up, returned
 from validation.challenge.submission import read_submission
+from validation.harness.execution import Ended, run_in_processes
+from validation.harness.executors import Opener
 from validation.harness.provenance import provenance, versions
 from validation.harness.runner import Note
 from validation.report.challenge_page import render_challenge
@@ -81,9 +85,23 @@ def chosen(only: str | None) -> tuple[Problem, ...]:
 
 
 def solved(
-    spec: str, problems: Sequence[Problem], limit: float, folder: Path, report: Callable[[Note], None]
+    spec: str,
+    problems: Sequence[Problem],
+    limit: float,
+    folder: Path,
+    report: Callable[[Note], None],
+    workers: tuple[int, Opener] | None = None,
 ) -> Iterator[Returned]:
     """What a solver returns for each problem; from `folder` where it is kept there.
+
+    Parameters
+    ----------
+    spec : str
+        "package.module:function".
+    limit : float
+        Seconds for each problem.
+    workers : int and opener, optional
+        How many problems at a time, and where; default one after the other, on this machine.
 
     Raises
     ------
@@ -92,16 +110,39 @@ def solved(
     """
     look_up(spec)
     store, source = Answers(folder / FOLDER, _key(), report), _digest(spec)
-    for one in problems:
-        decides = (spec, source, hashlib.sha256(one.text.encode()).hexdigest())
-        found = store.kept(Returned, one.name, *decides)
-        if found is None:
-            found = returned(spec, one.text, limit)
-            spent = "" if found.seconds is None else f" in {found.seconds:.3g} s"
-            report(Note(f"{one.name}: {found.status}{spent}{': ' + found.message if found.message else ''}"))
-            if found.status in KEPT:
-                store.keep(Returned, found, one.name, *decides)
-        yield found
+    decides = {one.name: (spec, source, hashlib.sha256(one.text.encode()).hexdigest()) for one in problems}
+    kept = {one.name: store.kept(Returned, one.name, *decides[one.name]) for one in problems}
+    found = {name: answer for name, answer in kept.items() if answer is not None}
+    texts = {one.name: one.text for one in problems if one.name not in found}
+    for name, answer in _returned(spec, limit, texts, workers):
+        found[name] = answer
+        spent = "" if answer.seconds is None else f" in {answer.seconds:.3g} s"
+        report(Note(f"{name}: {answer.status}{spent}{': ' + answer.message if answer.message else ''}"))
+        if answer.status in KEPT:
+            store.keep(Returned, answer, name, *decides[name])
+    return iter([found[one.name] for one in problems])
+
+
+def _returned(
+    spec: str, limit: float, texts: dict[str, str], workers: tuple[int, Opener] | None
+) -> Iterator[tuple[str, Returned]]:
+    """Names of problems and what the solver returns for their texts, as they end."""
+    if workers is None:
+        for name, text in texts.items():
+            yield name, returned(spec, text, limit)
+        return
+    jobs, opener = workers
+    names_of = {text: name for name, text in texts.items()}
+    with closing(run_in_processes(partial(_limited, spec, limit), texts.values(), jobs, opener=opener)) as events:
+        for event in events:
+            if isinstance(event, Ended):
+                answer = event.answer
+                died = Returned("crashed", f"{type(answer).__name__}: {answer}")
+                yield names_of[event.item], answer if isinstance(answer, Returned) else died
+
+
+def _limited(spec: str, limit: float, text: str) -> Returned:
+    return returned(spec, text, limit)
 
 
 def submitted(path: Path, problems: Sequence[Problem]) -> Iterator[Returned]:
@@ -140,7 +181,7 @@ def against(judgement: Judgement, baseline: Path) -> Judgement:
 
 def write(judgement: Judgement, problems: Sequence[Problem], folder: Path) -> None:
     """Write challenge.json and challenge.html."""
-    told = ("title", "difficulty", "what_is_hard")
+    shown = ("title", "difficulty", "what_is_hard")
     content: dict[str, Any] = {
         "schema": SCHEMA,
         "solver": judgement.solver,
@@ -150,7 +191,7 @@ def write(judgement: Judgement, problems: Sequence[Problem], folder: Path) -> No
         "baseline": judgement.baseline,
         "lost": list(judgement.lost or ()),
         "problems": [
-            asdict(row) | {name: one.data[name] for name in told}
+            asdict(row) | {name: one.data[name] for name in shown}
             for row, one in zip(judgement.problems, problems, strict=True)
         ],
         "provenance": provenance(),
