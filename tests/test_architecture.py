@@ -47,6 +47,7 @@ ORDER = (
     "validation/harness/entry_points",
     "validation/report/verification",
     "validation/report",
+    "validation/report/challenge",
     "validation/references/paper_method",
     "validation/references",
     "validation/corpus/hard",

@@ -31,7 +31,7 @@ from validation.harness.execution import Ended, run_in_processes
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance, versions
 from validation.harness.runner import Note
-from validation.report.challenge_page import render_challenge
+from validation.report.challenge.challenge_page import render_challenge
 from validation.studies.answers import FOLDER, Answers
 from validation.studies.store import plain
 

@@ -21,8 +21,8 @@ from validation.challenge.solving import Returned
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
 from validation.harness.provenance import provenance
 from validation.harness.runner import Note
-from validation.report.challenge_figures import drawn_standings
-from validation.report.challenge_page import overall_curves
+from validation.report.challenge.challenge_figures import drawn_standings
+from validation.report.challenge.challenge_page import overall_curves
 from validation.report.figures import save
 from validation.studies.store import plain
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from validation.report.challenge_figures import Curve, error_of_digits, standings_svg
+from validation.report.challenge.challenge_figures import Curve, error_of_digits, standings_svg
 from validation.report.render import asset, environment
 
 AREAS = ("contact_fraction", "gap_fraction")

@@ -1,0 +1,1 @@
+"""The page of a judgement, and the figures of the standings."""
