@@ -7,6 +7,10 @@ from pkgutil import walk_packages
 import pytest
 
 PACKAGES = ("bem", "fem_reference", "persson", "validation")
+OF_EXTRAS = {  # modules that need a package which is not always there
+    "validation.challenge.entrants.contact_mechanics": "ContactMechanics",
+    "validation.challenge.entrants.tamaas_grid": "tamaas",
+}
 
 
 def modules():
@@ -18,10 +22,19 @@ def modules():
 
 @pytest.mark.parametrize("name", tuple(modules()))
 def test_the_examples_of_a_module_hold(name):
+    if name in OF_EXTRAS:
+        pytest.importorskip(OF_EXTRAS[name], exc_type=ImportError)
     outcome = doctest.testmod(import_module(name))
     assert outcome.failed == 0
 
 
 def test_there_are_examples():
     finder = doctest.DocTestFinder(exclude_empty=True)
-    assert sum(bool(found.examples) for name in modules() for found in finder.find(import_module(name))) > 90
+    assert (
+        sum(
+            bool(found.examples)
+            for name in set(modules()) - set(OF_EXTRAS)
+            for found in finder.find(import_module(name))
+        )
+        > 90
+    )
