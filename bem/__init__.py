@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bem.geometry.profile import Profile as Profile
     from bem.geometry.scaling import Solid as Solid
     from bem.scene.result import Result as Result
-    from bem.scene.result import read_result as read_result
+    from bem.scene.result_file import read_result as read_result
     from bem.scene.scene import load_scene as load_scene
     from bem.scene.scene import parse_scene as parse_scene
     from bem.scene.scene_rules import SceneError as SceneError
@@ -32,7 +32,7 @@ _HOME = {
     "SceneError": "bem.scene.scene_rules",
     "load_scene": "bem.scene.scene",
     "parse_scene": "bem.scene.scene",
-    "read_result": "bem.scene.result",
+    "read_result": "bem.scene.result_file",
     "solve": "bem.solver",
 }
 
@@ -46,7 +46,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     if name == "__version__":
-        return import_module("bem.scene.result").installed_version()
+        return import_module("bem.scene.result_file").installed_version()
     raise AttributeError(f"module 'bem' has no attribute {name!r}")
 
 

@@ -36,7 +36,8 @@ from bem.compiled.kernels import IN_USE
 from bem.scene.cost import cost_of
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.result import FINAL_STATUSES, Progress, Result, write_result
+from bem.scene.result import FINAL_STATUSES, Progress, Result
+from bem.scene.result_file import write_result
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene.scene_rules import Mistake
 from bem.solver import solve

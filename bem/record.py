@@ -24,7 +24,8 @@ from bem.nonadhesive.convex_path import ConvexPoint
 from bem.problem import Problem
 from bem.scene.effects import effects_of
 from bem.scene.plausibility import cautions_of, groups_of, pressure_groups
-from bem.scene.result import Caution, Effect, Event, Result, State, provenance
+from bem.scene.result import Caution, Effect, Event, Result, State
+from bem.scene.result_file import provenance
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
 from bem.states import Cost, Place, complete_state, equilibrium_state, event_of, separated_state

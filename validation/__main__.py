@@ -19,7 +19,7 @@ from pydantic import ValidationError
 
 from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result import RESULT_FILE, CorruptResultError
+from bem.scene.result_file import RESULT_FILE, CorruptResultError
 from bem.scene.scene import SceneError
 from validation.challenge import commands as challenge
 from validation.harness import baseline

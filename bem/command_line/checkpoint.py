@@ -16,7 +16,8 @@ from pathlib import Path
 from types import FrameType
 
 from bem.scene.effects import effects_of
-from bem.scene.result import FINAL_STATUSES, CorruptResultError, Result, digest, provenance, read_result, write_result
+from bem.scene.result import FINAL_STATUSES, Result
+from bem.scene.result_file import CorruptResultError, digest, provenance, read_result, write_result
 from bem.scene.scene import Scene
 
 PAUSE = 10.0

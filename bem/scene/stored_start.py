@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bem.scene.result import FINAL_STATUSES, CorruptResultError, State, read_result
+from bem.scene.result import FINAL_STATUSES, State
+from bem.scene.result_file import CorruptResultError, read_result
 from bem.scene.scene_rules import QUESTIONS, Mistake, shown
 
 

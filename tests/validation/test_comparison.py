@@ -8,7 +8,7 @@ import pytest
 from report_parts import row
 
 import bem
-from bem.scene.result import write_result
+from bem.scene.result_file import write_result
 from validation.command_line.comparison import LIMIT, Difference, compare_reports, compare_results
 from validation.command_line.front_door import main
 from validation.harness.schema import CaseRecord, Report, with_checksum

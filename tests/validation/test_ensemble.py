@@ -17,7 +17,7 @@ import pytest
 from example_members import here, members
 
 import bem
-from bem.scene.result import FIELDS_FILE, RESULT_FILE, CorruptResultError
+from bem.scene.result_file import FIELDS_FILE, RESULT_FILE, CorruptResultError
 from bem.scene.scene import SceneError
 from validation.harness.ensemble import Member, member_seed, read_member, run_ensemble
 from validation.harness.executors import local_processes

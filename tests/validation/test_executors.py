@@ -16,7 +16,7 @@ from example_members import here, members
 from example_tasks import squared
 from threadpoolctl import threadpool_info
 
-from bem.scene.result import RESULT_FILE
+from bem.scene.result_file import RESULT_FILE
 from validation import __main__ as command_line
 from validation.harness import executors
 from validation.harness.ensemble import read_member, run_ensemble

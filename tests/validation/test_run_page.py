@@ -8,7 +8,7 @@ from browser import BROWSER, found_at
 from rough_scene import ROUGH
 
 import bem
-from bem.scene.result import write_result
+from bem.scene.result_file import write_result
 from validation.command_line.front_door import main
 from validation.report.run_figures import figures_of, shape_states
 from validation.report.run_page import render_run

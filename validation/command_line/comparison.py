@@ -16,7 +16,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from bem.scene.result import RESULT_FILE, ErrorEstimate, Event, EventError, Result, State, read_result
+from bem.scene.result import ErrorEstimate, Event, EventError, Result, State
+from bem.scene.result_file import RESULT_FILE, read_result
 from validation.__main__ import REPORT_FILE, read_report
 from validation.harness.baseline import quantities_of
 from validation.harness.schema import Report, is_intact

@@ -18,7 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bem.scene.result import CorruptResultError
+from bem.scene.result_file import CorruptResultError
 from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, OtherSceneError, read_member, run_ensemble
 from validation.harness.executors import Opener

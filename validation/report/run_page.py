@@ -8,7 +8,8 @@ from typing import Any
 
 from bem.command_line.console import scene_text
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result import Result, State, read_result
+from bem.scene.result import Result, State
+from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
 from validation.report.render import PAGE, asset, environment, number
 from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states

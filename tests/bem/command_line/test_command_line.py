@@ -18,7 +18,8 @@ from bem.audit import certificate
 from bem.command_line.checkpoint import Checkpoint
 from bem.command_line.console import LineReporter, reporter, summary, summary_line
 from bem.scene.effects import effects_of
-from bem.scene.result import Progress, Result, provenance, read_result, write_result
+from bem.scene.result import Progress, Result
+from bem.scene.result_file import provenance, read_result, write_result
 from bem.scene.scene import load_scene
 
 SCENE = """

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
-from bem.scene.result import write_result
+from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
 from bem.solver import solve
 from validation.cases.paths.energy_balance import accounts, closed, legs

@@ -12,20 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stored_states import stored_state
 
-from bem.scene import result as result_module
-from bem.scene.result import (
-    CorruptResultError,
-    Effect,
-    ErrorEstimate,
-    Event,
-    EventError,
-    NotFiniteError,
-    Result,
-    State,
-    provenance,
-    read_result,
-    write_result,
-)
+from bem.scene import result_file
+from bem.scene.result import Effect, ErrorEstimate, Event, EventError, NotFiniteError, Result, State
+from bem.scene.result_file import CorruptResultError, provenance, read_result, write_result
 
 SCENE = {"title": "é", "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.1 + 0.2}}
 STATE = stored_state(
@@ -155,7 +144,7 @@ def test_state_without_a_key_is_told(tmp_path):
     path = tmp_path / "result.json"
     content = json.loads(path.read_text())
     del content["states"][0]["edges"], content["checksum"]
-    path.write_text(json.dumps(content | {"checksum": result_module.digest(content)}))
+    path.write_text(json.dumps(content | {"checksum": result_file.digest(content)}))
     with pytest.raises(CorruptResultError, match=r"incomplete.*edges"):
         read_result(tmp_path)
 
@@ -204,5 +193,5 @@ def test_missing_result_is_not_corruption(tmp_path):
 
 def test_provenance_holds_no_path_and_the_digest_of_the_scene(tmp_path):
     facts = provenance(SCENE)
-    assert facts["scene_sha256"] == result_module.digest(SCENE)
+    assert facts["scene_sha256"] == result_file.digest(SCENE)
     assert not any("/" in str(value) for value in facts.values())

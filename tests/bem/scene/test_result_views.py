@@ -93,5 +93,5 @@ def test_neither_library_is_imported_before_it_is_used():
 
 
 def test_a_stored_result_is_read_from_a_text(result, tmp_path):
-    importlib.import_module("bem.scene.result").write_result(result, tmp_path)
+    importlib.import_module("bem.scene.result_file").write_result(result, tmp_path)
     assert repr(bem.read_result(str(tmp_path))) == repr(result)

@@ -10,7 +10,8 @@ import pytest
 from made_up_table import COATING, allow_coatings
 from stored_states import stored_state
 
-from bem.scene.result import Result, write_result
+from bem.scene.result import Result
+from bem.scene.result_file import write_result
 from bem.scene.scene import SceneError, load_scene, parse_scene
 
 BASE = {

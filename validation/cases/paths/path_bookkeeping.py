@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.scene.result import Event, Result, State, write_result
+from bem.scene.result import Event, Result, State
+from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared

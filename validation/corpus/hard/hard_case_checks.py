@@ -21,7 +21,8 @@ from bem.contact_state import ContactState
 from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
-from bem.scene.result import Result, State, write_result
+from bem.scene.result import Result, State
+from bem.scene.result_file import write_result
 from bem.scene.scene import Scene, parse_scene
 from bem.solver import solve
 from validation.references.lone_crack import closing, crack, valleys

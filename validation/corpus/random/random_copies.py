@@ -23,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
-from bem.scene.result import FINAL_STATUSES, Event, Result, State, write_result
+from bem.scene.result import FINAL_STATUSES, Event, Result, State
+from bem.scene.result_file import write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
 from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Kind, Units
 from validation.corpus.random.random_scenes import SCAN, Table

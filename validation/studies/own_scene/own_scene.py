@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from bem.scene.effects import predicted_seconds
-from bem.scene.result import digest
+from bem.scene.result_file import digest
 from bem.scene.scene import SceneError, load_scene, parse_scene
 from validation.harness.execution import Ended, Running, run_in_processes
 from validation.harness.provenance import provenance
