@@ -38,7 +38,7 @@ FloatArray = NDArray[np.float64]
 
 FINE_GROWTH, FINE_CELLS = 0.0125, 800
 COARSE_GROWTH, COARSE_CELLS, COARSE_SUBSTEPS, COARSE_LINES = 0.05, 300, 3, 50
-LADDER = 17
+LADDER = 21
 TOLERANCE, COARSE_TOLERANCE = 1e-9, 1e-7
 BRANCHES_FROM = 0.5  # of the energy of full contact: far below the 1.5 at which branches appear
 NEAR_ZERO_LOADS = (1e-4, 1e-3)  # in standard deviations of the full-contact stress
