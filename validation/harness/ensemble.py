@@ -1,8 +1,8 @@
 """Many solutions on any executor, each stored as soon as it is there, and computed only where it is missing.
 
 A member is a name and the content of a scene file; its result lies in `folder/NAME/` as the solver writes it:
-result.json with its checksum and fields.npz with its digest, both under temporary names first (bem's result_file.py).
-Only the process that hands out the work writes, one member in one piece: whatever is killed, at most the members in flight
+result.json with its checksum and fields.npz with its digest, both under temporary names first.  Only
+the process that hands out the work writes, one member in one piece: whatever is killed, at most the members in flight
 are lost, and a member that two workers computed, because one was given up, is stored once.  A stored member counts
 when its checksums hold and its scene is the one asked for; any other is reported, and computed again.
 
