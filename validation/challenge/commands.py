@@ -13,6 +13,7 @@ from typing import Any
 from bem.command_line.folder_lock import locked
 from validation.challenge import standings
 from validation.challenge.answers import scale_of
+from validation.challenge.judging import MOST_DIGITS
 from validation.challenge.problem import FOLDER, Problem, names, problem
 from validation.harness.entry_points import solvers
 from validation.harness.executors import LOCAL, opener_of
@@ -72,6 +73,7 @@ def _judge(options: argparse.Namespace) -> int:
 
     workers = (options.jobs, opener_of(options.executor)) if (options.jobs, options.executor) != (1, LOCAL) else None
     problems = judge.chosen(options.only)
+    before = () if options.baseline is None else judge.earlier(options.baseline, problems)
     with locked(options.out):
         if options.solver is not None:
             name = options.solver
@@ -82,9 +84,12 @@ def _judge(options: argparse.Namespace) -> int:
             found = judge.submitted(options.submission, problems)
         judgement = judge.judge(name, problems, found, options.digits)
         if options.baseline is not None:
-            judgement = judge.against(judgement, options.baseline)
+            judgement = judge.against(judgement, options.baseline.name, before)
         judge.write(judgement, problems, options.out)
     for one in judgement.problems:
+        if one.status != "answered":
+            print(f"{one.problem}: {one.status}, {' '.join(one.message.split())}", file=sys.stderr)
+            continue
         for row in one.rows:
             if row.status != "right":
                 why = f", {row.message}" if row.message else ""
@@ -146,7 +151,7 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     given.add_argument("--solver", metavar="MODULE:FUNCTION", help=f"{SOLVER}, or a name of an installed package")
     given.add_argument("--submission", type=Path, metavar="FILE", help="answers as .json or .csv")
     one.add_argument("--only", metavar="PATTERN", help="problems whose name matches, several between commas")
-    one.add_argument("--digits", type=float, default=DIGITS, help=f"that make an answer right (default: {DIGITS:g})")
+    one.add_argument("--digits", type=_digits, default=DIGITS, help=f"that make an answer right (default: {DIGITS:g})")
     one.add_argument(
         "--time-limit", type=_seconds, default=TIME_LIMIT, metavar="S", help="of each problem (default: 600)"
     )
@@ -173,6 +178,16 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     )
     again.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of what was finished")
     again.set_defaults(command=_standings, perform=perform)
+
+
+def _digits(text: str) -> float:
+    try:
+        digits = float(text)
+    except ValueError:
+        digits = 0.0
+    if not 0 < digits <= MOST_DIGITS:
+        raise argparse.ArgumentTypeError(f"{text!r}: a number of digits > 0 and <= {MOST_DIGITS:g} is needed")
+    return digits
 
 
 def _seconds(text: str) -> float:

@@ -13,7 +13,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatch
 from functools import partial
 from pathlib import Path
@@ -75,13 +75,13 @@ def chosen(only: str | None) -> tuple[Problem, ...]:
     Raises
     ------
     ChallengeError
-        None does.
+        A pattern matches none.
     """
     patterns = ["*"] if only is None else only.split(",")
-    found = tuple(problem(name) for name in names() if any(fnmatch(name, pattern) for pattern in patterns))
-    if not found:
-        raise ChallengeError(f"--only {only!r}: one of {', '.join(names())} is needed")
-    return found
+    for pattern in patterns:
+        if not any(fnmatch(name, pattern) for name in names()):
+            raise ChallengeError(f"--only {pattern!r}: one of {', '.join(names())} is needed")
+    return tuple(problem(name) for name in names() if any(fnmatch(name, pattern) for pattern in patterns))
 
 
 def solved(
@@ -158,13 +158,13 @@ def judge(solver: str, problems: Sequence[Problem], found: Iterator[Returned], d
     return Judgement(solver, digits, rows)
 
 
-def against(judgement: Judgement, baseline: Path) -> Judgement:
-    """The same beside a baseline, challenge.json of an earlier judgement.
+def earlier(baseline: Path, problems: Sequence[Problem]) -> tuple[Judged, ...]:
+    """The problems of a baseline, challenge.json of an earlier judgement.
 
     Raises
     ------
     ChallengeError
-        It is none.
+        It is none, or holds none of the problems.
     """
     try:
         content = json.loads(baseline.read_text("utf-8"))
@@ -175,8 +175,16 @@ def against(judgement: Judgement, baseline: Path) -> Judgement:
         raise ChallengeError(f"baseline {baseline}: no such file") from error
     except (json.JSONDecodeError, UnicodeDecodeError, KeyError, TypeError, ValidationError) as error:
         raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
+    held = ", ".join(one.problem for one in before)
+    if not {one.name for one in problems} & {one.problem for one in before}:
+        raise ChallengeError(f"baseline {baseline}: one of the problems judged is needed, it holds {held or 'none'}")
+    return before
+
+
+def against(judgement: Judgement, name: str, before: Sequence[Judged]) -> Judgement:
+    """The same beside the problems of a baseline of this name."""
     missed = tuple(lost(judgement.problems, before))
-    return Judgement(judgement.solver, judgement.digits, judgement.problems, baseline.name, missed)
+    return replace(judgement, baseline=name, lost=missed)
 
 
 def write(judgement: Judgement, problems: Sequence[Problem], folder: Path) -> None:

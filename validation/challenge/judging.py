@@ -116,13 +116,21 @@ def _row(name: str, key: Certified, given: Any, digits: float) -> Row:
     if values and all(value is None for value in values):
         return without("missing", "")
     shown = repr(given) if len(repr(given)) < 60 else repr(given)[:57] + "..."
-    if any(isinstance(value, str | bool) for value in values):
+    if any(isinstance(value, str | bool | dict) for value in values):
         return without("not a number", shown)
     if any(isinstance(value, list) for value in values) or len(values) != count:
         return without("wrong shape", f"{count} numbers are needed, not {shown}")
-    if not all(value is None or math.isfinite(value) for value in values):
+    if not all(value is None or _finite(value) for value in values):
         return without("not a number", shown)
     return _compared(name, key, values, digits)
+
+
+def _finite(value: float) -> bool:
+    """Whether it is a double: JSON and Python have integers that are none."""
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _compared(name: str, key: Certified, values: Sequence[float | None], digits: float) -> Row:

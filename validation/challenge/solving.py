@@ -85,9 +85,17 @@ def returned(spec: str, problem: str, limit: float) -> Returned:
                 _end(process)
         if not file.exists():
             text = printed.read_bytes().decode("utf-8", "replace")[-TAIL:]
-            return Returned("crashed", f"the process ended with code {process.returncode}: {text}".strip())
+            return Returned("crashed", ": ".join(filter(None, (_ending(process.returncode), text.strip()))))
         content: Mapping[str, Any] = json.loads(file.read_text("utf-8"))
         return Returned(**content)
+
+
+def _ending(code: int) -> str:
+    """How a process ended, in words."""
+    if code >= 0:
+        return f"the process ended with code {code}"
+    named = {one.value: one.name for one in signal.Signals}
+    return f"the process was ended by {named.get(-code, f'signal {-code}')}"
 
 
 def _environment() -> dict[str, str]:

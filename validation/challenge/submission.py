@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from validation.challenge.problem import ChallengeError, names
+from validation.challenge.problem import ChallengeError, names, problem
 
 NEEDED = ("problem", "quantity", "index", "value")
 Submitted = dict[str, dict[str, Any]]
@@ -27,9 +27,11 @@ def read_submission(path: Path) -> Submitted:
         The file is neither, a line is not complete, or a problem does not exist; with the line or the name.
     """
     try:
-        text = path.read_text("utf-8")
+        text = path.read_text("utf-8-sig")  # spreadsheets begin a file with a byte order mark
     except FileNotFoundError as error:
         raise ChallengeError(f"submission {path}: no such file") from error
+    except OSError as error:
+        raise ChallengeError(f"submission {path}: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise ChallengeError(f"submission {path}: UTF-8 is needed") from error
     if path.suffix not in (".json", ".csv"):
@@ -44,7 +46,7 @@ def read_submission(path: Path) -> Submitted:
 def _of_json(path: Path, text: str) -> Submitted:
     try:
         content = json.loads(text)
-    except json.JSONDecodeError as error:
+    except ValueError as error:  # also an integer of more digits than Python reads
         raise ChallengeError(f"submission {path}: {error}") from error
     if isinstance(content, dict) and isinstance(content.get("problem"), str):
         content = {content["problem"]: content.get("answers")}
@@ -61,7 +63,9 @@ def _of_csv(path: Path, text: str) -> Submitted:
     reader = csv.DictReader(text.splitlines(), skipinitialspace=True)
     absent = [name for name in NEEDED if name not in (reader.fieldnames or ())]
     if absent:
-        raise ChallengeError(f"submission {path}: line 1: columns {', '.join(absent)} are missing")
+        header = ", ".join(reader.fieldnames or ("nothing",))
+        raise ChallengeError(f"submission {path}: line 1: columns {', '.join(absent)} are missing, found: {header}")
+    asked = {name: problem(name).key.answers for name in names()}
     found: dict[str, dict[str, dict[int, float]]] = {}
     for row in reader:
         where = f"submission {path}: line {reader.line_num}"
@@ -72,10 +76,17 @@ def _of_csv(path: Path, text: str) -> Submitted:
         except ValueError as error:
             raise ChallengeError(f"{where}: index and value: {error}") from error
         values = found.setdefault(row["problem"], {}).setdefault(row["quantity"], {})
-        if index < 0 or index in values:
-            raise ChallengeError(f"{where}: index {index}: each from 0 is needed once")
+        key = asked.get(row["problem"], {}).get(row["quantity"])
+        most = "" if key is None else f" to {len(key.value) - 1}"
+        if index < 0 or index in values or (key is not None and index >= len(key.value)):
+            raise ChallengeError(f"{where}: index {index}: each from 0{most} is needed once")
         values[index] = value
     return {
-        name: {key: [values.get(i) for i in range(max(values) + 1)] for key, values in answers.items()}
+        name: {
+            key: [values.get(i) for i in range(max(values) + 1)]
+            if key in asked.get(name, {})
+            else list(values.values())
+            for key, values in answers.items()
+        }
         for name, answers in found.items()
     }

@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 import tomllib
+import traceback
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -60,11 +61,23 @@ def called(solver: Callable[[dict[str, Any]], Any], problem: dict[str, Any]) -> 
     except NotImplementedError as error:
         return {"status": "not offered", "message": str(error) or "not offered"}
     except Exception as error:
-        return {"status": "crashed", "message": f"{type(error).__name__}: {error}"}
+        return {"status": "crashed", "message": f"{type(error).__name__}: {error}{_place(error)}"}
     spent = {"seconds": time.perf_counter() - wall, "cpu_seconds": _cpu_seconds() - cpu}
     if not isinstance(answers, dict):
         return spent | {"status": "crashed", "message": f"a dictionary is needed, it returned {type(answers).__name__}"}
     return spent | {"status": "answered", "answers": {str(name): plain(value) for name, value in answers.items()}}
+
+
+def _place(error: Exception) -> str:
+    """File and line of the last frame in the package of the solver; empty where its call itself failed."""
+    frames = list(traceback.walk_tb(error.__traceback__))[1:]
+    packages = [frame.f_globals.get("__name__", "").partition(".")[0] for frame, _ in frames]
+    ours = [found for found, package in zip(frames, packages, strict=True) if package == packages[0]]
+    if not ours:
+        return ""
+    frame, line = ours[-1]
+    file = Path(frame.f_code.co_filename)
+    return f" ({file.relative_to(Path.cwd()) if file.is_relative_to(Path.cwd()) else file}:{line})"
 
 
 def _end_with(parent: int) -> None:
@@ -89,11 +102,13 @@ def with_arrays(data: Any) -> Any:
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON holds it; what is no number stays visible as text."""
+    """A value as JSON holds it; what is no number stays visible as text, an integer beyond all doubles too."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
+    if isinstance(value, int) and value.bit_length() > sys.float_info.max_exp:
+        return f"an integer of {value.bit_length()} bits"
     return value if value is None or isinstance(value, int | float | str) else str(value)
 
 
