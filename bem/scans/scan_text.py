@@ -3,8 +3,9 @@
 A line is a row of the table if all its cells are numbers, or words for a missing one; how cells are parted (tab,
 semicolon, comma, blanks) and which decimal mark they have is a *reading*.  Of all readings the one with the most rows
 of one length is taken; two that explain as many rows by different numbers are refused (`0,5` may be two columns or a
-decimal comma; csv.Sniffer takes the likelier one).  What stands before the first row is the header, of any length;
-after it every line must be a row.  `#` begins a comment.  Encodings: UTF-8 and UTF-16 by their marks, else Latin-1.
+decimal comma; csv.Sniffer takes the likelier one), as is a file whose every comma may part thousands (`12,345`).  What
+stands before the first row is the header, of any length; after it every line must be a row.  `#` begins a comment.
+Encodings: UTF-8 and UTF-16 by their marks, else Latin-1.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
 MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none", "missing", "bad", "invalid", "void"}
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
 COMMENT = re.compile(r"(?:^|\s)#(?!n/a)", re.IGNORECASE)
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # or a decimal comma
 SHAPE = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
@@ -180,7 +182,21 @@ def _reading_of(lines: Sequence[tuple[int, str]], decimal: str | None) -> tuple[
             raise ScanFileError(
                 [Refusal("decimal", f"is needed: line {number} ({line[:40]!r}) may be {read}", allowed)]
             )
+    if decimal is None and reading.decimal == ",":
+        _refuse_thousands([(n, line) for n, line in judged if n in rows], reading)
     return reading, width
+
+
+def _refuse_thousands(rows: Iterable[tuple[int, str]], reading: Reading) -> None:
+    """ScanFileError where every number with a comma may as well have it between thousands (`12,345`)."""
+    commas = [(n, line, cell) for n, line in rows for cell in reading.cells(line) if "," in cell]
+    if not commas or not all(THOUSANDS.fullmatch(cell) for *_, cell in commas):
+        return
+    number, line, cell = commas[0]
+    whole, rest = cell.split(",")
+    found = f"is needed: line {number} ({line[:40]!r}) may hold {whole}.{rest} or {whole}{rest}, as all with a comma"
+    allowed = 'decimal = "," for the first; for the second remove the commas between thousands from the file'
+    raise ScanFileError([Refusal("decimal", found, allowed)])
 
 
 def _has_number(row: Row) -> bool:

@@ -181,6 +181,20 @@ def test_wrong_file_is_told(text, values, key, said, tmp_path):
     assert refusals[0].allowed
 
 
+@pytest.mark.parametrize("delimiter", ["\t", ";", " "])
+def test_commas_that_may_part_thousands_are_not_guessed(delimiter, tmp_path):
+    """All commas before three decimals: told; read as stated; one number that can have no thousands settles it."""
+    cells = ["1,200", "-12,345", "950"]
+    text = "".join(f"{k}{delimiter}{cell}\n" for k, cell in enumerate(cells))
+    (refusal,) = refusals_of(tmp_path, text, **UNITS)
+    assert refusal.key == "decimal"
+    assert "line 1" in refusal.found
+    assert "1.200 or 1200" in refusal.found
+    np.testing.assert_allclose(scan_of(tmp_path, text, decimal=",", **UNITS).h, np.array([1.2, -12.345, 950]) * 1e-6)
+    for settled in ("0,123", "1,25", "1234,500"):
+        assert scan_of(tmp_path, f"{text}3{delimiter}{settled}\n", **UNITS).h[0] == pytest.approx(1.2e-6)
+
+
 def test_missing_file_is_told(tmp_path):
     with pytest.raises(ScanFileError, match="cannot be read"):
         read_scan(tmp_path / "nowhere.csv", UNITS)
