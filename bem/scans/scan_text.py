@@ -33,6 +33,8 @@ MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none", "mi
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
 COMMENT = re.compile(r"(?:^|\s)#(?!n/a)", re.IGNORECASE)
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # or a decimal comma
+GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:(?:,\d{3})+(?:,\d{3}|\.\d*)|(?:\.\d{3})+(?:\.\d{3}|,\d*))")
+FORTRAN = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+))[dD]([+-]?\d+)")
 SHAPE = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
@@ -127,9 +129,13 @@ def read_table(content: bytes, decimal: str | None = None) -> TextTable:
     """
     text, encoding = _decoded(content)
     lines = [(number, bare) for number, line in enumerate(text.splitlines(), 1) if (bare := _without_comment(line))]
-    reading, width = _reading_of(lines, decimal)
-    header = [(number, line) for number, line in _texts(text, lines, reading, width)]
-    table, numbers = _rows(lines, reading, width)
+    try:
+        reading, width = _reading_of(lines, decimal)
+        table, numbers = _rows(lines, reading, width)
+    except ScanFileError as error:
+        spelling = _spelling(lines, decimal) if any(refusal.key == "file" for refusal in error.refusals) else None
+        raise (error if spelling is None else ScanFileError([spelling, *error.refusals])) from None
+    header = list(_texts(text, lines, reading, width))
     if not reading.delimiter or not np.isnan(table[:, -1]).all() or width == 1:
         return TextTable(table, numbers, tuple(header), encoding, reading)
     return TextTable(table[:, :-1], numbers, tuple(header), encoding, reading)  # every line ends with the delimiter
@@ -262,6 +268,26 @@ def _quick(lines: Sequence[tuple[int, str]], reading: Reading) -> FloatArray | N
     except ValueError:
         return None
     return table if np.isfinite(table).all() else None
+
+
+def _spelling(lines: Sequence[tuple[int, str]], decimal: str | None) -> Refusal | None:
+    """What makes no row of the first line with a Fortran exponent (`1.0D-05`) or parted thousands (`1,200,000`)."""
+    for number, line in lines:
+        if not any(form.search(line) for form in (FORTRAN, GROUPED, THOUSANDS)):
+            continue
+        for reading in READINGS:
+            cells = reading.cells(line)
+            rest = [cell for cell in cells if reading.row(cell) is None]
+            if rest and all(FORTRAN.fullmatch(cell) for cell in rest):
+                spelt = FORTRAN.sub(r"\1E\2", rest[0])
+                allowed = f"an exponent with E, {spelt}: replace D by E in the file"
+                return Refusal("file", f"line {number} ({line[:40]!r}) has exponents with D", allowed)
+            if reading.delimiter == "," or len(cells) == 1:
+                continue
+            if rest and all(GROUPED.fullmatch(c) or (decimal == "." and THOUSANDS.fullmatch(c)) for c in rest):
+                allowed = "numbers without marks between thousands: remove them from the file"
+                return Refusal("file", f"line {number} ({line[:40]!r}) has thousands parted", allowed)
+    return None
 
 
 def _half_a_row(line: str, reading: Reading, width: int) -> bool:
