@@ -121,6 +121,16 @@ def test_scan_read_in_another_unit_is_named(unit, about, loading, folder):
     assert "unit" in found[about]
 
 
+def test_short_scan_in_mm_read_as_m_is_named(tmp_path):
+    """0.5 mm and 2.5 um rms, read as m under mean pressures: slope, pressures and adhesion are ordinary."""
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X)]) / 20, delimiter=",", fmt="%.12g")
+    assert said(scan_scene(tmp_path, loading=PRESSURE)) == {}
+    found = said(scan_scene(tmp_path, "m", "m", PRESSURE))
+    assert sorted(found) == ["profile.period", "rms_height"]
+    assert 'above 0.1 m: unit_x = "m"?' in found["profile.period"]
+    assert 'above 0.0001 m: unit_h = "m"?' in found["rms_height"]
+
+
 @pytest.mark.parametrize(
     ("units", "remedy"),
     [
