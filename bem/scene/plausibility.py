@@ -176,6 +176,9 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     scan = scene.scan
     if scan is None:
         return
+    heights = scan.measured[1]
+    if np.nanmin(heights) == np.nanmax(heights):
+        yield "profile.file", "all heights are equal: another column?"
     share, jump = groups["slope_share_kept"], groups["end_jump_over_step"]
     if share < LEAST_SHARE:
         cut = (

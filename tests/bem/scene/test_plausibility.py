@@ -190,6 +190,13 @@ def test_spikes_that_are_kept_are_named(tmp_path):
     assert "profile.outliers" not in said(scan_scene(tmp_path, outliers="replace"))
 
 
+@pytest.mark.parametrize(("last", "told"), [(1.3, True), (1.4, False)])
+def test_equal_heights_are_named(last, told, tmp_path):
+    heights = np.append(np.full(COUNT - 1, 1.3), last)
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, heights]), delimiter=",", fmt="%.12g")
+    assert ("all heights are equal: another column?" in said(scan_scene(tmp_path)).values()) == told
+
+
 def test_missing_unit_is_refused_by_name(folder):
     with pytest.raises(SceneError) as caught:
         parse_scene(WAVE | {"profile": {"kind": "samples", "file": "scan.csv", "unit_x": "mm"}}, folder)
