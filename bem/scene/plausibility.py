@@ -176,9 +176,13 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     scan = scene.scan
     if scan is None:
         return
+    steps = {step["step"]: step for step in scan.steps}
     heights = scan.measured[1]
     if np.nanmin(heights) == np.nanmax(heights):
         yield "profile.file", "all heights are equal: another column?"
+    elif heights[0] == heights[-1] and steps["periodic"]["method"] == "as_is":
+        told = "the last height equals the first: is the end of the period, which is its beginning, in the file?"
+        yield "profile.file", f"{told} Then remove the last line"
     share, jump = groups["slope_share_kept"], groups["end_jump_over_step"]
     if share < LEAST_SHARE:
         cut = (
@@ -188,7 +192,6 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     if jump > LARGEST_JUMP:
         remedy = 'detrend = "line", periodic = "mirror" or "window"?'
         yield "profile.periodic", f"the step at the end of the period is {jump:.3g} times the rms step: {remedy}"
-    steps = {step["step"]: step for step in scan.steps}
     spikes, gaps, count = steps["outliers"], steps["missing"], steps["read"]["samples"]
     if spikes["count"] and spikes["method"] == "keep":
         told = f"{spikes['count']} of {count} samples are spikes, the first at {spikes['first']}"

@@ -182,6 +182,16 @@ def test_jump_at_the_end_of_the_period_is_named(periodic, told, tmp_path):
     assert (groups_of(scene)["end_jump_over_step"] > 3) == told
 
 
+@pytest.mark.parametrize(
+    ("count", "periodic", "told"), [(COUNT + 1, "as_is", True), (COUNT, "as_is", False), (COUNT + 1, "mirror", False)]
+)
+def test_period_with_its_end_point_is_named(count, periodic, told, tmp_path):
+    x = LENGTH / COUNT * np.arange(count)
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([x, ROUGH.height(x)]), delimiter=",", fmt="%.9g")
+    found = said(scan_scene(tmp_path, periodic=periodic))
+    assert ("the last height equals the first" in found.get("profile.file", "")) == told
+
+
 def test_spikes_that_are_kept_are_named(tmp_path):
     h = ROUGH.height(X)
     h[30] += 1.0
