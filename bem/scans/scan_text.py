@@ -3,8 +3,9 @@
 A line is a row of the table if all its cells are numbers, or words for a missing one; how cells are parted (tab,
 semicolon, comma, blanks) and which decimal mark they have is a *reading*.  Of all readings the one with the most rows
 of one length is taken; two that explain as many rows by different numbers are refused (`0,5` may be two columns or a
-decimal comma; csv.Sniffer takes the likelier one).  What stands before the first row is the header, of any length;
-after it every line must be a row.  `#` begins a comment.  Encodings: UTF-8 and UTF-16 by their marks, else Latin-1.
+decimal comma; csv.Sniffer takes the likelier one), as is a file whose every comma may part thousands (`12,345`).  What
+stands before the first row is the header, of any length; after it every line must be a row.  `#` begins a comment.
+Encodings: UTF-8 and UTF-16 by their marks, else Latin-1.
 """
 
 from __future__ import annotations
@@ -31,6 +32,9 @@ DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
 MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none", "missing", "bad", "invalid", "void"}
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
 COMMENT = re.compile(r"(?:^|\s)#(?!n/a)", re.IGNORECASE)
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # or a decimal comma
+GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:(?:,\d{3})+(?:,\d{3}|\.\d*)|(?:\.\d{3})+(?:\.\d{3}|,\d*))")
+FORTRAN = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+))[dD]([+-]?\d+)")
 SHAPE = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
@@ -125,9 +129,13 @@ def read_table(content: bytes, decimal: str | None = None) -> TextTable:
     """
     text, encoding = _decoded(content)
     lines = [(number, bare) for number, line in enumerate(text.splitlines(), 1) if (bare := _without_comment(line))]
-    reading, width = _reading_of(lines, decimal)
-    header = [(number, line) for number, line in _texts(text, lines, reading, width)]
-    table, numbers = _rows(lines, reading, width)
+    try:
+        reading, width = _reading_of(lines, decimal)
+        table, numbers = _rows(lines, reading, width)
+    except ScanFileError as error:
+        spelling = _spelling(lines, decimal) if any(refusal.key == "file" for refusal in error.refusals) else None
+        raise (error if spelling is None else ScanFileError([spelling, *error.refusals])) from None
+    header = list(_texts(text, lines, reading, width))
     if not reading.delimiter or not np.isnan(table[:, -1]).all() or width == 1:
         return TextTable(table, numbers, tuple(header), encoding, reading)
     return TextTable(table[:, :-1], numbers, tuple(header), encoding, reading)  # every line ends with the delimiter
@@ -180,7 +188,21 @@ def _reading_of(lines: Sequence[tuple[int, str]], decimal: str | None) -> tuple[
             raise ScanFileError(
                 [Refusal("decimal", f"is needed: line {number} ({line[:40]!r}) may be {read}", allowed)]
             )
+    if decimal is None and reading.decimal == ",":
+        _refuse_thousands([(n, line) for n, line in judged if n in rows], reading)
     return reading, width
+
+
+def _refuse_thousands(rows: Iterable[tuple[int, str]], reading: Reading) -> None:
+    """ScanFileError where every number with a comma may as well have it between thousands (`12,345`)."""
+    commas = [(n, line, cell) for n, line in rows for cell in reading.cells(line) if "," in cell]
+    if not commas or not all(THOUSANDS.fullmatch(cell) for *_, cell in commas):
+        return
+    number, line, cell = commas[0]
+    whole, rest = cell.split(",")
+    found = f"is needed: line {number} ({line[:40]!r}) may hold {whole}.{rest} or {whole}{rest}, as all with a comma"
+    allowed = 'decimal = "," for the first; for the second remove the commas between thousands from the file'
+    raise ScanFileError([Refusal("decimal", found, allowed)])
 
 
 def _has_number(row: Row) -> bool:
@@ -246,6 +268,26 @@ def _quick(lines: Sequence[tuple[int, str]], reading: Reading) -> FloatArray | N
     except ValueError:
         return None
     return table if np.isfinite(table).all() else None
+
+
+def _spelling(lines: Sequence[tuple[int, str]], decimal: str | None) -> Refusal | None:
+    """What makes no row of the first line with a Fortran exponent (`1.0D-05`) or parted thousands (`1,200,000`)."""
+    for number, line in lines:
+        if not any(form.search(line) for form in (FORTRAN, GROUPED, THOUSANDS)):
+            continue
+        for reading in READINGS:
+            cells = reading.cells(line)
+            rest = [cell for cell in cells if reading.row(cell) is None]
+            if rest and all(FORTRAN.fullmatch(cell) for cell in rest):
+                spelt = FORTRAN.sub(r"\1E\2", rest[0])
+                allowed = f"an exponent with E, {spelt}: replace D by E in the file"
+                return Refusal("file", f"line {number} ({line[:40]!r}) has exponents with D", allowed)
+            if reading.delimiter == "," or len(cells) == 1:
+                continue
+            if rest and all(GROUPED.fullmatch(c) or (decimal == "." and THOUSANDS.fullmatch(c)) for c in rest):
+                allowed = "numbers without marks between thousands: remove them from the file"
+                return Refusal("file", f"line {number} ({line[:40]!r}) has thousands parted", allowed)
+    return None
 
 
 def _half_a_row(line: str, reading: Reading, width: int) -> bool:

@@ -32,6 +32,7 @@ from bem.scene.scene import Scene
 LARGEST_SLOPE = 1.0  # small strains
 LEAST_SLOPE = 1e-7  # smoother than a silicon wafer
 PERIODS = (1e-9, 1.0)  # m
+SCANS = (0.1, 1e-4)  # m: longest period, largest rms height of a profilometer's line in m, not in mm
 MODULI = (1e2, 1e13)  # Pa: weakest gel to beyond diamond
 LARGEST_WORK = 10.0  # J/m^2
 LEAST_SHARE = 0.9  # of the rms slope that the cut keeps
@@ -110,6 +111,11 @@ def _profile_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
         side = f"above {PERIODS[1]:g} m" if period > PERIODS[1] else f"below {PERIODS[0]:g} m"
         cause = f'unit_x = "{scene.profile.unit_x}"?' if scanned else "unit?"
         yield "profile.period", f"the period {period:.3g} m is {side}: {cause}"
+    elif scanned and period > SCANS[0]:
+        yield "profile.period", f'the period {period:.3g} m is above {SCANS[0]:g} m: unit_x = "{scene.profile.unit_x}"?'
+    if scanned and groups["rms_height"] > SCANS[1]:
+        cause = f'unit_h = "{scene.profile.unit_h}"?'
+        yield "rms_height", f"the rms height {groups['rms_height']:.3g} m is above {SCANS[1]:g} m: {cause}"
     size = float(max(scene.profile.orders)) if scene.profile.orders else float(scene.profile.harmonics or 1)
     if size * BYTES > LARGEST_TABLE:
         yield "profile.harmonics", f"tables of the profile take up to {2 * size * BYTES / 1e9:.2g} GB of memory"
@@ -170,6 +176,13 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     scan = scene.scan
     if scan is None:
         return
+    steps = {step["step"]: step for step in scan.steps}
+    heights = scan.measured[1]
+    if np.nanmin(heights) == np.nanmax(heights):
+        yield "profile.file", "all heights are equal: another column?"
+    elif heights[0] == heights[-1] and steps["periodic"]["method"] == "as_is":
+        told = "the last height equals the first: is the end of the period, which is its beginning, in the file?"
+        yield "profile.file", f"{told} Then remove the last line"
     share, jump = groups["slope_share_kept"], groups["end_jump_over_step"]
     if share < LEAST_SHARE:
         cut = (
@@ -179,7 +192,6 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     if jump > LARGEST_JUMP:
         remedy = 'detrend = "line", periodic = "mirror" or "window"?'
         yield "profile.periodic", f"the step at the end of the period is {jump:.3g} times the rms step: {remedy}"
-    steps = {step["step"]: step for step in scan.steps}
     spikes, gaps, count = steps["outliers"], steps["missing"], steps["read"]["samples"]
     if spikes["count"] and spikes["method"] == "keep":
         told = f"{spikes['count']} of {count} samples are spikes, the first at {spikes['first']}"

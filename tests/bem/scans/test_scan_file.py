@@ -181,6 +181,37 @@ def test_wrong_file_is_told(text, values, key, said, tmp_path):
     assert refusals[0].allowed
 
 
+@pytest.mark.parametrize("delimiter", ["\t", ";", " "])
+def test_commas_that_may_part_thousands_are_not_guessed(delimiter, tmp_path):
+    """All commas before three decimals: told; read as stated; one number that can have no thousands settles it."""
+    cells = ["1,200", "-12,345", "950"]
+    text = "".join(f"{k}{delimiter}{cell}\n" for k, cell in enumerate(cells))
+    (refusal,) = refusals_of(tmp_path, text, **UNITS)
+    assert refusal.key == "decimal"
+    assert "line 1" in refusal.found
+    assert "1.200 or 1200" in refusal.found
+    np.testing.assert_allclose(scan_of(tmp_path, text, decimal=",", **UNITS).h, np.array([1.2, -12.345, 950]) * 1e-6)
+    for settled in ("0,123", "1,25", "1234,500"):
+        assert scan_of(tmp_path, f"{text}3{delimiter}{settled}\n", **UNITS).h[0] == pytest.approx(1.2e-6)
+
+
+@pytest.mark.parametrize(
+    ("rows", "values", "line", "remedy"),
+    [
+        ("0.0D+00 1.0D-06|1.0D-05 2.5D-06|2.0D-05 3.0D-06", {}, 2, "0.0E+00: replace D by E"),
+        ("0.0,1.0e-6|1.0,2.5e-6|2.0,3.0d-06|3.0,1e-6", {}, 4, "3.0E-06: replace D by E"),
+        ("0\t1,200,000|1\t1,200,113|2\t1,200,224", {}, 2, "remove them"),
+        ("0\t1,200.0|1\t998.5|2\t997.0|3\t990.0", {}, 2, "remove them"),
+        ("0;1.200,5|1;1.313,0|2;1.424,0", {}, 2, "remove them"),
+        ("0;1,200|1;1,313|2;1,424", {"decimal": "."}, 2, "remove them"),
+    ],
+)
+def test_spelling_of_numbers_is_told_with_its_remedy(rows, values, line, remedy, tmp_path):
+    first = refusals_of(tmp_path, "x h\n" + rows.replace("|", "\n"), **UNITS, **values)[0]
+    assert f"line {line} (" in first.found
+    assert remedy in first.allowed
+
+
 def test_missing_file_is_told(tmp_path):
     with pytest.raises(ScanFileError, match="cannot be read"):
         read_scan(tmp_path / "nowhere.csv", UNITS)

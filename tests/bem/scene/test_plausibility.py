@@ -121,6 +121,16 @@ def test_scan_read_in_another_unit_is_named(unit, about, loading, folder):
     assert "unit" in found[about]
 
 
+def test_short_scan_in_mm_read_as_m_is_named(tmp_path):
+    """0.5 mm and 2.5 um rms, read as m under mean pressures: slope, pressures and adhesion are ordinary."""
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X)]) / 20, delimiter=",", fmt="%.12g")
+    assert said(scan_scene(tmp_path, loading=PRESSURE)) == {}
+    found = said(scan_scene(tmp_path, "m", "m", PRESSURE))
+    assert sorted(found) == ["profile.period", "rms_height"]
+    assert 'above 0.1 m: unit_x = "m"?' in found["profile.period"]
+    assert 'above 0.0001 m: unit_h = "m"?' in found["rms_height"]
+
+
 @pytest.mark.parametrize(
     ("units", "remedy"),
     [
@@ -172,12 +182,29 @@ def test_jump_at_the_end_of_the_period_is_named(periodic, told, tmp_path):
     assert (groups_of(scene)["end_jump_over_step"] > 3) == told
 
 
+@pytest.mark.parametrize(
+    ("count", "periodic", "told"), [(COUNT + 1, "as_is", True), (COUNT, "as_is", False), (COUNT + 1, "mirror", False)]
+)
+def test_period_with_its_end_point_is_named(count, periodic, told, tmp_path):
+    x = LENGTH / COUNT * np.arange(count)
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([x, ROUGH.height(x)]), delimiter=",", fmt="%.9g")
+    found = said(scan_scene(tmp_path, periodic=periodic))
+    assert ("the last height equals the first" in found.get("profile.file", "")) == told
+
+
 def test_spikes_that_are_kept_are_named(tmp_path):
     h = ROUGH.height(X)
     h[30] += 1.0
     np.savetxt(tmp_path / "scan.csv", np.column_stack([X, h]), delimiter=",", fmt="%.12g")
     assert "1 of 400 samples are spikes, the first at line 31" in said(scan_scene(tmp_path))["profile.outliers"]
     assert "profile.outliers" not in said(scan_scene(tmp_path, outliers="replace"))
+
+
+@pytest.mark.parametrize(("last", "told"), [(1.3, True), (1.4, False)])
+def test_equal_heights_are_named(last, told, tmp_path):
+    heights = np.append(np.full(COUNT - 1, 1.3), last)
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, heights]), delimiter=",", fmt="%.12g")
+    assert ("all heights are equal: another column?" in said(scan_scene(tmp_path)).values()) == told
 
 
 def test_missing_unit_is_refused_by_name(folder):
