@@ -31,18 +31,26 @@ MEANINGS: dict[str, tuple[str, str]] = {
         "per nominal area, without the uniform compression of a layer, at every target",
     ),
     "patches": ("", "number of contacts in a period, at every target"),
-    "edges": ("m", "where contacts begin and end, a1, b1, a2, b2, ..., a in [0, period) ascending"),
+    "edges": (
+        "m",
+        "where contacts begin and end, a1, b1, a2, b2, ..., a in [0, period) ascending, at the target (counted from 1)",
+    ),
     "stress_intensity_max": ("Pa m^1/2", "largest K over all edges, at every target"),
-    "pressure_at": ("Pa", "at the points"),
-    "gap_at": ("m", "at the points"),
+    "pressure_at": ("Pa", "contact pressure at the points, at the target (counted from 1)"),
+    "gap_at": ("m", "gap at the points, at the target (counted from 1)"),
     "displacement_amplitudes": (
         "m",
-        "|u_m| of the displaced surface u(x) = mean + sum u_m cos(2 pi m x / period + psi_m), at the orders",
+        "|u_m| of the displaced surface u(x) = mean + sum u_m cos(2 pi m x / period + psi_m), at the orders, "
+        "at the target (counted from 1)",
     ),
     "pull_off_penetration": ("m", "highest point of the profile less separation where the last contact breaks"),
     "pull_off_mean_pressure": ("Pa", "there, before it breaks"),
     "dissipated_energy": ("J/m^2", "sum over all jumps of the path of the energy that each sets free"),
-    "jump_mean_pressures": ("Pa", "at which contact jumps, in order, first touch left out"),
+    "jump_mean_pressures": (
+        "Pa",
+        "at which contact jumps, in order; left out are first touch and what releases less than 1e-3 of the work "
+        "of adhesion",
+    ),
 }
 SELECTED = ("points", "orders")
 

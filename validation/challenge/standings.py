@@ -13,6 +13,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from validation.challenge.entrants.uniform_grid import WITHOUT_ADHESION
+
 RECORD = Path(__file__).parent / "standings.json"
 SCHEMA = "linecontact-challenge-standings/1"
 HOME = "validation.challenge.entrants"
@@ -45,7 +47,10 @@ class Entrant:
 
 
 def _grids(module: str, *points: int) -> tuple[tuple[str, str], ...]:
-    return tuple((f"{count} points", f"{HOME}.{module}:on_{count}") for count in points)
+    return tuple(
+        (f"{count} points, {WITHOUT_ADHESION * count} without adhesion", f"{HOME}.{module}:on_{count}")
+        for count in points
+    )
 
 
 ENTRANTS = (

@@ -21,7 +21,7 @@ from ContactMechanics.Systems import NonSmoothContactSystem
 from NuMPI.Optimization import constrained_conjugate_gradients
 from SurfaceTopography import UniformLineScan
 
-from validation.challenge.entrants.uniform_grid import Grid, OnGrid, answers
+from validation.challenge.entrants.uniform_grid import Grid, OnGrid, affordable, answers
 
 SPACINGS = 8
 STEP = 0.1  # of the path, in the span of the separations
@@ -36,7 +36,7 @@ def solve(problem: dict[str, Any], points: int) -> dict[str, Any]:
         raise NotImplementedError("layers under lines")
     if "adhesion" in problem and problem["path"]["control"] == "mean_pressure":
         raise NotImplementedError("adhesion at a given load")
-    grid = Grid(problem, points)
+    grid = Grid(problem, affordable(problem, points))
     return answers(grid, _adhesive(grid) if "adhesion" in problem else _bare(grid))
 
 

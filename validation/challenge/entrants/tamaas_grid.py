@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import tamaas
 
-from validation.challenge.entrants.uniform_grid import Grid, OnGrid, answers
+from validation.challenge.entrants.uniform_grid import Grid, OnGrid, affordable, answers
 from validation.harness.arrays import FloatArray
 
 SPACINGS = 8
@@ -32,6 +32,7 @@ def solve(problem: dict[str, Any], points: int) -> dict[str, Any]:
     if problem.get("adhesion", {}).get("slope_term"):
         raise NotImplementedError("a work of adhesion that varies along the profile")
     tamaas.set_log_level(tamaas.LogLevel.error)
+    points = affordable(problem, points)
     grid, path = Grid(problem, points), problem["path"]
     height, _ = grid.profile()
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_1d, [grid.period], [points])

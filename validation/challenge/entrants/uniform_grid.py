@@ -13,6 +13,19 @@ import numpy as np
 
 from validation.harness.arrays import FloatArray
 
+WITHOUT_ADHESION = 8  # times as many points
+
+
+def affordable(problem: dict[str, Any], points: int) -> int:
+    """Points of a grid at a setting: eight times as many without adhesion, where a state costs that much less.
+
+    Examples
+    --------
+    >>> affordable({"adhesion": {}}, 2048), affordable({}, 2048)
+    (2048, 16384)
+    """
+    return points if "adhesion" in problem else WITHOUT_ADHESION * points
+
 
 @dataclass(frozen=True)
 class OnGrid:

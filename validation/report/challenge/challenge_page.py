@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from validation.report.challenge.challenge_figures import Curve, error_of_digits
 from validation.report.render import asset, environment
 
 AREAS = ("contact_fraction", "gap_fraction")
+COUNTS = ("patches",)  # right or wrong: their 15 digits would hide those of all else
 Problem = Mapping[str, Any]  # of challenge.json, or an entry of standings.json
 
 
@@ -53,13 +55,16 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
     entries = [entry for entry in standings["entries"] if entry["problem"] in names]
     label = judged["solver"].rpartition(".")[2] if ":" in judged["solver"] else judged["solver"]
     problems = [(problem, _figure(problem, entries, label)) for problem in judged["problems"]]
-    table = [*standing_rows(entries), standing(judged["solver"], "judged here", judged["problems"], judged=True)]
-    table.sort(key=lambda row: (-row.right, row.seconds or 0.0))
+    limit = judged["digits"]
+    table = [*standing_rows(entries, limit), standing(judged["solver"], "judged here", judged["problems"], limit, True)]
+    table.sort(key=lambda row: (-row.right, math.inf if row.seconds is None else row.seconds))
+    ahead = table[: next(index for index, row in enumerate(table) if row.judged)]
     page = environment().get_template("challenge_page.jinja").render(
         judged=judged,
         problems=problems,
         table=table,
-        place=1 + next(index for index, row in enumerate(table) if row.judged),
+        place=1 + len({row.solver for row in ahead}),
+        solvers=len({row.solver for row in table}),
         overall=standings_svg("overall", "All problems: geometric means over the problems answered",
                               overall_curves(entries), _curve(label, [judged["problems"]])),
         grids=grid_errors(entries),
@@ -70,17 +75,19 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
     return str(page)
 
 
-def standing(solver: str, setting: str, problems: Sequence[Problem], judged: bool = False) -> Standing:
-    """One line of the table."""
+def standing(
+    solver: str, setting: str, problems: Sequence[Problem], limit: float = 3.0, judged: bool = False
+) -> Standing:
+    """One line of the table; a whole answer with `limit` digits is right."""
     rows = [row for problem in problems for row in problem["rows"]]
-    digits = [row["digits"] for row in rows if row["digits"] is not None]
+    digits = [digit for problem in problems for digit in _digits(problem)]
     seconds = [p["cpu_seconds"] for p in problems if p["cpu_seconds"] is not None and _digits(p)]
     return Standing(
         solver=solver,
         setting=setting,
         problems=sum(bool(_digits(problem)) for problem in problems),
-        right=sum(row["status"] == "right" for row in rows),
-        answered=len(digits),
+        right=sum(row["answered"] == row["asked"] and (row["digits"] or 0.0) >= limit for row in rows),
+        answered=sum(row["digits"] is not None for row in rows),
         asked=len(rows),
         digits=statistics.median(digits) if digits else None,
         seconds=sum(seconds) if seconds else None,
@@ -88,9 +95,9 @@ def standing(solver: str, setting: str, problems: Sequence[Problem], judged: boo
     )
 
 
-def standing_rows(entries: Iterable[Problem]) -> list[Standing]:
+def standing_rows(entries: Iterable[Problem], limit: float = 3.0) -> list[Standing]:
     """A line for each solver and setting on record."""
-    return [standing(*key, problems) for key, problems in _grouped(entries).items()]
+    return [standing(*key, problems, limit) for key, problems in _grouped(entries).items()]
 
 
 def grid_errors(entries: Sequence[Problem]) -> list[tuple[str, str, str, float, float, float]]:
@@ -138,7 +145,8 @@ def _curve(label: str, settings: Iterable[Sequence[Problem]]) -> Curve:
 
 
 def _digits(problem: Problem) -> list[float]:
-    return [row["digits"] for row in problem["rows"] if row["digits"] is not None]
+    """Those that the answers to a problem have, counts left out."""
+    return [row["digits"] for row in problem["rows"] if row["digits"] is not None and row["quantity"] not in COUNTS]
 
 
 def _grouped(entries: Iterable[Problem]) -> dict[tuple[str, str], list[Problem]]:
