@@ -23,6 +23,7 @@ from bem.command_line.checkpoint import (
     usable,
 )
 from bem.command_line.console import (
+    discard_stdout,
     effects_text,
     groups_text,
     preparation_text,
@@ -64,13 +65,18 @@ def perform(options: argparse.Namespace) -> int:
     command: Callable[[argparse.Namespace], int] = options.command
     try:
         with interruptible():
-            return command(options)
+            code = command(options)
+        print(end="", flush=True)  # here, where it can fail by name
+        return code
     except (SceneError, OutputFolderError, FolderError) as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
+    except BrokenPipeError:  # whoever read stdout, such as `head`, has enough
+        discard_stdout()
+        return FAILED
     except OSError as error:
         print(f"error: {error}", file=sys.stderr)
         return FAILED

@@ -78,8 +78,11 @@ class ContactState:
         plain = {name: None if table is None else vars(table) for name, table in tables.items()}
         refuse(*magnitude_mistakes(plain, profile))
         pairs = np.asarray(edges, dtype=np.float64)
-        if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.shape[0] == 0 or not np.all(np.isfinite(pairs)):
-            raise ValueError(f"edges: an array of finite pairs (L, 2) is needed, not shape {pairs.shape}")
+        if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.shape[0] == 0:
+            raise ValueError(f"edges: an array of pairs (L, 2) is needed, not shape {pairs.shape}")
+        if not np.all(np.isfinite(pairs)):
+            row, side = np.argwhere(~np.isfinite(pairs))[0]
+            raise ValueError(f"edges[{row}, {side}] = {pairs[row, side]}: a finite number is needed")
         self.profile, self.solid, self.edges, self.penetration = profile, solid, pairs, float(penetration)
         self.scales = Scales(profile.period, profile.rms_height, solid.plane_strain_modulus)
         scaled = profile.scaled()

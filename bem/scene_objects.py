@@ -48,7 +48,7 @@ def scene_of(scene: Described, tables: Mapping[str, Any]) -> Scene:
     SceneError
         As of `parse_scene`.
     TypeError
-        Neither a scene nor tables, or both.
+        Neither a scene nor tables, or both; a scene of another type.
 
     Examples
     --------
@@ -58,8 +58,17 @@ def scene_of(scene: Described, tables: Mapping[str, Any]) -> Scene:
     >>> scene.surface().max_height, scene.loading.targets
     (1e-05, (8e-06, 6e-06, 4e-06))
     """
-    if (scene is None) is (not tables):
-        raise TypeError("a scene, its file or its tables as a mapping is needed, or profile=, solid=, loading=, ...")
+    needed = "a scene, its file or its tables as a mapping is needed, or profile=, solid=, loading=, ..."
+    if scene is not None and not isinstance(scene, Scene | Path | str | Mapping):
+        raise TypeError(f"scene = {scene!r}, {type(scene).__name__}: {needed}")
+    if scene is not None and tables:
+        unknown = [f"{name}=" for name in tables if name not in Tables.__annotations__]
+        clashing = [f"{name}=" for name in tables if name in Tables.__annotations__]
+        found = [f"{', '.join(unknown)} unknown"] if unknown else []
+        found += [f"{', '.join(clashing)} beside a whole scene"] if clashing else []
+        raise TypeError(f"{' and '.join(found)}: {needed}")
+    if scene is None and not tables:
+        raise TypeError(f"nothing given: {needed}")
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, str | Path):

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from bem.command_line.console import discard_stdout
 from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result_file import RESULT_FILE, CorruptResultError
@@ -36,6 +37,7 @@ from validation.report.render import PAGE, ReportError, bibliography, failures, 
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.studies import IN_PROCESSES, OF_A_SCENE, ON_EXECUTORS, STUDIES, module_of
+from validation.studies.own_scene import BUDGET, SEEDS
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REPORT_FILE = "report.json"
@@ -64,7 +66,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def perform(options: argparse.Namespace) -> int:
     """Run the command that was parsed; its exit code."""
     try:
-        return int(options.command(options))
+        code = int(options.command(options))
+        print(end="", flush=True)  # here, where it can fail by name
+        return code
     except (
         CaseError,
         ExecutorError,
@@ -79,6 +83,9 @@ def perform(options: argparse.Namespace) -> int:
     except (FileExistsError, IsADirectoryError, NotADirectoryError) as error:
         print(f"error: {error.filename}: {error.strerror}", file=sys.stderr)
         return BAD_INPUT
+    except BrokenPipeError:  # whoever read stdout, such as `head`, has enough
+        discard_stdout()
+        return FAILED
     except OSError as error:
         print(f"error: {error}", file=sys.stderr)
         return FAILED
@@ -190,12 +197,13 @@ def _stored(made: Report, folder: Path, as_json: bool) -> int:
 
 def _report(options: argparse.Namespace) -> int:
     """Render a stored report again, or the page of a run; print it where that is asked for."""
-    if not (options.folder / REPORT_FILE).exists() and (options.folder / RESULT_FILE).exists():
-        code = _run_page(options.folder, options.json)
+    folder: Path = options.folder if options.folder.name else options.folder.absolute()  # "." says nothing
+    if not (folder / REPORT_FILE).exists() and (folder / RESULT_FILE).exists():
+        code = _run_page(folder, options.json)
     else:
-        code = _render(read_report(options.folder), options.folder, options.json)
+        code = _render(read_report(folder), folder, options.json)
     if options.pdf:
-        write_pdf(options.folder)
+        print(write_pdf(folder), file=sys.stderr if options.json else sys.stdout)
     return code
 
 
@@ -382,8 +390,15 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
         help=f"{OF_A_SCENE}: what accuracy costs for a scene of one's own, and what its question leaves open; {listed}",
     )
     study.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help=f"scene file (TOML) of study {OF_A_SCENE}")
-    study.add_argument("--seeds", type=_natural, metavar="N", help=f"{OF_A_SCENE}: realisations besides its own")
-    study.add_argument("--budget", type=_positive, metavar="SECONDS", help=f"{OF_A_SCENE}: CPU seconds it may take")
+    study.add_argument(
+        "--seeds", type=_natural, metavar="N", help=f"{OF_A_SCENE}: realisations besides its own (default: {SEEDS})"
+    )
+    study.add_argument(
+        "--budget",
+        type=_positive,
+        metavar="SECONDS",
+        help=f"{OF_A_SCENE}: CPU seconds it may take (default: {BUDGET:g})",
+    )
     study.add_argument("--overwrite", action="store_true", help=f"{OF_A_SCENE}: replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)

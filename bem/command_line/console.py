@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol, TextIO
@@ -23,6 +25,11 @@ LINE_SECONDS = 5.0
 TARGET_SECONDS = 0.5
 BAR_SECONDS = 0.2
 TRUST = 0.05  # of the predicted work: until so much is done, the prediction outweighs the pace seen
+
+
+def discard_stdout() -> None:
+    """Let what is still buffered for stdout go nowhere, once its reader has gone."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 class Reporter(Protocol):

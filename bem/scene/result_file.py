@@ -123,6 +123,11 @@ def write_result(result: Result, folder: Path) -> None:
 def read_result(folder: Path | str) -> Result:
     """Read what `write_result` wrote, and verify it.
 
+    Parameters
+    ----------
+    folder : Path or str
+        The folder, or its result.json.
+
     Raises
     ------
     FileNotFoundError
@@ -140,9 +145,13 @@ def read_result(folder: Path | str) -> Result:
     'stopped by the user'
     """
     folder = Path(folder)
+    if folder.name == RESULT_FILE and not folder.is_dir():
+        folder = folder.parent
     path = folder / RESULT_FILE
     try:
         content = json.loads(path.read_bytes())
+    except FileNotFoundError as error:
+        raise FileNotFoundError(f"{path}: no result of a run there") from error
     except ValueError as error:
         raise CorruptResultError(f"{path}: corrupt, not JSON ({error})") from error
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:

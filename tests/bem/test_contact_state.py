@@ -87,7 +87,7 @@ def test_displacement_is_periodic():
         ([[0.002, 0.001]], "increasing"),
         ([[0.0, 0.011]], "shorter than the period"),
         ([0.0, 0.001], "pairs"),
-        ([[0.0, np.nan]], "finite"),
+        ([[0.0, 0.001], [0.002, np.nan]], r"^edges\[1, 1\] = nan: a finite number"),
         (np.empty((0, 2)), "pairs"),
     ],
     ids=["overlap", "reversed", "beyond the period", "no pairs", "not a number", "none"],

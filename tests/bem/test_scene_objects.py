@@ -78,3 +78,18 @@ def test_a_scene_or_tables_are_needed(scene, tables):
 def test_mistakes_are_those_of_a_scene(changes, said):
     with pytest.raises(bem.SceneError, match=said):
         bem.solve(**OBJECTS | changes)
+
+
+@pytest.mark.parametrize(
+    ("scene", "tables", "said"),
+    [
+        (3, {}, "scene = 3, int: "),
+        (OBJECTS, {"profile": OBJECTS["profile"]}, "^profile= beside a whole scene: "),
+        (OBJECTS, {"nonsense": 3}, "^nonsense= unknown: "),
+        (OBJECTS, {"nonsense": 3, "title": "a"}, "^nonsense= unknown and title= beside a whole scene: "),
+    ],
+    ids=["type", "clash", "unknown", "unknown and clash"],
+)
+def test_what_is_wrong_is_named(scene, tables, said):
+    with pytest.raises(TypeError, match=said):
+        bem.solve(scene, **tables)

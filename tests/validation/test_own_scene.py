@@ -271,6 +271,11 @@ def test_a_study_says_what_it_will_cost_and_what_it_found(studied, capsys):
     assert content["sentence"] in (folder / "study.html").read_text().replace("&#39;", "'")
 
 
+def test_the_command_holds_the_options_given(studied):
+    command = json.loads((studied[1] / "study.json").read_text())["command"]
+    assert command == "linecontact study scene scene.toml --out out --quick --seeds 2 --budget 600"
+
+
 def interrupted():
     raise KeyboardInterrupt
 

@@ -201,6 +201,18 @@ def test_pdf_without_a_browser_is_refused(folder, capsys, monkeypatch):
     assert "--pdf: no browser" in capsys.readouterr().err
 
 
+def test_pdf_is_named(folder, capsys, monkeypatch):
+    monkeypatch.setattr("validation.__main__.write_pdf", lambda folder: folder / "report.pdf")
+    assert main(["report", str(folder), "--pdf"]) == 0
+    assert capsys.readouterr().out.splitlines()[1] == str(folder / "report.pdf")
+
+
+def test_report_of_the_current_folder_names_it(folder, capsys, monkeypatch):
+    monkeypatch.chdir(folder)
+    main(["report", "."])
+    assert str(folder / "report.html") in capsys.readouterr().out
+
+
 def test_missing_report_is_bad_input(tmp_path):
     assert main(["report", str(tmp_path)]) == 2
 
@@ -284,6 +296,7 @@ def test_the_first_sentence_counts_what_was_compared():
     ("failing", "part"),
     [
         (case("wrong", row(2.0)), "1 of 2 comparisons within their tolerance; 1 deviates"),
+        (case("wrong", row(2.0), row(3.0)), "1 of 3 comparisons within their tolerance; 2 deviate."),
         (
             case("crash", rows=[], status="error", message="singular"),
             "1 of 2 comparisons within their tolerance; 1 error",
@@ -293,7 +306,7 @@ def test_the_first_sentence_counts_what_was_compared():
             "1 known deviation outside the recorded band",
         ),
     ],
-    ids=["deviates", "error", "changed"],
+    ids=["deviates", "two deviate", "error", "changed"],
 )
 def test_the_first_sentence_says_what_fails(failing, part):
     sentence = first_sentence(with_checksum(report(case("fine"), failing)))

@@ -15,6 +15,7 @@ from validation.__main__ import main
 from validation.command_line import front_door
 from validation.harness import baseline
 from validation.studies import cost
+from validation.studies.own_scene import BUDGET, SEEDS
 
 HERE = Path(__file__).parent
 
@@ -295,6 +296,25 @@ def test_study_is_run_with_its_options(monkeypatch, tmp_path, words, quick):
 @pytest.mark.parametrize("words", [[], ["dance"], ["study", "dance"], ["run"], ["baseline", "update", "a"]])
 def test_incomplete_or_unknown_command_is_bad_input(words):
     assert exit_code(words) == 2
+
+
+def test_help_of_studies_names_the_defaults(capsys):
+    with pytest.raises(SystemExit):
+        main(["study", "--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert f"(default: {SEEDS})" in told
+    assert f"(default: {BUDGET:g})" in told
+
+
+@pytest.mark.parametrize("command", ["example", "check one-wave.toml"])
+def test_a_reader_of_stdout_that_goes_is_no_message(tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    front_door.main(["example", "one-wave"])
+    words = [sys.executable, "-m", "validation.command_line.front_door", *command.split()]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()  # as `head` does
+        assert process.stderr.read() == b""
+    assert process.returncode == 1
 
 
 INTERRUPTED = """

@@ -187,8 +187,13 @@ def test_write_that_fails_leaves_the_old_result_and_no_rubbish(tmp_path, monkeyp
 
 
 def test_missing_result_is_not_corruption(tmp_path):
-    with pytest.raises(FileNotFoundError):
-        read_result(tmp_path)
+    with pytest.raises(FileNotFoundError, match=r"nowhere.*no result of a run there"):
+        read_result(tmp_path / "nowhere")
+
+
+def test_the_file_names_its_result_too(tmp_path):
+    write_result(RESULT, tmp_path)
+    assert_same(read_result(tmp_path / "result.json"), RESULT)
 
 
 def test_provenance_holds_no_path_and_the_digest_of_the_scene(tmp_path):

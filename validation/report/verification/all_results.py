@@ -31,7 +31,9 @@ def first_sentence(report: Report) -> str:
     failed = fails(report) or not is_intact(report)
     words = [f"{'Failed' if failed else 'Passed'}: {given['agrees']} of {counted(compared, 'comparison')} within "
              f"{'its' if compared == 1 else 'their'} tolerance"]  # fmt: skip
-    words += [f"{count} {name}" for name, count in given.items() if count and name in GATING and name != "changed"]
+    many = {"deviates": "deviate", "error": "errors"}
+    failing = {name: count for name, count in given.items() if count and name in GATING and name != "changed"}
+    words += [counted(count, name, many.get(name, name)) for name, count in failing.items()]
     if given["expected deviation"]:
         words.append(counted(given["expected deviation"], "known deviation"))
     if given["changed"]:

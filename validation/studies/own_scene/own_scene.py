@@ -28,15 +28,15 @@ from validation.harness.runner import Note
 from validation.report.render import ReportError
 from validation.report.study_page import FILE, PAGE, write_study_page
 from validation.studies.answers import Answers, answers_in
+from validation.studies.own_scene import BUDGET, SEEDS
 from validation.studies.own_scene.findings import findings_of
-from validation.studies.own_scene.settings import SEEDS, Setting, settings_of
+from validation.studies.own_scene.settings import Setting, settings_of
 from validation.studies.own_scene.solving import Solved, Task, solved
 from validation.studies.own_scene.words import content_of, sentence, table_text
 from validation.studies.store import write_json
 
 SCHEMA = "linecontact-scene-study/1"
 PARTS = "parts"  # of a scan
-BUDGET = 3600.0  # CPU s
 SLACK, LEAST_LIMIT = 10.0, 60.0  # times the prediction, and s: when a run is stopped
 LEAST_SECONDS = 1e-3  # shorter runs say nothing about the pace
 
@@ -95,7 +95,7 @@ def run(path: Path, folder: Path, options: Options, report: Report) -> int:
     tables = tomllib.loads(path.read_text("utf-8"))
     settings = settings_of(scene, tables, (path.parent, folder / PARTS), options.seeds, options.quick)
     answered = _answered(settings, Desk(path.parent, options, answers_in(folder, report), report))
-    head = {"scene": resolved, "command": f"linecontact study scene {path.name} --out {folder.name}"}
+    head = {"scene": resolved, "command": f"linecontact study scene {path.name} --out {folder.name}{_words(options)}"}
     base = answered[0][1]
     if not base.good:
         why = f"the scene does not converge as it is: {base.status.replace('_', ' ')} {base.failure}".strip()
@@ -109,6 +109,13 @@ def run(path: Path, folder: Path, options: Options, report: Report) -> int:
     print(sentence(found))
     print(folder / PAGE)
     return 0
+
+
+def _words(options: Options) -> str:
+    """Options that are not the default, as on the command line; the answers do not depend on --overwrite."""
+    numbers = {"seeds": options.seeds, "budget": options.budget, "jobs": options.jobs}
+    given = [f" --{name} {value:.15g}" for name, value in numbers.items() if value != getattr(Options, name)]
+    return (" --quick" if options.quick else "") + "".join(given)
 
 
 def _is_there(folder: Path, sha256: str, overwrite: bool) -> bool:

@@ -30,7 +30,6 @@ FINEST_TOLERANCE, FINEST_INCREMENT = 1e-12, 0.25
 CUTS = (0.25, 0.5, 2.0)  # of the scene's harmonics
 DETRENDS = ("none", "mean", "line", "quadratic", "cubic")
 PERIODICS = ("as_is", "mirror", "window")
-SEEDS, QUICK_SEEDS = 8, 3
 LEAST_HARMONICS = 3
 NO_SCAN = "the profile is not a scan"
 
