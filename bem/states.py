@@ -10,7 +10,7 @@ import numpy as np
 from bem.audit import certificate, gap_certificate
 from bem.elastic.collocation import Evaluation
 from bem.flat import FlatState
-from bem.loading.assessment import Assessment, Quantities
+from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.path_events import PathEvent
 from bem.nonadhesive.gap_series import GapEvaluation
@@ -19,6 +19,7 @@ from bem.scene.result import Certificate, ErrorEstimate, Event, EventError, Stat
 
 SAFETY = 3.0  # error estimates are this multiple of what a finer evaluation still changes
 ROUNDING = 1e-13  # floor of error estimates, dimensionless
+STIFFNESS_ROUNDING = 5e-12  # of a stiffness, relative: it is solved for, edges hardly resisting; measured 2.3e-12
 RESIDUAL = 1e-8
 
 
@@ -85,7 +86,7 @@ def equilibrium_state(
         stress_intensity_max=float(np.max(state.stress_intensity)) * scales.stress_intensity,
         contact_stiffness=assessment.stiffness / (2 * np.pi) * scales.stiffness,
         stable_at_fixed_load=assessment.stable_at_fixed_load,
-        error_estimate=_error_estimate(problem, assessment.correction, apart),
+        error_estimate=_error_estimate(problem, assessment, apart),
         certificate=Certificate(
             closure=judged.closure,
             min_gap=judged.min_gap * scales.height,
@@ -130,12 +131,13 @@ def _judged(
     )
 
 
-def _error_estimate(problem: Problem, correction: Quantities, separation: float | None) -> ErrorEstimate:
+def _error_estimate(problem: Problem, assessment: Assessment, separation: float | None) -> ErrorEstimate:
     """The size of each correction in SI units, with a margin, never below rounding.
 
-    The separation is that of a state given by its gaps, which rounds relative to itself.
+    The separation is that of a state given by its gaps, which rounds relative to itself; so does a stiffness, which is
+    large where edges are about to move on their own.
     """
-    scales = problem.scales
+    correction, scales = assessment.correction, problem.scales
     stress, height, energy = scales.stress / (2 * np.pi), scales.height, scales.energy_per_area
     penetration = _margin(correction.penetration) * height
     total = None
@@ -156,7 +158,7 @@ def _error_estimate(problem: Problem, correction: Quantities, separation: float 
         adhesion_energy=_margin(correction.adhesion_energy) * energy,
         total_energy=_margin(correction.total_energy) * energy,
         stress_intensity_max=_margin(correction.stress_intensity) * scales.stress_intensity,
-        contact_stiffness=_margin(correction.stiffness) * stress / height,
+        contact_stiffness=(_margin(correction.stiffness) + STIFFNESS_ROUNDING * abs(assessment.stiffness)) * stress / height,
     )
 
 

@@ -126,7 +126,7 @@ def _row(name: str, key: Certified, given: Any, digits: float) -> Row:
 
 
 def _finite(value: float) -> bool:
-    """Whether it is a double: JSON and Python have integers that are none."""
+    """Whether the number fits a double: JSON and Python have integers that do not."""
     try:
         return math.isfinite(value)
     except OverflowError:

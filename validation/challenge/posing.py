@@ -52,7 +52,6 @@ MEANINGS: dict[str, tuple[str, str]] = {
         "of adhesion",
     ),
 }
-SELECTED = ("points", "orders")
 
 
 @dataclass(frozen=True)
