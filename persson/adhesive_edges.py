@@ -45,7 +45,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erfc, erfcinv
+from scipy.special import erf, erfc, erfinv
 
 from persson.contact_slope import contact_fractions, period_wavenumber
 from persson.domain import groups_of, outside, refuse_extremes
@@ -176,8 +176,9 @@ class EdgeLaw:
 
     def edges(self, area: FloatArray) -> tuple[FloatArray, FloatArray]:
         """n without adhesion in 1/m, and m, of the shape (n,) of the contact fractions."""
-        depth = erfcinv(1 - area)[:, None] / np.sqrt(self._resolved)
-        lost = np.diff(-np.log1p(-erfc(depth)), axis=1, prepend=0.0)
+        depth = erfinv(area)[:, None] / np.sqrt(self._resolved)
+        left = np.where(depth < 1, np.log(erf(depth)), np.log1p(-erfc(np.maximum(depth, 1.0))))  # ln A_q, all digits
+        lost = np.diff(-left, axis=1, prepend=0.0)
         rough = self._rough * area * (lost @ self._wavenumbers)
         return self._one + rough, rough / (self._one + rough)
 
@@ -206,14 +207,14 @@ class EdgeLaw:
         Raises
         ------
         ValueError
-            Below the pull-off.
+            Below the pull-off, or a load over E* h'_rms below `LEAST` that adhesion does not hold.
         """
         if load >= self.complete:
             return load, 1.0
         below = np.flatnonzero(self._loads < load)
         if below.size == 0:
             raise ValueError(
-                f"mean_pressure: {load:g} E* is beyond the pull-off at {self.pull_off:g} E*, there is no contact"
+                f"mean_pressure: {load:g} E* must be above {self._loads[0]:g} E*, the pull-off (or least load searched)"
             )
         low, high = self._grid[below[-1]], self._grid[below[-1] + 1]
         for _ in range(REFINEMENTS):

@@ -249,4 +249,5 @@ def _smallest(bandwidth: float, coefficients: Mapping[str, float]) -> float:
 
 def _reduction(area: FloatArray, correlation: float, smallest: float) -> FloatArray:
     """(g / h'_rms)^2 at A_rough > 0, of the shape of it."""
-    return np.asarray(1 - (1 - (1 - correlation) * area / (area + smallest)) * (1 - area))
+    kept = (1 - correlation) * area / (area + smallest)
+    return np.asarray(kept + area - kept * area)  # 1 - (1 - kept)(1 - area), with all digits at small loads
