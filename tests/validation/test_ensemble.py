@@ -14,7 +14,8 @@ from pathlib import Path
 import example_members
 import numpy as np
 import pytest
-from example_members import here, members
+from example_members import members
+from in_this_process import here
 
 import bem
 from bem.scene.result_file import FIELDS_FILE, RESULT_FILE, CorruptResultError
@@ -223,7 +224,8 @@ def test_full_disk_is_an_error_and_corrupts_nothing(tmp_path):
 DYING = """
 import os, signal, sys
 from pathlib import Path
-from example_members import here, members
+from example_members import members
+from in_this_process import here
 from validation.harness.ensemble import run_ensemble
 
 name, count = sys.argv[2], int(sys.argv[3])

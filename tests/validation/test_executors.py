@@ -12,8 +12,9 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from example_members import here, members
+from example_members import members
 from example_tasks import squared
+from in_this_process import here
 from threadpoolctl import threadpool_info
 
 from bem.scene.result_file import RESULT_FILE

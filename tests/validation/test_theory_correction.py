@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from example_members import here
+from in_this_process import here
 
 import persson
 from persson.corrected_variance import LITERATURE
