@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import date
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -140,8 +141,9 @@ def _rendered(report: Report) -> str:
     return str(page)
 
 
+@cache
 def environment() -> Environment:
-    """Where templates are found, and how they are filled: nothing undefined, everything escaped."""
+    """Where templates are found, and how they are filled: nothing undefined, everything escaped; compiled once."""
     made = Environment(
         loader=PackageLoader("validation.report", "."),
         autoescape=True,
