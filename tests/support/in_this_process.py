@@ -1,8 +1,11 @@
-"""Work for worker processes done in the process of the test: starting another takes half a second."""
+"""Work for worker processes done in the process of the test or in a fork of it: starting one takes half a second."""
 
+import multiprocessing
 import pickle
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
+
+import pytest
 
 from validation.harness.executors import Workers
 
@@ -23,3 +26,12 @@ class Here(Executor):
 @contextmanager
 def here(_):
     yield Workers(Here(), lambda: 1)
+
+
+@contextmanager
+def forking():
+    """Processes that begin with what is imported here: what they do and how they die is tested, not how they start."""
+    fork = multiprocessing.get_context("fork")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(multiprocessing, "get_context", lambda method: fork)
+        yield

@@ -1,7 +1,7 @@
 """What tests of studies share."""
 
 import pytest
-from in_this_process import Here
+from in_this_process import Here, forking
 
 from validation.harness import executors
 from validation.harness.execution import Ended
@@ -25,3 +25,10 @@ def here(monkeypatch):
 def in_this_process(monkeypatch):
     """Work for processes of this machine is done in this one."""
     monkeypatch.setattr(executors, "ProcessPoolExecutor", lambda workers, **options: Here())
+
+
+@pytest.fixture
+def forked():
+    """Processes of this machine are forks of this one."""
+    with forking():
+        yield

@@ -55,7 +55,8 @@ def test_no_case_is_no_record(tmp_path):
     [("crash", "ZeroDivisionError: the matrix is singular"), ("leave", "SystemExit: gone"), ("die", "worker process")],
 )
 def test_case_that_ends_badly_is_an_error_row_and_spares_the_others(request, tmp_path, kind, message):
-    examples = request.getfixturevalue("apart" if kind == "die" else "examples")
+    examples = request.getfixturevalue("apart")
+    request.getfixturevalue("forked" if kind == "die" else "in_this_process")
     cases = [examples.case(kind, getattr(examples, kind)), examples.case("fine", examples.agree)]
     bad, fine = run(cases, tmp_path)
     assert (bad.status, case_verdicts(bad)) == ("error", ["error"])
@@ -63,7 +64,7 @@ def test_case_that_ends_badly_is_an_error_row_and_spares_the_others(request, tmp
     assert case_verdicts(fine) == ["agrees"]
 
 
-def test_case_that_ran_beside_a_dying_worker_has_its_own_answer(apart, tmp_path):
+def test_case_that_ran_beside_a_dying_worker_has_its_own_answer(apart, forked, tmp_path):
     cases = [apart.case("slow", apart.dawdle), apart.case("die", apart.die)]
     slow, die = run(cases, tmp_path, jobs=2)
     assert (case_verdicts(slow), case_verdicts(die)) == (["agrees"], ["error"])
@@ -194,11 +195,8 @@ def test_interrupted_run_keeps_what_was_finished(examples, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["crash", "die"])
-def test_failed_case_runs_again(apart, tmp_path, kind, request):
-    if kind == "crash":
-        request.getfixturevalue("in_this_process")
+def test_failed_case_runs_again(apart, forked, tmp_path, kind):
     run([apart.case("a", getattr(apart, kind))], tmp_path)
-    request.getfixturevalue("in_this_process")
     (record,) = run([apart.case("a", apart.agree)], tmp_path)
     assert case_verdicts(record) == ["agrees"]
 

@@ -123,7 +123,7 @@ def test_report_names_no_folder_of_the_machine(cases, tmp_path):
         ("die", "FAILED bad: error, WorkerDiedError"),
     ],
 )
-def test_what_fails_is_named_and_ends_with_1(registered, tmp_path, capsys, compute, message):
+def test_what_fails_is_named_and_ends_with_1(registered, forked, tmp_path, capsys, compute, message):
     registered(fine="agree", bad=compute)
     assert run(tmp_path) == 1
     assert message in capsys.readouterr().err
