@@ -2,6 +2,7 @@
 
 import errno
 import json
+import multiprocessing
 import os
 import resource
 import signal
@@ -179,28 +180,17 @@ def alive(pid):
         return False
 
 
-def first_worker(process):
-    """Process id of a worker, once one runs."""
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    deadline = time.monotonic() + 20
-    while time.monotonic() < deadline:
-        for pid in children.read_text().split():
-            if alive(pid) and "spawn_main" in Path(f"/proc/{pid}/cmdline").read_text():
-                return int(pid)
-        time.sleep(0.01)
-    raise AssertionError("no worker within 20 s")
+def test_killed_worker_costs_no_member(forked, tmp_path):
+    notes = []
 
+    def killing(note):
+        notes.append(note.text)
+        if len(notes) == 1:  # one member has ended: the worker that is killed has begun the next one, or is about to
+            os.kill(multiprocessing.active_children()[0].pid, signal.SIGKILL)
 
-def test_killed_worker_costs_no_member(tmp_path):
-    command = [sys.executable, str(SCRIPT), str(tmp_path), "3", "3"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    process.stdout.readline()
-    os.kill(first_worker(process), signal.SIGKILL)
-    reported, _ = process.communicate()
-    assert process.returncode == 0
-    assert sorted(written(tmp_path)) == [member.name for member in members(3)]
-    assert reported.count("[3/3]") == 1
+    run_ensemble(members(4), tmp_path, 2, killing, local_processes)
+    assert sorted(written(tmp_path)) == [member.name for member in members(4)]
+    assert sum(text.startswith("[4/4]") for text in notes) == 1
 
 
 def test_full_disk_is_an_error_and_corrupts_nothing(tmp_path):

@@ -1,4 +1,4 @@
-"""A report as a file: exit codes of what is rendered from it, what cannot be read or judged, what was changed by hand."""
+"""A report as a file: exit codes of its page, what cannot be read or judged, what was changed by hand."""
 
 import json
 
