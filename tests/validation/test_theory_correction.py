@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -23,9 +24,14 @@ TRUTH = (0.7, 0.8, 2.0, 1.5, 0.2)
 DRY, WET = Group("hold-out", "self-affine", 0.6, 12, 0.0, 4), Group("hold-out", "self-affine", 0.6, 12, 0.04, 4)
 
 
+@cache
+def true_areas(group):
+    return areas_of(group, correction_from(TRUTH))
+
+
 def ensemble(group, factor=1.0, noise=0.01):
     """An ensemble whose mean is the corrected theory with the coefficients `TRUTH`."""
-    areas = areas_of(group, correction_from(TRUTH)) * factor
+    areas = true_areas(group) * factor
     spread = 1 + noise * np.array([-1.0, 1.0, -1.0, 1.0])[:, None]
     return Observed(
         group,
