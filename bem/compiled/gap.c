@@ -1,4 +1,4 @@
-/* Potentials of charges, and the kernel between two arcs: logarithmic_potential.py, gap.py, separated_kernel.py. */
+/* Potentials of charges: logarithmic_potential.py, gap.py. */
 
 #include "core.h"
 #include "kernels.h"
@@ -98,75 +98,6 @@ DECLARED(near_patch)
         values[i] = -PI * (exact + sum) - coarse;
     }
     if (call.failed)
-        Py_CLEAR(result);
-    leave(&call);
-    return result;
-}
-
-/* separated_kernel.coordinates(x, beta, delta): u and m of points of both arcs. */
-DECLARED(coordinates)
-{
-    Call call;
-    Size n[1], i;
-    double *x, *u, *m, beta, delta, constant;
-    PyObject *parts[2], *result = NULL;
-    if (!enter(&call, n_given, 3))
-        return NULL;
-    x = reals(&call, given[0], 1, n);
-    beta = number(&call, given[1]);
-    delta = number(&call, given[2]);
-    parts[0] = new_reals(&call, 1, n[0], 0, &u);
-    parts[1] = new_reals(&call, 1, n[0], 0, &m);
-    if (!call.failed) {
-        constant = log(2.0) - log(fabs(sin((delta - beta) / 2)));
-        for (i = 0; i < n[0]; i++) {
-            double from_beta = log(fabs(sin((x[i] - beta) / 2))), from_delta = log(fabs(sin((x[i] - delta) / 2)));
-            u[i] = from_beta - from_delta;
-            m[i] = (from_beta + from_delta + constant) / 2;
-        }
-        result = PyTuple_Pack(2, parts[0], parts[1]);
-    }
-    for (i = 0; i < 2; i++)
-        Py_XDECREF(parts[i]);
-    leave(&call);
-    return result;
-}
-
-/* separated_kernel.columns(m, t, modes): m, 1 and the sums of Chebyshev polynomials at t. */
-DECLARED(columns)
-{
-    Call call;
-    Size n[1], of_t[1], of_modes[2], i, k, q;
-    double *m, *t, *modes, *values, *polynomials;
-    PyObject *result;
-    if (!enter(&call, n_given, 3))
-        return NULL;
-    m = reals(&call, given[0], 1, n);
-    t = reals(&call, given[1], 1, of_t);
-    modes = reals(&call, given[2], 2, of_modes);
-    q = of_modes[1];
-    expect(&call, of_t[0] == n[0] && of_modes[0] >= 1, "points or modes differ");
-    result = new_reals(&call, 2, n[0], q + 2, &values);
-    if (!call.failed && (polynomials = workspace((of_modes[0] + 1) * n[0])) != NULL) {
-        double *imaginary = polynomials + of_modes[0] * n[0];
-        for (i = 0; i < n[0]; i++) {
-            polynomials[i] = 1.0;
-            imaginary[i] = 0.0;
-            values[i * (q + 2)] = m[i];
-            values[i * (q + 2) + 1] = 1.0;
-        }
-        for (k = 1; k < of_modes[0]; k++) { /* real parts of the powers of exp(i arccos t) */
-            double *now = polynomials + k * n[0];
-            const double *before = now - n[0];
-            for (i = 0; i < n[0]; i++) {
-                double square = 1 - t[i] * t[i], sine = sqrt(square > 0 ? square : 0.0);
-                now[i] = t[i] * before[i] - sine * imaginary[i];
-                imaginary[i] = sine * before[i] + t[i] * imaginary[i];
-            }
-        }
-        product('N', 'T', q, n[0], of_modes[0], 1.0, modes, q, polynomials, n[0], 0.0, values + 2, q + 2);
-        PyMem_Free(polynomials);
-    } else
         Py_CLEAR(result);
     leave(&call);
     return result;

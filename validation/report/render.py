@@ -9,7 +9,6 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import date
-from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -141,9 +140,8 @@ def _rendered(report: Report) -> str:
     return str(page)
 
 
-@cache
 def environment() -> Environment:
-    """Where templates are found, and how they are filled: nothing undefined, everything escaped; compiled once."""
+    """Where templates are found, and how they are filled: nothing undefined, everything escaped."""
     made = Environment(
         loader=PackageLoader("validation.report", "."),
         autoescape=True,

@@ -35,8 +35,9 @@ def render_study(content: dict[str, Any]) -> str:
     content : dict
         Of study.json.
     """
-    made = environment().overlay()
-    made.filters = environment().filters | {"share": share, "quantity": quantity}
+    made = environment()
+    made.filters["share"] = share
+    made.filters["quantity"] = quantity
     figure = Figure.model_validate(content["figure"])
     page = made.get_template("study_page.jinja").render(
         title=content["scene"]["title"] or "A scene",
