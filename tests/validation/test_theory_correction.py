@@ -127,9 +127,13 @@ def made():
     return judge(ensemble(DRY, 1.1), np.full(6, 0.01), correction_from(TRUTH), lambda _: None, True)
 
 
-def test_page_says_what_was_measured(found, made):
+@pytest.fixture(scope="module")
+def content(found, made):
+    return theory_correction.calibration_content(found, [ensemble(g) for g in fit_groups()], made, provenance())
+
+
+def test_page_says_what_was_measured(content, made):
     facts = provenance()
-    content = theory_correction.calibration_content(found, [ensemble(g) for g in fit_groups()], made, facts)
     report = theory_correction.report_of(content, correction_from(TRUTH), made, 6, facts, short=False)
     rows = {row.quantity.split(",")[0]: row.computed[0] for row in report.cases[0].rows}
     assert rows["area without adhesion"] == pytest.approx(1 - 1 / 1.1, rel=1e-3)
@@ -146,9 +150,8 @@ def test_page_says_what_was_measured(found, made):
     assert "Must not be used for" in page and "landing-correction-without-adhesion" in page
 
 
-def test_short_form_judges_nothing(found, made):
+def test_short_form_judges_nothing(content, made):
     facts = provenance()
-    content = theory_correction.calibration_content(found, [ensemble(g) for g in fit_groups()], made, facts)
     report = theory_correction.report_of(content, correction_from(TRUTH), made, 6, facts, short=True)
     assert {row.status for row in report.cases[0].rows} == {"not run"}
     assert len(chosen(made, adhesive=True)) == 0
