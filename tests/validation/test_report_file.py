@@ -3,11 +3,18 @@
 import json
 
 import pytest
+from drawn_once import drawn_once
 from report_parts import case, figure, report
 
 from bem.scene.atomic_file import write_atomically
 from validation.__main__ import main, read_report
 from validation.harness.schema import Series, with_checksum
+from validation.report import render
+
+
+@pytest.fixture(autouse=True)
+def equal_figures_are_drawn_once(monkeypatch):
+    monkeypatch.setattr(render, "svg_of", drawn_once)
 
 
 @pytest.fixture

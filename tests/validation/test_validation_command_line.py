@@ -6,18 +6,16 @@ import signal
 import subprocess
 import sys
 import time
-from functools import cache
 from pathlib import Path
 
 import pytest
+from drawn_once import drawn_once
 
 from validation import __main__ as command_line
 from validation.__main__ import main
 from validation.command_line import front_door
 from validation.harness import baseline
-from validation.harness.schema import Figure
 from validation.report import render
-from validation.report.figures import svg_of
 from validation.studies import cost
 from validation.studies.own_scene import BUDGET, SEEDS
 
@@ -59,15 +57,6 @@ def cases(registered, in_this_process, monkeypatch):
     """The same, run in this process; equal figures are drawn once."""
     monkeypatch.setattr(render, "svg_of", drawn_once)
     return registered
-
-
-def drawn_once(figure, prefix):
-    return _drawn(figure.model_dump_json(), prefix)
-
-
-@cache
-def _drawn(figure, prefix):
-    return svg_of(Figure.model_validate_json(figure), prefix)
 
 
 def run(out, *words):
