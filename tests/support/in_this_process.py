@@ -1,7 +1,9 @@
 """Work for worker processes done in the process of the test or in a fork of it: starting one takes half a second."""
 
 import multiprocessing
+import os
 import pickle
+import warnings
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 
@@ -31,7 +33,14 @@ def here(_):
 @contextmanager
 def forking():
     """Processes that begin with what is imported here: what they do and how they die is tested, not how they start."""
-    fork = multiprocessing.get_context("fork")
+    context, fork = multiprocessing.get_context("fork"), os.fork
+
+    def without_warning():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # Python 3.12 warns where there are threads
+            return fork()
+
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(multiprocessing, "get_context", lambda method: fork)
+        patch.setattr(multiprocessing, "get_context", lambda method: context)
+        patch.setattr(os, "fork", without_warning)
         yield
