@@ -54,7 +54,7 @@ DECLARED(near_patch)
 {
     Call call;
     Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1], n_count, n_index, i, k;
-    double *center, *half_width, *charges, *places, *total, *terms, *x, *values;
+    double *center, *half_width, *charges, *places, *total, *terms, *x, *values, *ones;
     int64_t *n_terms, *index;
     PyObject *result;
     if (!enter(&call, n_given, 6))
@@ -75,30 +75,34 @@ DECLARED(near_patch)
     terms = reals(&call, PyTuple_GET_ITEM(given[3], 2), 2, of_terms);
     index = integers(&call, given[4], &n_index);
     x = reals(&call, given[5], 1, n);
-    expect(&call, of_width[0] == patches[0] && of_charges[1] == patches[0] && of_places[0] == of_charges[0] &&
-                      of_places[1] == patches[0] && of_total[0] == patches[0] && n_count == patches[0] &&
-                      of_terms[1] == patches[0] && n_index == n[0],
+    expect(&call, of_width[0] == patches[0] && of_charges[0] == patches[0] && of_places[0] == patches[0] &&
+                      of_places[1] == of_charges[1] && of_total[0] == patches[0] && n_count == patches[0] &&
+                      of_terms[0] == patches[0] && n_index == n[0],
            "arrays of the patches differ in size");
     result = new_reals(&call, 1, n[0], 0, &values);
     for (i = 0; !call.failed && i < n[0]; i++)
-        expect(&call, 0 <= index[i] && index[i] < patches[0] && n_terms[index[i]] <= of_terms[0], "no such patch");
-    for (i = 0; !call.failed && i < n[0]; i++) {
-        Size which = (Size)index[i], stride = patches[0];
-        double t = (x[i] - center[which]) / half_width[which], square = t * t - 1, exact, coarse = 0.0, power = 1.0;
+        expect(&call, 0 <= index[i] && index[i] < patches[0] && n_terms[index[i]] <= of_terms[1], "no such patch");
+    ones = call.failed ? NULL : workspace(of_charges[1]);
+    for (k = 0; ones != NULL && k < of_charges[1]; k++)
+        ones[k] = 1.0;
+    for (i = 0; ones != NULL && i < n[0]; i++) {
+        Size which = (Size)index[i], width = of_charges[1];
+        const double *charge = charges + which * width, *place = places + which * width;
+        const double *term = terms + which * of_terms[1];
+        double t = (x[i] - center[which]) / half_width[which], square = t * t - 1, exact, power = 1.0;
         double zeta = 1 / (t + copysign(sqrt(square > 0 ? square : 0.0), t));
         double most = NEGLIGIBLE / log(fabs(zeta) - 1e-16), sum = 0.0;
         Size last = most < (double)n_terms[which] ? (Size)ceil(most) : (Size)n_terms[which];
         exact = log_of_size(2 * zeta) * total[which];
         for (k = 0; k < last; k++) {
             power *= zeta;
-            sum += power * terms[k * stride + which];
+            sum += power * term[k];
         }
-        for (k = 0; k < of_charges[0]; k++) /* those that fill up are zero */
-            coarse += charges[k * stride + which] * log_of_size(t - places[k * stride + which]);
-        values[i] = -PI * (exact + sum) - coarse;
+        values[i] = -PI * (exact + sum) - potential(width, t, -1.0, ones, place, charge); /* zero charges fill up */
     }
-    if (call.failed)
+    if (ones == NULL)
         Py_CLEAR(result);
+    PyMem_Free(ones);
     leave(&call);
     return result;
 }
