@@ -1,15 +1,15 @@
 """The README's snippets work as they stand."""
 
 import re
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from bem.__main__ import main as bem_main
 from bem.scene.scene import parse_scene
+from validation.command_line import front_door
 from validation.studies import STUDIES
 
 ROOT = Path(__file__).parents[1]
@@ -46,43 +46,48 @@ def test_scan_is_taken_as_shown(folder):
     assert (asked["periodic"], steps[-1]["harmonics"]) == ("mirror", 99)
 
 
-def test_scene_commands_run(folder):
-    for line in blocks("sh")[2].splitlines():
-        command = [sys.executable, *line.split("#")[0].split()[1:]]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
+PROGRAMS = {"linecontact": front_door.main, "python -m bem": bem_main}
+
+
+@pytest.fixture
+def run_block(tmp_path, monkeypatch):
+    """Runs the lines of a block of commands in an empty folder; each ends with exit code 0."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(text):
+        for line in text.splitlines():
+            program, main = next((name, main) for name, main in PROGRAMS.items() if line.startswith(f"{name} "))
+            assert main(line.split("#")[0].removeprefix(program).split()) == 0, line
+
+    return run
+
+
+def test_scene_commands_run(run_block, folder):
+    run_block(blocks("sh")[2])
     assert (folder / "result" / "result.json").exists()
 
 
-def run_block(text, folder):
-    """Run the lines of a block of commands `linecontact ...`."""
-    for line in text.splitlines():
-        command = [sys.executable, "-m", "validation.command_line.front_door", *line.split("#")[0].split()[1:]]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-
-
-def test_commands_from_a_scene_to_a_page_run(tmp_path):
-    run_block(blocks("sh")[3], tmp_path)
+def test_commands_from_a_scene_to_a_page_run(run_block, tmp_path):
+    run_block(blocks("sh")[3])
     assert (tmp_path / "result" / "report.html").exists()
 
 
-def test_commands_for_a_scan_run(tmp_path):
-    run_block(blocks("sh")[4], tmp_path)
+def test_commands_for_a_scan_run(run_block, tmp_path):
+    run_block(blocks("sh")[4])
     assert "as prepared" in (tmp_path / "scan" / "report.html").read_text("utf-8")
 
 
 @pytest.mark.slow
-def test_the_study_of_a_scene_runs(tmp_path):
-    run_block(f"linecontact example pull-off\n{blocks('sh')[5]}", tmp_path)
+def test_the_study_of_a_scene_runs(run_block, tmp_path):
+    run_block(f"linecontact example pull-off\n{blocks('sh')[5]}")
     page = (tmp_path / "sure" / "study.html").read_text("utf-8")
     assert "largest uncertainty" in page
 
 
-def test_python_lines_run(folder):
-    done = subprocess.run([sys.executable, "-c", blocks("python")[0]], cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert len(done.stdout.splitlines()) >= 3
+def test_python_lines_run(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    exec(compile(blocks("python")[0], "README.md", "exec"), {"__name__": "__main__"})
+    assert len(capsys.readouterr().out.splitlines()) >= 3
 
 
 def test_pictures_exist():

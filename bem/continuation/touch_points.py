@@ -123,7 +123,7 @@ def locate_touch(
         depth = float(near.depth.min())
         if known:
             other, there = min(known, key=lambda point: abs(point[0] - value))
-            if abs(depth - there) > DISTINCT[int(before is not None)]:
+            if value != other and abs(depth - there) > DISTINCT[int(before is not None)]:
                 slope = (depth - there) / (value - other)
         known.append((value, depth))
         change = -depth / slope

@@ -8,11 +8,8 @@ import pytest
 
 PROGRAM = """
 import sys
+from cProfile import Profile
 from pathlib import Path
-seen = set()
-def note(frame, event, argument):
-    if event == "call":
-        seen.add(Path(frame.f_code.co_filename).name)
 from bem.scene.scene import parse_scene
 data = {{
     "solid": {{"youngs_modulus": 1e6, "poisson_ratio": 0.5}},
@@ -21,13 +18,14 @@ data = {{
 }}
 data |= {extra}
 scene = parse_scene(data)
-sys.setprofile(note)
+calls = Profile(builtins=False)
+calls.enable()
 from bem.solver import solve
 result = solve(scene)
-sys.setprofile(None)
+calls.disable()
 assert result.status == "converged", result.status
 print(*sorted(name for name in sys.modules if name.startswith(("bem.", "scipy."))))
-print(*sorted(seen))
+print(*sorted({{Path(call.code.co_filename).name for call in calls.getstats() if not isinstance(call.code, str)}}))
 """
 EFFECTS = {
     "bare": {},

@@ -18,18 +18,31 @@ def energy_at_fixed_displacement(states, u_tot):
     return states.energy[0, 0] + 2 * load * states.energy[0, 1] + load**2 * states.energy[1, 1]
 
 
+@pytest.fixture(scope="module")
+def mild():
+    """States of a problem at the two patches on the mild mesh, solved once."""
+    kept = {}
+
+    def states_of(problem):
+        if repr(problem) not in kept:
+            kept[repr(problem)] = solve_unit_states(problem, layer_mesh(problem.depth, TWO, MILD), 2)
+        return kept[repr(problem)]
+
+    return states_of
+
+
 @pytest.mark.parametrize("nu", [0.3, 0.5])
 @pytest.mark.parametrize(("patch", "side"), [(0, 0), (0, 1), (1, 0), (1, 1)], ids=["a1", "b1", "a2", "b2"])
-def test_release_rate_is_the_derivative_of_the_energy(two_crests, patch, side, nu):
+def test_release_rate_is_the_derivative_of_the_energy(mild, two_crests, patch, side, nu):
     problem = two_crests(nu)
-    mesh, step = layer_mesh(problem.depth, TWO, MILD), 1e-4
+    states, step = mild(problem), 1e-4
+    mesh = states.mesh
     shift = np.zeros((2, 2))
     shift[patch, side] = step
     energies = [
         energy_at_fixed_displacement(solve_unit_states(problem, moved(mesh, TWO + sign * shift), 2), 1.4)
         for sign in (-1, 1)
     ]
-    states = solve_unit_states(problem, mesh, 2)
     load = (1.4 - states.displacement_of_plate[0]) / states.displacement_of_plate[1]
     tip = mesh.local_edges[patch, side]
     sides = np.sort(np.r_[0.0, mesh.local_edges.ravel(), 1.0])
@@ -49,16 +62,15 @@ def test_release_rate_does_not_depend_on_the_domain(two_crests, resolution, tole
     np.testing.assert_allclose(small, large, rtol=tolerance)
 
 
-def test_release_rate_of_no_motion_is_zero(two_crests):
-    problem = two_crests()
-    states = solve_unit_states(problem, layer_mesh(problem.depth, TWO, MILD), 2)
+def test_release_rate_of_no_motion_is_zero(mild, two_crests):
+    states = mild(two_crests())
     assert np.all(energy_derivative(states, np.zeros(states.mesh.triangles.p.shape[1])) == 0.0)
 
 
-def test_release_rate_of_a_body_carried_along_its_profile(two_crests):
+def test_release_rate_of_a_body_carried_along_its_profile(mild, two_crests):
     """Moving the whole layer over the profile costs nothing in state B and is translation of the profile in A."""
     problem = two_crests()
-    states = solve_unit_states(problem, layer_mesh(problem.depth, TWO, MILD), 2)
+    states = mild(problem)
     form = energy_derivative(states, np.ones(states.mesh.triangles.p.shape[1]))
     nodes, carried = face_nodes(states.spaces), np.zeros(states.spaces.sizes[0])
     carried[nodes.index] = nodal_profile(nodes, lambda x: problem.slope(states.mesh.seam + x))
@@ -67,9 +79,8 @@ def test_release_rate_of_a_body_carried_along_its_profile(two_crests):
     assert form[0, 0] == pytest.approx(force, rel=1e-12)
 
 
-def test_theta_is_one_at_the_tip_and_zero_at_its_radius(two_crests):
-    problem = two_crests()
-    states = solve_unit_states(problem, layer_mesh(problem.depth, TWO, MILD), 2)
+def test_theta_is_one_at_the_tip_and_zero_at_its_radius(mild, two_crests):
+    states = mild(two_crests())
     tip = states.mesh.local_edges[0, 1]
     motion, p = motion_around(states, tip, 0.1), states.mesh.triangles.p
     distance = np.hypot(p[0] - tip, p[1])
@@ -77,9 +88,8 @@ def test_theta_is_one_at_the_tip_and_zero_at_its_radius(two_crests):
     assert np.all(motion[distance > 0.1] == 0.0)
 
 
-def test_pressing_harder_closes_every_edge(two_crests):
-    problem = two_crests()
-    edges = edge_states(solve_unit_states(problem, layer_mesh(problem.depth, TWO, MILD), 2))
+def test_pressing_harder_closes_every_edge(mild, two_crests):
+    edges = edge_states(mild(two_crests()))
     pulled, pressed = (edges.at_load(load).stress_intensity for load in (-50.0, 50.0))
     assert np.all(pulled > 0)
     assert np.all(pressed < 0)

@@ -144,6 +144,71 @@ def test_a_file_that_is_no_mesh_is_refused(tmp_path):
         read_layer_mesh(tmp_path / "bad.msh")
 
 
+def lines_of(mesh, name):
+    """Vertices of a named boundary, one by one."""
+    tag, _ = mesh.field_data[name]
+    blocks = zip(mesh.cells, mesh.cell_data["gmsh:physical"], strict=True)
+    return np.unique(
+        np.concatenate([block.data[tags == tag].ravel() for block, tags in blocks if block.type == "line"])
+    )
+
+
+def inner(mesh, name):
+    """A vertex of a named boundary that is not at its ends, and of no other."""
+    others = [lines_of(mesh, other) for other in ("face", "plate", "left", "right") if other != name]
+    return np.setdiff1d(lines_of(mesh, name), np.concatenate(others))[0]
+
+
+def without_triangles(mesh):
+    for block in mesh.cells:
+        block.type = "line" if block.type == "line" else "triangle6"
+
+
+def without_lines(mesh):
+    tag, _ = mesh.field_data["face"]
+    for tags in mesh.cell_data["gmsh:physical"]:
+        tags[tags == tag] = -1
+
+
+def with_a_hole(mesh):
+    vertex = inner(mesh, "plate")
+    for block in mesh.cells:
+        if block.type == "triangle":
+            block.data = block.data[~np.any(block.data == vertex, axis=1)]
+
+
+def crooked(mesh):
+    mesh.points[inner(mesh, "face"), 1] += 0.01
+
+
+def with_a_vertex_on_the_plate(mesh):
+    edge = np.concatenate([lines_of(mesh, name) for name in ("face", "plate", "left", "right")])
+    mesh.points[np.setdiff1d(np.arange(len(mesh.points)), edge)[0], 1] = 0.5
+
+
+def sheared(mesh):
+    mesh.points[inner(mesh, "left"), 1] += 1e-3
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (without_triangles, "holds no straight-sided triangles"),
+        (without_lines, "boundary 'face' has no lines"),
+        (with_a_hole, "boundary 'plate' has vertices of no triangle"),
+        (crooked, "boundary 'face' is not the line y = 0"),
+        (with_a_vertex_on_the_plate, "boundary 'plate' does not hold all the vertices on its line"),
+        (sheared, "left and right do not carry the same vertices"),
+    ],
+)
+def test_a_mesh_that_is_no_period_of_a_layer_is_refused(monkeypatch, spoil, said):
+    mesh = meshio.read(MESHES / "layer.msh", file_format="gmsh")
+    spoil(mesh)
+    monkeypatch.setattr(meshio, "read", lambda *_, **__: mesh)
+    with pytest.raises(InvalidProblemError, match=f"^mesh: .*{said}"):
+        read_layer_mesh(MESHES / "layer.msh")
+
+
 def test_edges_off_the_vertices_are_refused(imported):
     with pytest.raises(InvalidProblemError, match=r"^edges: "):
         solve_on_mesh(LAYER, imported, "mean_pressure", 0.01, [[0.3011, 0.7]])

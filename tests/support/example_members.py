@@ -1,29 +1,9 @@
 """Small ensembles, and what runs them in a process of its own that a test may kill; importable by worker processes."""
 
 import sys
-from concurrent.futures import Executor, Future
-from contextlib import contextmanager
 from pathlib import Path
 
 from validation.harness.ensemble import Member, run_ensemble
-from validation.harness.executors import Workers
-
-
-class Here(Executor):
-    """Runs what is submitted at once, in this process."""
-
-    def submit(self, fn, /, *args, **kwargs):
-        future = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-
-@contextmanager
-def here(_):
-    yield Workers(Here(), lambda: 1)
 
 
 def members(count, harmonics=3, seed=0):

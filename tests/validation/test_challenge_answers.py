@@ -84,7 +84,9 @@ def test_closed_forms_and_solver_agree(name):
     for quantity, one in problem(name).key.answers.items():
         scale = max(map(abs, one.value))
         (check,) = one.checks
-        assert max(check.difference) <= 3e-11 * scale, quantity  # measured: 1.3e-11, a pressure at a fold; else 4e-13
+        # measured: 4e-13, but for the pull-off pressure, at a fold, which is rounding: 4e-12 to 2e-11, as the kernels
+        # (NumPy's or the compiled ones) and the type of the processor have it
+        assert max(check.difference) <= 3e-11 * scale, quantity
 
 
 def test_the_standings_are_of_these_problems():

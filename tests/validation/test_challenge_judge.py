@@ -19,6 +19,7 @@ from validation.challenge.judging import judged, lost
 from validation.challenge.problem import FOLDER, names, problem
 from validation.challenge.record import estimated
 from validation.challenge.solving import Returned, returned
+from validation.report.challenge import challenge_page
 
 SOLVERS = """
 import math, os, subprocess, sys, time
@@ -104,11 +105,23 @@ def prints(problem):
 
 
 @pytest.fixture
-def solvers(tmp_path, monkeypatch):
-    """A folder to stand in, with a module of solvers."""
+def solvers(apart, in_this_process):
+    """A folder to stand in, with a module of solvers, each called in a process of its own by this one."""
+    return apart
+
+
+@pytest.fixture
+def apart(tmp_path, monkeypatch):
+    """The same, called from worker processes."""
     (tmp_path / "mine.py").write_text(SOLVERS)
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """A page without figures, for tests that do not read it; figures of all problems are drawn below."""
+    monkeypatch.setattr(challenge_page, "standings_svg", lambda *_: "")
 
 
 def answer(name, limit=60.0):
@@ -218,15 +231,15 @@ def test_a_judgement_is_written_and_kept(solvers, capsys):
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
-def test_a_worker_killed_in_the_middle_costs_no_problem_and_counts_none_twice(solvers):
+def test_a_worker_killed_in_the_middle_costs_no_problem_and_counts_none_twice(apart, forked):
     assert run("--solver", "mine:kills", "--only", "westergaard,complete-contact", "--jobs", "2") == 1
-    found = json.loads((solvers / "out" / "challenge.json").read_text())["problems"]
+    found = json.loads((apart / "out" / "challenge.json").read_text())["problems"]
     assert [one["problem"] for one in found] == ["westergaard", "complete-contact"]
     assert [row["status"] for row in found[0]["rows"]] == ["right"] * 5
-    assert 3 <= len((solvers / "asked").read_text().split()) <= 4  # those that ran beside the killed one, once more
+    assert 3 <= len((apart / "asked").read_text().split()) <= 4  # those that ran beside the killed one, once more
 
 
-def test_a_solver_of_an_installed_package_goes_by_its_name(solvers, monkeypatch):
+def test_a_solver_of_an_installed_package_goes_by_its_name(solvers, undrawn, monkeypatch):
     monkeypatch.setattr("validation.challenge.commands.solvers", lambda: {"ours": "mine:exact"})
     assert run("--solver", "ours", "--only", "westergaard") == 0
 
@@ -246,13 +259,13 @@ def test_options_that_cannot_be_are_bad_input_before_a_problem_runs(solvers, cap
     assert code == 2 and given[1].split(",")[-1] in capsys.readouterr().err and not (solvers / "out").exists()
 
 
-def test_a_changed_solver_is_called_again(solvers):
+def test_a_changed_solver_is_called_again(solvers, undrawn):
     assert run("--solver", "mine:exact", "--only", "westergaard") == 0
     (solvers / "mine.py").write_text(SOLVERS.replace("* (1 - S + S * np.log(S))", "* (1 - S)"))
     assert run("--solver", "mine:exact", "--only", "westergaard") == 1
 
 
-def test_a_baseline_fails_where_digits_are_lost_and_only_there(solvers, capsys):
+def test_a_baseline_fails_where_digits_are_lost_and_only_there(solvers, undrawn, capsys):
     only = ("--only", "westergaard")
     assert run("--solver", "mine:exact", *only) == 0
     write_atomically(solvers / "before.json", (solvers / "out" / "challenge.json").read_text())
@@ -302,14 +315,14 @@ def test_the_shipped_answers_pass(solvers, form, only):
     assert run("--submission", f"all.{form}", "--only", only) == 0
 
 
-def test_the_answers_of_one_problem_are_a_submission(solvers, capsys):
+def test_the_answers_of_one_problem_are_a_submission(solvers, undrawn, capsys):
     path = str(FOLDER / "steep" / "answers.json")
     assert run("--submission", path, "--only", "steep") == 0
     assert run("--submission", path, "--only", "steep,westergaard") == 1
     assert "4 of 9 answers right to 3 digits, 5 missing" in capsys.readouterr().out
 
 
-def test_a_wrong_answer_fails(solvers, capsys):
+def test_a_wrong_answer_fails(solvers, undrawn, capsys):
     content = json.loads(submission("json"))
     content["steep"]["mean_pressure"][1] *= 1.01
     (solvers / "all.json").write_text(json.dumps(content))
@@ -350,7 +363,7 @@ def test_bad_input_is_one_clear_error(solvers, capsys, arguments, name, text, sa
     assert error.count("error:") == 1 and said in error
 
 
-def test_a_byte_order_mark_and_a_far_index_of_what_was_not_asked_are_read(solvers):
+def test_a_byte_order_mark_and_a_far_index_of_what_was_not_asked_are_read(solvers, undrawn):
     text = (FOLDER / "steep" / "answers.csv").read_text()
     Path("a.csv").write_text(f"{text}steep,wear,200000000,1,,\n", "utf-8-sig")
     assert run("--submission", "a.csv", "--only", "steep") == 0

@@ -152,7 +152,7 @@ def test_run_that_crashes_is_a_line_with_its_message(here, tmp_path, capsys):
     assert_told(tmp_path, capsys, examples.crash, "ZeroDivisionError: the matrix")
 
 
-def test_run_that_dies_is_a_line_with_its_message(tmp_path, capsys):
+def test_run_that_dies_is_a_line_with_its_message(forked, tmp_path, capsys):
     """In processes of their own, as the study starts them."""
     assert_told(tmp_path, capsys, examples.die, "WorkerDiedError")
 

@@ -2,6 +2,7 @@
 
 import errno
 import json
+import multiprocessing
 import os
 import resource
 import signal
@@ -14,7 +15,8 @@ from pathlib import Path
 import example_members
 import numpy as np
 import pytest
-from example_members import here, members
+from example_members import members
+from in_this_process import here
 
 import bem
 from bem.scene.result_file import FIELDS_FILE, RESULT_FILE, CorruptResultError
@@ -178,28 +180,17 @@ def alive(pid):
         return False
 
 
-def first_worker(process):
-    """Process id of a worker, once one runs."""
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    deadline = time.monotonic() + 20
-    while time.monotonic() < deadline:
-        for pid in children.read_text().split():
-            if alive(pid) and "spawn_main" in Path(f"/proc/{pid}/cmdline").read_text():
-                return int(pid)
-        time.sleep(0.01)
-    raise AssertionError("no worker within 20 s")
+def test_killed_worker_costs_no_member(forked, tmp_path):
+    notes = []
 
+    def killing(note):
+        notes.append(note.text)
+        if len(notes) == 1:  # one member has ended: the worker that is killed has begun the next one, or is about to
+            os.kill(multiprocessing.active_children()[0].pid, signal.SIGKILL)
 
-def test_killed_worker_costs_no_member(tmp_path):
-    command = [sys.executable, str(SCRIPT), str(tmp_path), "4", "16"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    process.stdout.readline()
-    os.kill(first_worker(process), signal.SIGKILL)
-    reported, _ = process.communicate()
-    assert process.returncode == 0
+    run_ensemble(members(4), tmp_path, 2, killing, local_processes)
     assert sorted(written(tmp_path)) == [member.name for member in members(4)]
-    assert reported.count("[4/4]") == 1
+    assert sum(text.startswith("[4/4]") for text in notes) == 1
 
 
 def test_full_disk_is_an_error_and_corrupts_nothing(tmp_path):
@@ -223,48 +214,58 @@ def test_full_disk_is_an_error_and_corrupts_nothing(tmp_path):
 DYING = """
 import os, signal, sys
 from pathlib import Path
-from example_members import here, members
+import bem.solver
+from example_members import members
+from in_this_process import here
 from validation.harness.ensemble import run_ensemble
 
-name, count = sys.argv[2], int(sys.argv[3])
-done = getattr(os, name)
-calls = []
+for folder, name, count in zip(*[iter(sys.argv[1:])] * 3):
+    if (child := os.fork()) == 0:
+        done, calls = getattr(os, name), []
 
-def dying(*words):
-    calls.append(words)
-    if len(calls) == count:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return done(*words)
+        def dying(*words):
+            calls.append(words)
+            if len(calls) == int(count):
+                os.kill(os.getpid(), signal.SIGKILL)
+            return done(*words)
 
-setattr(os, name, dying)
-run_ensemble(members(3), Path(sys.argv[1]), 1, lambda note: None, here)
+        setattr(os, name, dying)
+        run_ensemble(members(3), Path(folder), 1, lambda note: None, here)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
+WRITTEN = [("fsync", 3), ("replace", 3), ("fsync", 4), ("replace", 4)]
 
 
-def killed_at(folder, call, count):
-    """Run the ensemble in a process that kills itself at a call of os.fsync or os.replace: two of each a member."""
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """Folders of ensembles, run by processes that killed themselves at a call of os.fsync or os.replace.
+
+    There are two of each a member.  The last has a member that was to be replaced.
+    """
+    folders = {kill: tmp_path_factory.mktemp("killed") for kill in [*WRITTEN, ("replace", 2)]}
+    run(members(1, seed=7), folders["replace", 2])
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(SCRIPT.parent), *filter(None, sys.path)])}
-    command = [sys.executable, "-c", DYING, str(folder), call, str(count)]
-    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    words = [str(word) for kill, folder in folders.items() for word in (folder, *kill)]
+    done = subprocess.run([sys.executable, "-c", DYING, *words], env=environment, capture_output=True, text=True)
+    assert done.stdout.split() == [str(-signal.SIGKILL)] * len(folders), done.stderr
+    return folders
 
 
-@pytest.mark.parametrize(("call", "count"), [("fsync", 3), ("replace", 3), ("fsync", 4), ("replace", 4)])
-def test_kill_while_a_member_is_written_loses_this_one_only(tmp_path, call, count):
-    done = killed_at(tmp_path, call, count)
-    assert done.returncode == -signal.SIGKILL, done.stderr
-    before = written(tmp_path)
-    outcome, _ = run(members(3), tmp_path)
+@pytest.mark.parametrize("kill", WRITTEN)
+def test_kill_while_a_member_is_written_loses_this_one_only(killed, kill):
+    folder = killed[kill]
+    before = written(folder)
+    outcome, _ = run(members(3), folder)
     assert (outcome.found, outcome.damaged) == (("seed-00",), ())
     assert outcome.computed == ("seed-01", "seed-02")
-    assert before.items() <= written(tmp_path).items()
+    assert before.items() <= written(folder).items()
 
 
-def test_kill_between_the_files_of_a_member_that_is_replaced_is_detected(tmp_path):
-    run(members(1, seed=7), tmp_path)
-    assert killed_at(tmp_path, "replace", 2).returncode == -signal.SIGKILL
+def test_kill_between_the_files_of_a_member_that_is_replaced_is_detected(killed):
+    folder = killed["replace", 2]
     with pytest.raises(CorruptResultError, match="not the file written with"):
-        read_member(members(1, seed=7)[0], tmp_path)
-    outcome, notes = run(members(1), tmp_path)
+        read_member(members(1, seed=7)[0], folder)
+    outcome, notes = run(members(1), folder)
     assert (outcome.damaged, outcome.computed) == (("seed-00",), ("seed-00",))
     assert "computed again" in notes[0]
 

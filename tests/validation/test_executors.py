@@ -12,8 +12,9 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from example_members import here, members
+from example_members import members
 from example_tasks import squared
+from in_this_process import here
 from threadpoolctl import threadpool_info
 
 from bem.scene.result_file import RESULT_FILE
@@ -64,48 +65,52 @@ def test_environment_is_put_back(monkeypatch):
 
 
 class Cluster:
-    """A scheduler and two workers in processes of their own, on the loopback address."""
+    """A scheduler and two workers in processes of their own, on the loopback address, started as they are needed."""
 
     def __init__(self, folder):
-        self.processes = []
-        environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-        self.start = lambda *words: self.processes.append(
-            subprocess.Popen(
-                [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]],
-                env=environment, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            )
+        self.folder, self.scheduler, self.workers, self.address = folder, None, [], None
+        path = os.pathsep.join(path for path in sys.path if path)
+        self.environment = os.environ | dict.fromkeys(executors.THREAD_VARIABLES, "2") | {"PYTHONPATH": path}
+
+    def start(self, *words):
+        return subprocess.Popen(
+            [sys.executable, "-m", "distributed.cli." + words[0], *words[1:], "--host", "127.0.0.1", "--no-dashboard"],
+            env=self.environment, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
-        where = folder / "scheduler.json"
-        self.start("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-                   "--scheduler-file", str(where))  # fmt: skip
-        deadline = time.monotonic() + 60
-        while not where.exists() or not where.read_text().strip():
-            assert time.monotonic() < deadline, "no scheduler"
-            time.sleep(0.1)
-        self.address = json.loads(where.read_text())["address"].removeprefix("tcp://")
-        for _ in range(2):
-            self.start("dask_worker", f"tcp://{self.address}", "--nthreads", "1", "--no-nanny", "--no-dashboard",
-                       "--host", "127.0.0.1")  # fmt: skip
 
-    @property
-    def scheduler(self):
-        return self.processes[0]
-
-    @property
-    def workers(self):
-        return self.processes[1:]
+    def ready(self):
+        """Itself, once a scheduler and two workers run: those that a test killed are replaced."""
+        if self.scheduler is None or self.scheduler.poll() is not None:
+            self.stop()
+            where = self.folder / "scheduler.json"
+            where.unlink(missing_ok=True)
+            self.scheduler = self.start("dask_scheduler", "--port", "0", "--scheduler-file", str(where))
+            deadline = time.monotonic() + 60
+            while not where.exists() or not where.read_text().strip():
+                assert time.monotonic() < deadline, "no scheduler"
+                time.sleep(0.1)
+            self.address = json.loads(where.read_text())["address"].removeprefix("tcp://")
+        self.workers = [worker for worker in self.workers if worker.poll() is None]
+        while len(self.workers) < 2:
+            self.workers.append(self.start("dask_worker", f"tcp://{self.address}", "--nthreads", "1", "--no-nanny"))
+        return self
 
     def stop(self):
-        for process in reversed(self.processes):
+        for process in filter(None, (*self.workers, self.scheduler)):
             process.kill()
             process.wait()
 
 
-@pytest.fixture
-def cluster(tmp_path):
-    made = Cluster(tmp_path)
+@pytest.fixture(scope="module")
+def processes(tmp_path_factory):
+    made = Cluster(tmp_path_factory.mktemp("cluster"))
     yield made
     made.stop()
+
+
+@pytest.fixture
+def cluster(processes):
+    return processes.ready()
 
 
 @needs_dask
@@ -131,10 +136,10 @@ def test_member_of_a_killed_worker_is_neither_lost_nor_counted_twice(cluster, tm
 @needs_dask
 @pytest.mark.filterwarnings(r"ignore:\s*Mismatched versions found:Warning")
 def test_killed_scheduler_is_an_error_that_loses_what_was_in_flight_only(cluster, tmp_path):
-    planned, folder = members(5, harmonics=16), tmp_path / "members"
+    planned, folder = members(3, harmonics=16), tmp_path / "members"
 
     def killing(note):
-        if note.text.startswith("[1/5]"):
+        if note.text.startswith("[1/3]"):
             cluster.scheduler.send_signal(signal.SIGKILL)
 
     with pytest.MonkeyPatch.context() as patch:
@@ -142,7 +147,7 @@ def test_killed_scheduler_is_an_error_that_loses_what_was_in_flight_only(cluster
         with pytest.raises(ConnectionError, match="the scheduler is gone; what was finished is kept"):
             run_ensemble(planned, folder, 1, killing, opener_of(f"dask://{cluster.address}"))
     outcome = run_ensemble(planned, folder, 1, lambda note: None, here)
-    assert (len(outcome.found), outcome.damaged, len(outcome.computed)) == (1, (), 4)
+    assert (len(outcome.found), outcome.damaged, len(outcome.computed)) == (1, (), 2)
 
 
 @pytest.fixture(params=["local", pytest.param("dask", marks=needs_dask)])

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from in_this_process import forking
 
 from validation.__main__ import main
 from validation.harness.execution import run_each_alone
@@ -32,8 +33,14 @@ def runs(folder, studied=QUICK, jobs=1):
 
 
 @pytest.fixture
-def example(monkeypatch):
-    """The example, importable here and by worker processes."""
+def example(apart, forked):
+    """The example, importable here."""
+    return apart
+
+
+@pytest.fixture
+def apart(monkeypatch):
+    """The example, importable here and by worker processes that start afresh."""
     monkeypatch.syspath_prepend(str(HERE))
     for name in [name for name in sys.modules if name.split(".")[0] == "example_faults"]:
         monkeypatch.delitem(sys.modules, name)
@@ -50,7 +57,8 @@ def studied(tmp_path_factory):
     try:
         import example_faults
 
-        code = faults.run(folder, False, silent, example_faults.STUDIED)
+        with forking():
+            code = faults.run(folder, False, silent, example_faults.STUDIED)
     finally:
         sys.path.remove(str(HERE))
     return code, json.loads((folder / "faults.json").read_text()), folder
@@ -171,20 +179,21 @@ def test_fault_that_does_not_fit_is_refused_before_anything_runs(
 
 @pytest.fixture(scope="module")
 def control(tmp_path_factory):
-    return control_run(runs(tmp_path_factory.mktemp("control")), QUICK.faults, True)
+    with forking():
+        return control_run(runs(tmp_path_factory.mktemp("control")), QUICK.faults, True)
 
 
 @pytest.mark.parametrize("fault", QUICK.faults, ids=lambda fault: fault.id)
-def test_fault_of_the_solver_or_the_harness_is_caught(control, fault, tmp_path, monkeypatch):
+def test_fault_of_the_solver_or_the_harness_is_caught(control, forked, fault, tmp_path, monkeypatch):
     monkeypatch.setattr(faults, "SHOWN_SECONDS", 0.0)  # shown to the case that must notice it alone
     (finding,) = examine_faults(runs(tmp_path), [fault], control)
     assert finding.calls > 0
     assert fault.case in finding.excesses
 
 
-def test_answers_come_in_the_order_of_the_tasks(example, tmp_path):
-    tasks = [Task(example.FAULTS[0], size, (("uses-function", 10.0),)) for size in (0.5, 0.25)]
-    answers = runs(tmp_path, example.STUDIED, 2).answers(tasks)
+def test_answers_come_in_the_order_of_the_tasks(apart, tmp_path):
+    tasks = [Task(apart.FAULTS[0], size, (("uses-function", 10.0),)) for size in (0.5, 0.25)]
+    answers = runs(tmp_path, apart.STUDIED, 2).answers(tasks)
     assert [answer.records[0].rows[0].computed for answer in answers] == [[1.5], [1.25]]
 
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from example_members import here
+from in_this_process import here
 from matplotlib.colors import LogNorm, Normalize
 
 from validation import __main__ as command_line

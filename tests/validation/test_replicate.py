@@ -10,7 +10,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from example_members import here
+from in_this_process import here
 
 from persson import double_gaussian
 from validation import __main__ as command_line

@@ -5,11 +5,13 @@ from dataclasses import replace
 
 import pytest
 from browser import BROWSER, found_at
+from drawn_once import drawn_once
 from rough_scene import ROUGH
 
 import bem
 from bem.scene.result_file import write_result
 from validation.command_line.front_door import main
+from validation.report import run_page
 from validation.report.run_figures import figures_of, shape_states
 from validation.report.run_page import render_run
 from validation.report.run_words import outcome, scene_in_words
@@ -32,6 +34,11 @@ const table = document.querySelector("#states table");
 table.querySelectorAll("thead th button")[1].click();
 found.order = [...table.tBodies[0].rows].map((row) => Number(row.cells[1].dataset.sort));
 """
+
+
+@pytest.fixture(autouse=True)
+def equal_figures_are_drawn_once(monkeypatch):
+    monkeypatch.setattr(run_page, "svg_of", drawn_once)
 
 
 @pytest.fixture(scope="module")

@@ -19,8 +19,14 @@ from validation.harness.verdict import case_verdicts
 
 
 @pytest.fixture
-def examples(monkeypatch):
-    """The example cases, importable here and, since workers get this search path, there."""
+def examples(apart, in_this_process):
+    """The example cases, run in this process."""
+    return apart
+
+
+@pytest.fixture
+def apart(monkeypatch):
+    """The example cases, run in processes of their own, which get this search path."""
     monkeypatch.syspath_prepend(str(Path(__file__).parent))
     import example_cases
 
@@ -35,8 +41,8 @@ def times_run(folder):
     return len((folder / "runs").read_text())
 
 
-def test_records_come_in_the_order_of_the_cases(examples, tmp_path):
-    cases = [examples.case(name, examples.agree) for name in ("b", "c", "a")]
+def test_records_come_in_the_order_of_the_cases(apart, tmp_path):
+    cases = [apart.case(name, apart.agree) for name in ("b", "c", "a")]
     assert [record.id for record in run(cases, tmp_path, jobs=2)] == ["b", "c", "a"]
 
 
@@ -48,7 +54,9 @@ def test_no_case_is_no_record(tmp_path):
     ("kind", "message"),
     [("crash", "ZeroDivisionError: the matrix is singular"), ("leave", "SystemExit: gone"), ("die", "worker process")],
 )
-def test_case_that_ends_badly_is_an_error_row_and_spares_the_others(examples, tmp_path, kind, message):
+def test_case_that_ends_badly_is_an_error_row_and_spares_the_others(request, tmp_path, kind, message):
+    examples = request.getfixturevalue("apart")
+    request.getfixturevalue("forked" if kind == "die" else "in_this_process")
     cases = [examples.case(kind, getattr(examples, kind)), examples.case("fine", examples.agree)]
     bad, fine = run(cases, tmp_path)
     assert (bad.status, case_verdicts(bad)) == ("error", ["error"])
@@ -56,8 +64,8 @@ def test_case_that_ends_badly_is_an_error_row_and_spares_the_others(examples, tm
     assert case_verdicts(fine) == ["agrees"]
 
 
-def test_case_that_ran_beside_a_dying_worker_has_its_own_answer(examples, tmp_path):
-    cases = [examples.case("slow", examples.dawdle), examples.case("die", examples.die)]
+def test_case_that_ran_beside_a_dying_worker_has_its_own_answer(apart, forked, tmp_path):
+    cases = [apart.case("slow", apart.dawdle), apart.case("die", apart.die)]
     slow, die = run(cases, tmp_path, jobs=2)
     assert (case_verdicts(slow), case_verdicts(die)) == (["agrees"], ["error"])
 
@@ -73,13 +81,13 @@ def test_skipped_case_is_not_run_with_its_reason(examples, tmp_path):
     assert record.message == "the extra 'peers' is not installed"
 
 
-def test_workers_use_one_thread(examples, tmp_path):
-    (record,) = run([examples.case("threads", examples.threads)], tmp_path)
+def test_workers_use_one_thread(apart, tmp_path):
+    (record,) = run([apart.case("threads", apart.threads)], tmp_path)
     assert record.counts == {"threads": 1}
 
 
-def test_workers_leave_interrupts_to_the_parent(examples, tmp_path):
-    (record,) = run([examples.case("a", examples.interrupts)], tmp_path)
+def test_workers_leave_interrupts_to_the_parent(apart, tmp_path):
+    (record,) = run([apart.case("a", apart.interrupts)], tmp_path)
     assert record.counts == {"ignored": 1}
 
 
@@ -107,11 +115,11 @@ def started(notes):
     return [note.text.split(":")[0] for note in notes if note.text.endswith(": started")]
 
 
-def test_long_case_gives_signs_of_life(examples):
-    events = list(run_in_processes(examples.call, [examples.dawdle], 1, pulse=0.2))
+def test_long_case_gives_signs_of_life(apart):
+    events = list(run_in_processes(apart.call, [apart.dawdle], 1, pulse=0.2))
     alive = [event for event in events if isinstance(event, Running)]
     assert len(alive) >= 3
-    assert alive[-1].items == (examples.dawdle,)
+    assert alive[-1].items == (apart.dawdle,)
     assert alive[0].seconds < alive[-1].seconds
 
 
@@ -169,9 +177,9 @@ def test_environment_is_put_back(examples, tmp_path, monkeypatch):
     assert "MKL_NUM_THREADS" not in os.environ
 
 
-def test_record_is_on_disk_before_it_is_handed_back(examples, tmp_path):
+def test_record_is_on_disk_before_it_is_handed_back(apart, tmp_path):
     """Whatever ends the run after a case, its record is there."""
-    events = run_in_processes(partial(runner._run, store=tmp_path, code="c"), [examples.case("a", examples.agree)], 1)
+    events = run_in_processes(partial(runner._run, store=tmp_path, code="c"), [apart.case("a", apart.agree)], 1)
     with closing(events):
         assert isinstance(next(events), Started)
         while not (tmp_path / "a.json").exists():
@@ -187,9 +195,9 @@ def test_interrupted_run_keeps_what_was_finished(examples, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["crash", "die"])
-def test_failed_case_runs_again(examples, tmp_path, kind):
-    run([examples.case("a", getattr(examples, kind))], tmp_path)
-    (record,) = run([examples.case("a", examples.agree)], tmp_path)
+def test_failed_case_runs_again(apart, forked, tmp_path, kind):
+    run([apart.case("a", getattr(apart, kind))], tmp_path)
+    (record,) = run([apart.case("a", apart.agree)], tmp_path)
     assert case_verdicts(record) == ["agrees"]
 
 

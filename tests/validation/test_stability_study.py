@@ -182,12 +182,12 @@ def test_time_limit_ends_a_case(tmp_path, monkeypatch):
     assert stored(tmp_path)["rows"][0]["ending"] == "timed out"
 
 
-def test_dead_process_is_a_crashed_row(tmp_path):
+def test_dead_process_is_a_crashed_row(forked, tmp_path):
     assert study(tmp_path, examples.die, [FLAT]) == 1
     assert stored(tmp_path)["rows"][0]["message"].startswith("WorkerDiedError")
 
 
-def test_cases_side_by_side_end_as_alone_and_stand_in_order(tmp_path):
+def test_cases_side_by_side_end_as_alone_and_stand_in_order(forked, tmp_path):
     assert study(tmp_path, examples.one_dies_one_crashes, jobs=2) == 1
     assert [(row["id"], row["message"].split(":")[0]) for row in stored(tmp_path)["rows"]] == [
         ("flat", "WorkerDiedError"),
@@ -197,7 +197,7 @@ def test_cases_side_by_side_end_as_alone_and_stand_in_order(tmp_path):
 
 
 @pytest.mark.slow  # 9 s: the clock is looked at every 5 s
-def test_time_limit_of_a_case_leaves_that_beside_it(tmp_path):
+def test_time_limit_of_a_case_leaves_that_beside_it(forked, tmp_path):
     tasks = [replace(TASKS[0], limit=1.0), *TASKS[1:]]
     assert study(tmp_path, examples.one_never_ends, tasks, jobs=2) == 1
     assert [row["ending"] for row in stored(tmp_path)["rows"]] == ["timed out", "converged", "converged"]
@@ -265,12 +265,12 @@ def test_more_scenes_of_a_seed_go_on_where_fewer_ended(here, tmp_path):
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_scene_that_kills_the_process_it_shares_costs_no_other(tmp_path, jobs):
+def test_scene_that_kills_the_process_it_shares_costs_no_other(forked, tmp_path, jobs):
     assert random_study(tmp_path, examples.die_at_the_second, jobs) == 1
     assert [row["ending"] for row in random_stored(tmp_path)["rows"]] == ["converged", "crashed", "converged"]
 
 
-def test_scene_that_never_ends_costs_no_other(tmp_path, monkeypatch):
+def test_scene_that_never_ends_costs_no_other(forked, tmp_path, monkeypatch):
     monkeypatch.setattr(stability, "run_in_turn", partial(execution.run_in_turn, pulse=0.2))
     tasks = [RANDOM[0], replace(RANDOM[1], limit=0.3), RANDOM[2]]
     assert random_study(tmp_path, examples.sleep_at_the_second, tasks=tasks) == 1

@@ -9,11 +9,13 @@ import time
 from pathlib import Path
 
 import pytest
+from drawn_once import drawn_once
 
 from validation import __main__ as command_line
 from validation.__main__ import main
 from validation.command_line import front_door
 from validation.harness import baseline
+from validation.report import render
 from validation.studies import cost
 from validation.studies.own_scene import BUDGET, SEEDS
 
@@ -21,8 +23,8 @@ HERE = Path(__file__).parent
 
 
 @pytest.fixture
-def examples(monkeypatch, tmp_path):
-    """The example cases, and baselines in a folder of their own, from sources that count as committed."""
+def apart(monkeypatch, tmp_path):
+    """The example cases in processes of their own; baselines in a new folder, from sources that count as committed."""
     monkeypatch.syspath_prepend(str(HERE))
     monkeypatch.setattr(baseline, "FOLDER", tmp_path / "baselines")
     monkeypatch.setattr(baseline, "working_tree", lambda: ("0" * 40, False))
@@ -32,17 +34,29 @@ def examples(monkeypatch, tmp_path):
 
 
 @pytest.fixture
-def cases(examples, monkeypatch):
+def examples(apart, in_this_process):
+    """The same, run in this process."""
+    return apart
+
+
+@pytest.fixture
+def registered(apart, monkeypatch):
     """Replace the registry: name of the case to name of its function."""
 
     def use(**computes):
         found = tuple(
-            examples.case(name, getattr(examples, compute), sources=("johnson1995",))
-            for name, compute in computes.items()
+            apart.case(name, getattr(apart, compute), sources=("johnson1995",)) for name, compute in computes.items()
         )
         monkeypatch.setattr(command_line, "registry", lambda: found)
 
     return use
+
+
+@pytest.fixture
+def cases(registered, in_this_process, monkeypatch):
+    """The same, run in this process; equal figures are drawn once."""
+    monkeypatch.setattr(render, "svg_of", drawn_once)
+    return registered
 
 
 def run(out, *words):
@@ -79,11 +93,9 @@ def test_verify_of_the_front_door_is_run(cases, tmp_path, capsys):
     assert front_door.main(["report", str(tmp_path)]) == 1
 
 
-@pytest.mark.parametrize("fact", ["commit", "blas", "date", "seconds", "sources_sha256", "jobs"])
-def test_report_holds_its_provenance(cases, tmp_path, fact):
-    cases(fine="agree")
-    run(tmp_path)
-    assert report_of(tmp_path)["provenance"][fact]
+def test_report_holds_its_provenance(stored):
+    facts = report_of(stored)["provenance"]
+    assert all(facts[fact] for fact in ("commit", "blas", "date", "seconds", "sources_sha256", "jobs"))
 
 
 def test_report_names_no_folder_of_the_machine(cases, tmp_path):
@@ -100,8 +112,8 @@ def test_report_names_no_folder_of_the_machine(cases, tmp_path):
         ("die", "FAILED bad: error, WorkerDiedError"),
     ],
 )
-def test_what_fails_is_named_and_ends_with_1(cases, tmp_path, capsys, compute, message):
-    cases(fine="agree", bad=compute)
+def test_what_fails_is_named_and_ends_with_1(registered, forked, tmp_path, capsys, compute, message):
+    registered(fine="agree", bad=compute)
     assert run(tmp_path) == 1
     assert message in capsys.readouterr().err
     assert [case["id"] for case in report_of(tmp_path)["cases"]] == ["fine", "bad"]

@@ -7,6 +7,7 @@ import os
 import platform
 import subprocess
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -90,6 +91,7 @@ def _commit() -> str:
     return tree[0] + (" with changes" if tree[1] else "")
 
 
+@cache
 def _version(name: str) -> str:
     try:
         return metadata.version(name)

@@ -101,19 +101,22 @@ def test_many_that_come_and_go_are_never_inside_together(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("module", "command"),
-    [("bem", ["run", "none.toml"]), ("validation", ["run", "--only", "nothing"]), ("validation", ["study", "cost"])],
-    ids=lambda value: value if isinstance(value, str) else value[0],
+    ("main", "command"),
+    [
+        (bem_main, ["run", "none.toml", "--overwrite"]),
+        (validation_main, ["run", "--only", "nothing"]),
+        (validation_main, ["study", "cost"]),
+    ],
+    ids=["bem-run", "validation-run", "validation-study"],
 )
-def test_every_command_that_writes_asks_for_it(module, command, holder, tmp_path):
-    scene = tmp_path / "none.toml"
-    scene.write_text(SCENE)
+def test_every_command_that_writes_asks_for_it(main, command, holder, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "none.toml").write_text(SCENE)
     before = sorted(path.name for path in (tmp_path / "out").iterdir())
-    given = [str(scene) if word == scene.name else word for word in command]
-    run = [sys.executable, "-m", module, *given, "--out", str(tmp_path / "out")]
-    done = subprocess.run([*run, "--overwrite"] if module == "bem" else run, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert f"in use by process {holder.pid} on " in done.stderr
+    assert main([*command, "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert f"in use by process {holder.pid} on " in said.err
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == before
 
 

@@ -215,3 +215,10 @@ def test_the_environment_chooses():
     assert in_use("numpy")[0] == "NumPy"
     assert in_use("compiled")[0] == in_use("")[0] == "compiled"
     assert "LINECONTACT_KERNELS: 'fast' must be numpy, compiled or empty" in in_use("fast")[1]
+
+
+def test_an_extension_of_other_sources_is_not_taken(monkeypatch):
+    monkeypatch.setattr(kernels, "import_module", lambda name: SimpleNamespace(INTERFACE="0"))
+    assert kernels.compiled("") is None
+    with pytest.raises(ImportError, match="built from other sources, install again"):
+        kernels.compiled("compiled")

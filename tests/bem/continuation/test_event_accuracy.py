@@ -1,5 +1,7 @@
 """Events do not depend on the increment: equal crests that pull off one by one, and rough profiles."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -81,16 +83,21 @@ def pattern(order, alpha, delta, control, layer, increment):
     return crests(order, alpha, delta, control, targets, layer, increment)
 
 
+@cache
+def of_pattern(finer, *chosen):
+    return outcome(pattern(*chosen, LARGEST / finer))
+
+
 @pytest.mark.parametrize(("order", "alpha", "delta", "control", "layer"), PATTERNS)
 def test_equal_crests_pull_off_one_by_one_at_any_increment(order, alpha, delta, control, layer):
-    coarse, fine = (outcome(pattern(order, alpha, delta, control, layer, LARGEST / n)) for n in (1, 3))
+    coarse, fine = (of_pattern(n, order, alpha, delta, control, layer) for n in (1, 3))
     assert "detachment" in coarse[0]
     assert_same(coarse, fine)
 
 
 @pytest.mark.parametrize("order", [2, 4, 7])
 def test_equal_crests_pull_off_one_by_one_at_a_tenth_of_the_increment(order):
-    coarse, fine = (outcome(pattern(order, 0.02, 0.0, "separation", None, LARGEST / n)) for n in (1, 10))
+    coarse, fine = (of_pattern(n, order, 0.02, 0.0, "separation", None) for n in (1, 10))
     assert_same(coarse, fine)
 
 

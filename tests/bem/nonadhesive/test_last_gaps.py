@@ -260,3 +260,15 @@ def test_the_pressure_of_complete_contact_is_summed_without_rounding_of_its_phas
     body = CompletedBody(CompleteContact(pressure, 0.0, 0.0, 0.0), 1.0)
     expected = [math.cos(float((order * Fraction(at) + Fraction(phase)) % turn)) for at in x.tolist()]
     np.testing.assert_allclose(body.at_anchor(x), expected, rtol=0, atol=1e-15)  # measured 2e-16; plain products 3e-10
+
+
+@pytest.mark.parametrize("turn", [0.0, -1.1], ids=["within", "across the ends of the period"])
+def test_gaps_that_overlap_become_one_and_others_stay(turn):
+    one, overlapping, apart = (
+        Gaps(np.array([place + turn]) % (2 * np.pi), np.zeros(1), np.array([0.2])) for place in (1.0, 1.3, 3.0)
+    )
+    found = one.joined(apart).joined(overlapping)
+    united = np.argmax(found.half_width)
+    assert found.half_width[united] == pytest.approx(0.35, rel=1e-14)
+    assert found.center[united] % (2 * np.pi) == pytest.approx((1.15 + turn) % (2 * np.pi), rel=1e-14)
+    assert np.delete(found.half_width, united).tolist() == [0.2]
