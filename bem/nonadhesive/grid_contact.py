@@ -9,7 +9,7 @@ pairs of Fourier transforms each, so that hundreds of contacts that come and go 
 handed over, to a fraction of a grid cell: what is computed from them does not depend on this grid.
 
 Source: Vollebregt, J. Optim. Theory Appl. 162 (2014) 931, doi:10.1007/s10957-013-0499-x, the method of truncation.
-Dimensionless.  Limits: contacts and gaps narrower than a cell (an eighth of the shortest wavelength, or less) are missed; the
+Dimensionless.  Limits: contacts and gaps narrower than a cell (an eighth of the shortest wavelength) are missed; the
 search for interpenetration and tension finds them.
 """
 
