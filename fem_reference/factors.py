@@ -144,7 +144,7 @@ def factorise(
     inner, outer = np.flatnonzero(spaces.inner), np.flatnonzero(~spaces.inner)
     inside, boundary = unknowns[:, inner], unknowns[:, outer]
     across, around = handed.take(inner, axis=1), handed.take(outer, axis=1)
-    inverse = np.linalg.inv(across.take(inner, axis=2))
+    inverse = np.asarray(np.linalg.inv(across.take(inner, axis=2)), dtype=np.float64)
     response: FloatArray = inverse @ across.take(outer, axis=2)
     condensed = around.take(outer, axis=2)
     condensed -= around.take(inner, axis=2) @ response
@@ -190,7 +190,7 @@ def dissected(unknowns: IntArray, mesh: Any, free: int) -> IntArray:
                     seen[own] = False
                     seen[unknowns[part]] = True
                 member = marks[:, own]
-                if (count := np.count_nonzero(member[0] & member[1])) < fewest:
+                if (count := int(np.count_nonzero(member[0] & member[1]))) < fewest:
                     cut, fewest = (before, behind, member), count
         before, behind, member = cut
         eliminate(before, own[member[0] & ~member[1]])

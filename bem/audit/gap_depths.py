@@ -120,8 +120,8 @@ def _clustered(width: FloatArray, gaps: IntArray, number: int) -> GapPoints:
 @lru_cache(maxsize=256)
 def _over_a_gap(number: int) -> GapPoints:
     """The same for a gap of width 1."""
-    angle = (np.arange(number) + 0.5) * (np.pi / number)
-    return _at_angles(np.ones(1), np.zeros(number, dtype=np.int64), angle)
+    angle = np.asarray((np.arange(number) + 0.5) * (np.pi / number), dtype=np.float64)
+    return _at_angles(np.array([1.0]), np.zeros(number, dtype=np.int64), angle)
 
 
 def _at_angles(width: FloatArray, gap: IntArray, angle: FloatArray) -> GapPoints:
@@ -138,7 +138,9 @@ def _moments(size: int) -> FloatArray:
     With t = cos phi it is pi/4 int T_k(t) cos(pi t/2) dt, the cosine in Chebyshev polynomials and int T_j dt =
     2/(1 - j^2) for even j.
     """
-    wave = np.polynomial.chebyshev.chebinterpolate(lambda t: np.cos(np.pi / 2 * t), WAVE_TERMS)[::2]
+    angle = (np.arange(WAVE_TERMS) + 0.5) * (np.pi / WAVE_TERMS)
+    wave: FloatArray = (dct(np.cos(np.pi / 2 * np.cos(angle)), type=2) / WAVE_TERMS)[::2]
+    wave[0] /= 2
     even, order = 2 * np.arange(wave.size), np.arange(0, size, 2)[:, None]
     moments = np.zeros(size)
     moments[::2] = np.pi / 4 * ((1 / (1 - (order + even) ** 2) + 1 / (1 - (order - even) ** 2)) @ wave)
