@@ -6,7 +6,7 @@ meshes with the observed order, `write_fields` exports to ParaView, `read_layer_
 boundaries.
 """
 
-from fem_reference.elasticity import SingularSystemError
+from fem_reference.factors import SingularSystemError
 from fem_reference.mesh import Resolution
 from fem_reference.problem import InvalidProblemError, Problem
 from fem_reference.refine import Estimate, Refinement, refine

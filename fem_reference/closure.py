@@ -23,7 +23,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem_reference.contact import Factors, UnitStates, solve_unit_states
+from fem_reference.contact import KeptFactors, UnitStates, solve_unit_states
 from fem_reference.crests import crest_patches, scaled_patches
 from fem_reference.energy_release import EdgeStates, EdgeValues, edge_states
 from fem_reference.mesh import NARROWEST, LayerMesh, Resolution, layer_mesh, moved
@@ -82,7 +82,7 @@ class Evaluation:
 
 
 def evaluate(
-    problem: Problem, mesh: LayerMesh, resolution: Resolution, control: Control, kept: Factors | None = None
+    problem: Problem, mesh: LayerMesh, resolution: Resolution, control: Control, kept: KeptFactors | None = None
 ) -> Evaluation:
     """Solve on a mesh, with factors of one nearly the same where there are any; find the load of the control."""
     states = solve_unit_states(problem, mesh, resolution.order, kept)
@@ -168,7 +168,7 @@ def difference_jacobian(
     resolution: Resolution,
     control: Control,
     base: FloatArray,
-    kept: Factors | None = None,
+    kept: KeptFactors | None = None,
 ) -> FloatArray:
     """D residual / d edge by forward differences on the moving mesh, shape (2 n_patches, 2 n_patches)."""
     edges = mesh.edges
@@ -212,7 +212,7 @@ def close(
     """
     own = jacobian is None
     mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
-    kept = Factors()
+    kept = KeptFactors()
     here = evaluate(problem, mesh, resolution, control, kept)
     now = residual(problem, here)
     size = float(np.max(np.abs(now)))
@@ -308,7 +308,7 @@ def close_on_ladder(
     if first.outcome == "converged":
         coarse = first.evaluation
         base = residual(problem, coarse)
-        slope = difference_jacobian(problem, coarse.states.mesh, coarse.resolution, control, base, Factors())
+        slope = difference_jacobian(problem, coarse.states.mesh, coarse.resolution, control, base, KeptFactors())
         closures[0] = Closure(first.outcome, first.message, coarse, first.residual, slope)
         for resolution in resolutions:
             last = close(problem, closures[-1].evaluation.edges, resolution, control, closures[-1].jacobian)

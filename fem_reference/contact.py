@@ -16,7 +16,6 @@ Units: as in `problem` (dimensionless).
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -28,10 +27,10 @@ from fem_reference.elasticity import (
     Stiffness,
     assemble,
     constrain,
-    factorise,
     taylor_hood,
 )
 from fem_reference.face import face_nodes, interpolate, newton_cotes, nodal_profile
+from fem_reference.factors import Factors, factorise
 from fem_reference.mesh import LayerMesh
 from fem_reference.problem import BoolArray, FloatArray, Problem
 
@@ -107,13 +106,13 @@ def contact_indicator(mesh: LayerMesh) -> ContactIndicator:
 
 
 @dataclass
-class Factors:
+class KeptFactors:
     """Factors of the last mesh factorised, to serve those of the same topology whose edges are nearly the same."""
 
     mesh: LayerMesh | None = None
-    factors: Any = None
+    factors: Factors | None = None
 
-    def near(self, mesh: LayerMesh) -> Any:
+    def near(self, mesh: LayerMesh) -> Factors | None:
         """The factors where no patch or gap differs by more than `NEARLY` of itself; else None."""
         if self.mesh is None or self.mesh.reference is not mesh.reference or mesh.edges.size == 0:
             return None
@@ -121,7 +120,7 @@ class Factors:
         return self.factors if np.max(np.abs(new / old - 1.0)) < NEARLY else None
 
 
-def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int, kept: Factors | None = None) -> UnitStates:
+def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int, kept: KeptFactors | None = None) -> UnitStates:
     """Assemble, factorise once, and solve for states A and B.
 
     Parameters
@@ -142,7 +141,7 @@ def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int, kept: Facto
     stiffness = assemble(spaces, problem.shear_modulus, problem.inverse_bulk_modulus)
     constraints = constrain(spaces, mesh.depth, contact_indicator(mesh))
     near = None if kept is None else kept.near(mesh)
-    system = factorise(stiffness, constraints, problem.inverse_bulk_modulus, near)
+    system = factorise(spaces, stiffness, constraints, problem.inverse_bulk_modulus, near)
     if kept is not None and near is None:
         kept.mesh, kept.factors = mesh, system.factors
     n, m = spaces.sizes
@@ -153,7 +152,7 @@ def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int, kept: Facto
     lift[n + constraints.contact_values] = on_face[constraints.contact_values]
     T = constraints.matrix
     rhs = np.zeros((T.shape[1], 2))
-    rhs[:, 0] = -(T.T @ (stiffness.matrix @ lift))
+    rhs[:, 0] = -(T.T @ stiffness.times(lift[None])[0])
     rhs[-1, 1] = 1.0
     free = system.solve(rhs)
     fields = np.asarray((T @ free).T)
@@ -170,7 +169,7 @@ def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int, kept: Facto
 def _reactions(spaces: Spaces, stiffness: Stiffness, constraints: Constraints, fields: FloatArray) -> FloatArray:
     """Nodal forces (2, n_contact) on the contact values, both sides of the seam added."""
     n, _ = spaces.sizes
-    force = (stiffness.matrix[n : 2 * n] @ fields.T).T
+    force = stiffness.times(fields)[:, n : 2 * n]
     summed = np.zeros((len(fields), n))
     for i in range(len(fields)):
         np.add.at(summed[i], constraints.same, force[i])

@@ -1,4 +1,4 @@
-"""Plane-strain elasticity of the layer in mixed displacement-pressure form, assembled and factorised.
+"""Plane-strain elasticity of the layer in mixed displacement-pressure form, element by element.
 
 For every nu in (-1, 1/2] the stress is split into its deviator and the hydrostatic pressure p = -k tr(eps) (k the bulk
 modulus; Hughes, The Finite Element Method, 1987, sec. 4.4; Herrmann, AIAA J. 3 (1965) 1896, doi:10.2514/3.3277), and
@@ -11,63 +11,21 @@ sparse matrix T, u = T z + lift: the plate is held, values on both sides of the 
 of u_y share one unknown, the plate's displacement, whose equation says what load the contact carries. That row makes
 the problem regular for every nu, an incompressible layer in full contact included.
 
-The matrix is quasi-definite, so it is factorised without pivoting (symmetric minimum-degree ordering: several times
-cheaper). A nearly incompressible layer leaves the pressure block tiny: then a small multiple of the pressure mass
-matrix is added for the factorisation alone and the solution is refined iteratively on the true matrix.  So it is with
-the factors of a mesh whose edges lie elsewhere by little.
-
 Units: lengths in periods, moduli in E, displacements in any common unit.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix
-from scipy.sparse.linalg import splu
-from skfem import Basis, BilinearForm, ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4
+from scipy.sparse import coo_matrix, csr_matrix
+from skfem import Basis, ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4
+from skfem.quadrature import get_quadrature
+from skfem.refdom import RefTri
 
 from fem_reference.problem import BoolArray, FloatArray, IntArray, InvalidProblemError
-
-REGULARISED_BELOW = 1e-2  # inverse bulk modulus (1/E) below which the factorisation needs help
-REGULARISATION = 1e-5  # of the pressure mass matrix, for the factorisation only
-REFINEMENTS = 8
-RESIDUAL = 1e-11  # relative residual that must be reached on the true matrix
-
-
-class SingularSystemError(RuntimeError):
-    """The linear system could not be solved to its residual tolerance."""
-
-
-@BilinearForm  # type: ignore[untyped-decorator]
-def _dxx(u: Any, v: Any, _: Any) -> Any:
-    return u.grad[0] * v.grad[0]
-
-
-@BilinearForm  # type: ignore[untyped-decorator]
-def _dyy(u: Any, v: Any, _: Any) -> Any:
-    return u.grad[1] * v.grad[1]
-
-
-@BilinearForm  # type: ignore[untyped-decorator]
-def _dxy(u: Any, v: Any, _: Any) -> Any:
-    return u.grad[1] * v.grad[0]  # rows: d/dx, columns: d/dy
-
-
-@BilinearForm  # type: ignore[untyped-decorator]
-def _mass(u: Any, v: Any, _: Any) -> Any:
-    return u * v
-
-
-@BilinearForm  # type: ignore[untyped-decorator]
-def _divergence_x(u: Any, q: Any, _: Any) -> Any:
-    return u.grad[0] * q
-
-
-@BilinearForm  # type: ignore[untyped-decorator]
-def _divergence_y(u: Any, q: Any, _: Any) -> Any:
-    return u.grad[1] * q
 
 
 @dataclass(frozen=True)
@@ -83,25 +41,74 @@ class Spaces:
         """Number of nodal values (n, m) of one displacement component and of the pressure."""
         return int(self.displacement.N), int(self.pressure.N)
 
+    @property
+    def inner(self) -> BoolArray:
+        """Which nodal values (u_x, u_y, p) of an element lie inside it, (k,): the last of each."""
+        masks = []
+        for space, order in ((self.displacement, self.order), (self.pressure, self.order - 1)):
+            masks.append(np.arange(space.Nbfun) >= 3 * order)
+        return np.concatenate([masks[0], *masks])
+
+
+ELEMENTS = {2: (ElementTriP2, ElementTriP1), 4: (ElementTriP4, ElementTriP3)}
+
 
 def taylor_hood(triangles: Any, order: int, quadrature_order: int | None = None) -> Spaces:
     """P2/P1 (order 2) or P4/P3 (order 4) spaces on a triangle mesh; quadrature exact for the stiffness by default."""
-    elements = {2: (ElementTriP2, ElementTriP1), 4: (ElementTriP4, ElementTriP3)}[order]
     degree = 2 * order - 2 if quadrature_order is None else quadrature_order
-    displacement, pressure = (Basis(triangles, element(), intorder=degree) for element in elements)
+    displacement, pressure = (Basis(triangles, element(), intorder=degree) for element in ELEMENTS[order])
     return Spaces(displacement, pressure, order)
 
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Symmetric saddle matrix over (u_x, u_y, p) and the pressure mass matrix on the same unknowns."""
+    """Symmetric saddle matrix over (u_x, u_y, p), element by element.
 
-    matrix: csr_matrix
-    pressure_mass: csr_matrix
+    Parameters
+    ----------
+    dofs : IntArray, shape (n_elements, k)
+        Nodal values of each element, among all 2 n + m.
+    elements : FloatArray, shape (n_elements, k, k)
+    pressure_mass : FloatArray, shape (n_elements, l, l)
+        Mass matrices of the pressures, the last l of each element.
+    size : int
+        2 n + m.
+    """
+
+    dofs: IntArray
+    elements: FloatArray
+    pressure_mass: FloatArray
+    size: int
+
+    def times(self, fields: FloatArray) -> FloatArray:
+        """The matrix times fields (n_fields, 2 n + m), of the same shape."""
+        force = (self.elements @ fields.T[self.dofs]).reshape(-1, len(fields))
+        return np.array([np.bincount(self.dofs.ravel(), column, self.size) for column in force.T])
+
+    @property
+    def matrix(self) -> csr_matrix:
+        """The matrix of all nodal values."""
+        rows, columns = np.broadcast_arrays(self.dofs[:, :, None], self.dofs[:, None, :])
+        entries = self.elements.ravel(), (rows.ravel(), columns.ravel())
+        return coo_matrix(entries, shape=(self.size, self.size)).tocsr()
+
+
+@lru_cache(maxsize=2)
+def _reference_integrals(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Integrals over the reference triangle: of products of derivatives, of derivative times pressure, of pressures."""
+    points, weights = get_quadrature(RefTri, 2 * order - 2)
+    displacement, pressure = (element() for element in ELEMENTS[order])
+    gradient = np.array([displacement.lbasis(points, i)[1] for i in range(displacement.doflocs.shape[0])])
+    value = np.array([pressure.lbasis(points, i)[0] for i in range(pressure.doflocs.shape[0])])
+    return (
+        np.einsum("arq,bsq,q->rsab", gradient, gradient, weights),
+        np.einsum("arq,bq,q->rab", gradient, value, weights),
+        np.einsum("aq,bq,q->ab", value, value, weights),
+    )
 
 
 def assemble(spaces: Spaces, shear_modulus: float, inverse_bulk_modulus: float) -> Stiffness:
-    """Assemble the mixed form.
+    """Matrices of all elements: sides are straight, so that each is a sum of those of the reference triangle.
 
     Parameters
     ----------
@@ -110,17 +117,98 @@ def assemble(spaces: Spaces, shear_modulus: float, inverse_bulk_modulus: float) 
         In units of E and 1/E.
     """
     V, Q = spaces.displacement, spaces.pressure
-    dxx, dyy, dxy = _dxx.assemble(V), _dyy.assemble(V), _dxy.assemble(V)
-    mass = _mass.assemble(Q)
-    bx, by = _divergence_x.assemble(V, Q), _divergence_y.assemble(V, Q)
-    two_mu = 2.0 * shear_modulus
-    axx = two_mu * (2.0 / 3.0 * dxx + 0.5 * dyy)
-    ayy = two_mu * (2.0 / 3.0 * dyy + 0.5 * dxx)
-    axy = two_mu * (0.5 * dxy.T - dxy / 3.0)
-    matrix = bmat([[axx, axy, -bx.T], [axy.T, ayy, -by.T], [-bx, -by, -inverse_bulk_modulus * mass]], format="csr")
-    n = V.N
-    pressure_mass = bmat([[csr_matrix((2 * n, 2 * n)), None], [None, mass]], format="csr")
-    return Stiffness(matrix, pressure_mass)
+    area, x, y = _shapes(V.mesh, slice(None))
+    scale, along = area[:, None, None], area[:, None]
+    coefficients = Coefficients(
+        scale * _outer(x, x), scale * _outer(y, y), scale * _outer(x, y), along * x, along * y, scale
+    )
+    dofs = np.concatenate([V.element_dofs, V.N + V.element_dofs, 2 * V.N + Q.element_dofs]).T
+    return Stiffness(
+        np.ascontiguousarray(dofs),
+        _combined(spaces.order, shear_modulus, inverse_bulk_modulus, coefficients),
+        scale * _reference_integrals(spaces.order)[2],
+        2 * V.N + Q.N,
+    )
+
+
+def moved_elements(
+    spaces: Spaces, shear_modulus: float, inverse_bulk_modulus: float, chosen: IntArray, motion: FloatArray
+) -> FloatArray:
+    """Derivatives of the matrices of some elements under a motion of the vertices in x, (n_chosen, k, k).
+
+    With X_x and X_y the derivatives of reference coordinates, they are dX_x = -X_x theta_x and dX_y = -X_x theta_y,
+    and the area grows by theta_x.
+
+    Parameters
+    ----------
+    spaces : Spaces
+    shear_modulus, inverse_bulk_modulus : float
+    chosen : IntArray, shape (n_chosen,)
+        Elements.
+    motion : FloatArray, shape (n_vertices,)
+        theta.
+    """
+    mesh = spaces.displacement.mesh
+    area, x, y = _shapes(mesh, chosen)
+    corners = motion[mesh.t[:, chosen]]
+    rise = (corners[1:] - corners[0]).T
+    along, across = ((area * np.sum(to * rise, axis=1))[:, None] for to in (x, y))  # area times theta_x and theta_y
+    stretched, sheared, xx = along[:, :, None], across[:, :, None], _outer(x, x)
+    coefficients = Coefficients(
+        xx=-stretched * xx,
+        yy=stretched * _outer(y, y) - sheared * (_outer(x, y) + _outer(y, x)),
+        xy=-sheared * xx,
+        x=0.0 * x,
+        y=along * y - across * x,
+        area=stretched,
+    )
+    return _combined(spaces.order, shear_modulus, inverse_bulk_modulus, coefficients)
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Products of the derivatives of reference coordinates by x and y, times the area, or derivatives of all these.
+
+    `xx`, `yy`, `xy` are (n_elements, 2, 2), `x` and `y` (n_elements, 2), `area` (n_elements, 1, 1).
+    """
+
+    xx: FloatArray
+    yy: FloatArray
+    xy: FloatArray
+    x: FloatArray
+    y: FloatArray
+    area: FloatArray
+
+
+def _shapes(mesh: Any, chosen: IntArray | slice) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Twice the area of elements, (n,), and dX_r / dx and dX_r / dy, (n, 2) each."""
+    corners = mesh.p[:, mesh.t[:, chosen]]
+    sides = (corners[:, 1:] - corners[:, :1]).transpose(2, 0, 1)  # dx_i / dX_r
+    x, y = np.linalg.inv(sides).transpose(2, 0, 1)
+    return np.abs(np.linalg.det(sides)), x, y
+
+
+def _outer(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Products (n, 2, 2) of vectors (n, 2)."""
+    return np.asarray(first[:, :, None] * second[:, None, :])
+
+
+def _combined(order: int, shear_modulus: float, inverse_bulk_modulus: float, given: Coefficients) -> FloatArray:
+    """Matrices (n_elements, k, k) from the integrals of the reference triangle."""
+    products, divergence, masses = _reference_integrals(order)
+    v, two_mu = products.shape[2], 2.0 * shear_modulus
+    elements = np.empty((len(given.area), 2 * v + len(masses), 2 * v + len(masses)))
+    first, second, third = slice(0, v), slice(v, 2 * v), slice(2 * v, None)
+    yx = given.xy.swapaxes(1, 2)
+    elements[:, first, first] = np.tensordot(two_mu * (2.0 / 3.0 * given.xx + 0.5 * given.yy), products)
+    elements[:, second, second] = np.tensordot(two_mu * (2.0 / 3.0 * given.yy + 0.5 * given.xx), products)
+    elements[:, first, second] = np.tensordot(two_mu * (0.5 * yx - given.xy / 3.0), products)
+    elements[:, first, third] = -np.tensordot(given.x, divergence, axes=1)
+    elements[:, second, third] = -np.tensordot(given.y, divergence, axes=1)
+    for row, column in ((first, second), (first, third), (second, third)):
+        elements[:, column, row] = elements[:, row, column].swapaxes(1, 2)
+    elements[:, third, third] = -inverse_bulk_modulus * given.area * masses
+    return elements
 
 
 def _representatives(basis: Any) -> IntArray:
@@ -186,49 +274,3 @@ def constrain(spaces: Spaces, depth: float, in_contact: Callable[[FloatArray], B
     matrix = coo_matrix((np.ones(len(rows)), (rows, number[rows])), shape=(2 * n + m, len(free) + 1)).tocsr()
     contact = np.flatnonzero(tied & own)
     return Constraints(matrix, contact, np.flatnonzero(tied), same)
-
-
-@dataclass(frozen=True)
-class Factorised:
-    """A factorised constrained system; `solve` refines on the true matrix."""
-
-    matrix: csc_matrix
-    factors: Any
-
-    def solve(self, rhs: FloatArray) -> FloatArray:
-        """Solve for right-hand sides (n_free, n_rhs).
-
-        Raises
-        ------
-        SingularSystemError
-            When the residual on the true matrix stays too large.
-        """
-        solution = self.factors.solve(rhs)
-        scale = np.max(np.abs(rhs)) + 1e-300
-        previous = np.inf
-        for _ in range(REFINEMENTS):
-            residual = rhs - self.matrix @ solution
-            size = float(np.max(np.abs(residual))) / scale
-            if not np.isfinite(size) or size == 0.0 or size > 0.5 * previous:
-                break
-            previous = size
-            solution = solution + self.factors.solve(residual)
-        final = float(np.max(np.abs(rhs - self.matrix @ solution))) / scale
-        if not final < RESIDUAL:
-            raise SingularSystemError(f"relative residual {final:.1e} of the linear system exceeds {RESIDUAL:.0e}")
-        return np.asarray(solution)
-
-
-def factorise(
-    stiffness: Stiffness, constraints: Constraints, inverse_bulk_modulus: float, factors: Any = None
-) -> Factorised:
-    """Factorise T^T K T, regularised when nearly incompressible; or take `factors` of nearly the same matrix."""
-    T = constraints.matrix
-    matrix = (T.T @ stiffness.matrix @ T).tocsc()
-    if factors is not None:
-        return Factorised(matrix, factors)
-    handed = matrix
-    if inverse_bulk_modulus < REGULARISED_BELOW:
-        handed = (matrix - REGULARISATION * (T.T @ stiffness.pressure_mass @ T)).tocsc()
-    factors = splu(handed, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    return Factorised(matrix, factors)

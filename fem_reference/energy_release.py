@@ -8,8 +8,9 @@ elastic energy at fixed plate displacement is, exactly (Destuynder, Djaoua, Lesc
     W = mu (eps : eps - tr(eps)^2 / 3) - p div u - p^2 / (2 k),
 
 theta piecewise linear on the mesh, r_i the nodal reactions on the contact, (h' theta)_i the nodal values that carry
-h' theta as those of the displacement carry h (see `face`). The last sum is what a curved profile adds: the prescribed
-displacement changes as its points move. G = dU for an edge moving outwards (+ at a right end, - at a left end).
+h' theta as those of the displacement carry h (see `face`). The integral comes from the derivatives of the matrices of
+the elements. The last sum is what a curved profile adds: the prescribed displacement changes as its points move.
+G = dU for an edge moving outwards (+ at a right end, - at a left end).
 
 G is quadratic in the state, G = G_AA + 2 P G_AB + P^2 G_BB (states A and B of `contact`), and by Irwin a perfect
 square, G = K^2 / (2 E*) with K linear in the load. A unit load under a flat face closes the edge, which fixes the
@@ -25,11 +26,11 @@ Units: as in `problem`; G in E a^2 / lambda, K in E a / sqrt(lambda).
 from dataclasses import dataclass
 
 import numpy as np
-from skfem import Basis, ElementTriP1
 
 from fem_reference.contact import UnitStates
-from fem_reference.elasticity import SingularSystemError
+from fem_reference.elasticity import moved_elements
 from fem_reference.face import face_nodes, nodal_profile
+from fem_reference.factors import SingularSystemError
 from fem_reference.problem import FloatArray, IntArray
 
 PLATEAU = 0.4  # theta is one within this fraction of its radius
@@ -103,27 +104,11 @@ def energy_derivative(states: UnitStates, motion: FloatArray) -> FloatArray:
 
 
 def _volume_term(states: UnitStates, elements: IntArray, motion: FloatArray) -> FloatArray:
-    """Integral over the elements in which theta changes; axes: states (a, b), x and y (i, j), elements, points."""
-    n, _ = states.spaces.sizes
+    """Energy of the elements in which theta changes, by the derivatives of their matrices at constant nodal values."""
     mu, softness = states.problem.shear_modulus, states.problem.inverse_bulk_modulus
-    V, Q = (space.with_elements(elements) for space in (states.spaces.displacement, states.spaces.pressure))
-    theta = Basis(V.mesh, ElementTriP1(), quadrature=V.quadrature, elements=elements).interpolate(motion).grad
-    gradient = np.array([[V.interpolate(u).grad for u in (f[:n], f[n : 2 * n])] for f in states.fields])
-    p = np.array([np.asarray(Q.interpolate(field[2 * n :])) for field in states.fields])
-    strain = 0.5 * (gradient + gradient.swapaxes(1, 2))
-    div = gradient[:, 0, 0] + gradient[:, 1, 1]
-    stress = 2.0 * mu * strain
-    for i in range(2):
-        stress[:, i, i] -= 2.0 / 3.0 * mu * div + p
-
-    def integral(axes: str, *fields: FloatArray) -> FloatArray:
-        return np.asarray(np.einsum(f"{axes},eq->ab", *fields, V.dx, optimize=True))
-
-    energy = mu * integral("aijeq,bijeq,eq", strain, strain, theta[0])
-    energy -= integral("aeq,beq,eq", div, mu / 3.0 * div + p, theta[0])
-    energy -= 0.5 * softness * integral("aeq,beq,eq", p, p, theta[0])
-    energy -= integral("aijeq,bieq,jeq", stress, gradient[:, :, 0], theta)
-    return 0.5 * (energy + energy.T)
+    matrices = moved_elements(states.spaces, mu, softness, elements, motion)
+    nodal = states.fields.T[states.stiffness.dofs[elements]]
+    return np.asarray(0.5 * np.sum(nodal.swapaxes(1, 2) @ (matrices @ nodal), axis=0))
 
 
 def _profile_term(states: UnitStates, motion: FloatArray) -> FloatArray:

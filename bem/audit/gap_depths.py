@@ -1,13 +1,14 @@
 """How far surfaces overlap in the gaps of a state, and the mean gap: u - (h - h_max + Delta) between the patches.
 
 The displacement is that of displacement.py, sampled until its series in every gap has decayed; minima between
-samples are bracketed and followed.  Integrals of u by Fejer's rule, those of h term by term.  Dimensionless
+samples are bracketed and followed.  Integrals of u and of h term by term.  Dimensionless
 (scaling.py).  Limits: at most `MAX_GAP_SAMPLES` samples of u in a gap; gaps that need more are reported.
 """
 
 from __future__ import annotations
 
 from dataclasses import fields
+from functools import lru_cache
 
 import numpy as np
 from scipy.fft import dct, idct
@@ -18,6 +19,7 @@ from bem.geometry.profile import Profile
 
 GAP_POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192
+WAVE_TERMS = 30  # of half a wave of the cosine: below 1e-20
 REFINEMENTS, NARROWER = 6, 3  # of a minimum: the last points are 1/243 as far apart as the first
 
 
@@ -47,7 +49,8 @@ def gap_depths(
     unresolved = np.flatnonzero([not np.max(np.abs(part[-3:])) <= resolved for part in series])
     lengths = np.array([part.size for part in series])
     grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 2 * lengths))
-    integrals, lowest_at = np.empty(field.count), np.empty(field.count)
+    integrals = width * (np.array([part @ _moments(part.size) for part in series]) - contact_level)
+    lowest_at = np.empty(field.count)
     suspects = [(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))]
     for size in np.unique(grid):
         who = np.flatnonzero(grid == size)
@@ -55,7 +58,6 @@ def gap_depths(
         for row, i in zip(padded, who, strict=True):
             row[: lengths[i]] = series[i] * size
         u = idct(padded, type=2, axis=1)
-        integrals[who] = _integrals_over_gaps(u, width[who]) - contact_level * width[who]
         contact = profile.height(field.positions(_clustered(width, who, size))) + contact_level
         gap = u - contact.reshape(u.shape)
         lowest = gap.min(axis=1)
@@ -110,8 +112,16 @@ def _rounded(number: FloatArray) -> IntArray:
 
 def _clustered(width: FloatArray, gaps: IntArray, number: int) -> GapPoints:
     """The points phi = (k + 1/2) pi / n of `_at_angles` for some gaps, one after the other."""
-    angle = (np.arange(number) + 0.5) * (np.pi / number)
-    return _at_angles(width, np.repeat(gaps, number), np.tile(angle, gaps.size))
+    whole = _over_a_gap(number)
+    left, right = (np.outer(width[gaps], part).ravel() for part in (whole.from_left, whole.from_right))
+    return GapPoints(np.repeat(gaps, number), left, right)
+
+
+@lru_cache(maxsize=256)
+def _over_a_gap(number: int) -> GapPoints:
+    """The same for a gap of width 1."""
+    angle = np.asarray((np.arange(number) + 0.5) * (np.pi / number), dtype=np.float64)
+    return _at_angles(np.array([1.0]), np.zeros(number, dtype=np.int64), angle)
 
 
 def _at_angles(width: FloatArray, gap: IntArray, angle: FloatArray) -> GapPoints:
@@ -121,14 +131,21 @@ def _at_angles(width: FloatArray, gap: IntArray, angle: FloatArray) -> GapPoints
     return GapPoints(gap, width[gap] * from_left**2, width[gap] * from_right**2)
 
 
-def _integrals_over_gaps(u: FloatArray, width: FloatArray) -> FloatArray:
-    """int u dx = int u (g/2) sin(theta) dtheta from values at the points of `_clustered`, by Fejer's rule, (n,)."""
-    size = u.shape[1]
-    theta = np.pi * np.sin((np.arange(size) + 0.5) * (np.pi / 2 / size)) ** 2
-    series = dct(u * np.sin(theta), type=2, axis=1)[:, ::2] / size
-    even = np.arange(0, size, 2)
-    weight = np.where(even == 0, 0.5, 1.0) * 2 / (1.0 - even**2)
-    return np.asarray(width * (np.pi / 4) * (series @ weight))
+@lru_cache(maxsize=256)
+def _moments(size: int) -> FloatArray:
+    """int T_k(cos phi) dx over a gap of width 1 for k < size, (size,), the first halved as it is twice in a series.
+
+    With t = cos phi it is pi/4 int T_k(t) cos(pi t/2) dt, the cosine in Chebyshev polynomials and int T_j dt =
+    2/(1 - j^2) for even j.
+    """
+    angle = (np.arange(WAVE_TERMS) + 0.5) * (np.pi / WAVE_TERMS)
+    wave: FloatArray = (dct(np.cos(np.pi / 2 * np.cos(angle)), type=2) / WAVE_TERMS)[::2]
+    wave[0] /= 2
+    even, order = 2 * np.arange(wave.size), np.arange(0, size, 2)[:, None]
+    moments = np.zeros(size)
+    moments[::2] = np.pi / 4 * ((1 / (1 - (order + even) ** 2) + 1 / (1 - (order - even) ** 2)) @ wave)
+    moments[0] /= 2
+    return moments
 
 
 def _height_integrals(profile: Profile, start: FloatArray, stop: FloatArray) -> FloatArray:

@@ -163,15 +163,13 @@ class Evaluation:
 
     def pressure(self) -> PatchPressure:
         """The pressure as Chebyshev series on the patches."""
-        charges, start = [], 0
-        diagonal = self.series * (-np.arange(self.series.shape[1]) / np.pi)
-        for row, nodes, modes in zip(diagonal, self.resolution.nodes, self.resolution.modes, strict=True):
-            charge = row[:nodes].copy()
-            nodal = self.skeleton[start : start + modes] * (modes / np.pi)
-            charge[:modes] = chebyshev.coefficients(nodal[None, :])[0]
-            charges.append(charge)
-            start += modes
-        return PatchPressure(self.patches.left, self.patches.right, tuple(charges))
+        coupled = chebyshev.by_modes(self.resolution.modes)
+        charges = self.series * (-np.arange(self.series.shape[1]) / np.pi)
+        for modes, members in coupled.classes:
+            nodal = self.skeleton[coupled.starts[members, None] + np.arange(modes)] * (modes / np.pi)
+            charges[members, :modes] = chebyshev.coefficients(nodal)
+        series = tuple(row[:nodes] for row, nodes in zip(charges, self.resolution.nodes.tolist(), strict=True))
+        return PatchPressure(self.patches.left, self.patches.right, series)
 
 
 def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:

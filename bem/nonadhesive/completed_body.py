@@ -19,6 +19,7 @@ from bem.loading.complete_contact import CompleteContact
 
 EXACT_PHASE = float(1 << 24)  # positions are multiples of its inverse and a rest: order times the first is exact
 STIFFENING, MOST_TERMS = 1e-16, 1 << 16  # of a layer: relative size of the terms left out, and number of the others
+LOWEST = 0.99  # of the lowest value of q: deeper minima open first, and their tension may be a tiny difference
 ROUNDING = 4e-16  # of q at a point, over its lowest value and the root of the sum of squares of its amplitudes
 
 
@@ -46,10 +47,13 @@ class CompletedBody:
 
     @cached_property
     def minima(self) -> tuple[FloatArray, FloatArray]:
-        """Where q has its local minima, ascending, and what it is there, (n,) each."""
+        """Where q has its local minima, ascending, and what it is there, (n,) each; the lowest to their last digits."""
         q = self.pressure
         x = Profile(q.period, q.orders, q.amplitudes, q.phases + np.pi).crests[0]
-        return x, self.at_anchor(x)
+        values = q.height(x)
+        lowest = values <= LOWEST * values.min()
+        values[lowest] = self.at_anchor(x[lowest])
+        return x, values
 
     @cached_property
     def lowest(self) -> float:

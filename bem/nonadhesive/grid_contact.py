@@ -9,7 +9,7 @@ pairs of Fourier transforms each, so that hundreds of contacts that come and go 
 handed over, to a fraction of a grid cell: what is computed from them does not depend on this grid.
 
 Source: Vollebregt, J. Optim. Theory Appl. 162 (2014) 931, doi:10.1007/s10957-013-0499-x, the method of truncation.
-Dimensionless.  Limits: contacts and gaps narrower than a cell (a sixteenth of the shortest wavelength) are missed; the
+Dimensionless.  Limits: contacts and gaps narrower than a cell (an eighth of the shortest wavelength) are missed; the
 search for interpenetration and tension finds them.
 """
 
@@ -28,6 +28,7 @@ from bem.loading.control import Control
 
 ITERATIONS = 300
 CONVERGED = 5e-3  # what the preconditioner would still change of the unknown, relative: four times its error (measured)
+FINE = 4096  # points of the grid of a profile above which every second one is enough: Newton sorts out the rest
 NESTED, COARSER = 1024, 4  # points of grids on which the start is found on every fourth point
 DENSE = 0.5  # contact fraction above which gaps are the unknown
 SOFTEST = 1e-12  # least compliance of a mode over that of the first: below is rounding of a layer's series
@@ -104,7 +105,8 @@ class GridProblem:
 
 def grid_problem(elastic: Elastic) -> GridProblem:
     """The contact problem of an elastic body on the grid of its profile."""
-    x, height = elastic.profile.grid
+    step = 2 if elastic.profile.grid[0].size > FINE else 1
+    x, height = (values[::step] for values in elastic.profile.grid)
     modes = 0.0 if elastic.kernel is None else float(elastic.kernel.coupled_modes(np.array([TWO_PI]), LAYER)[0])
     finest = min(POINTS_PER_MODE * modes, MOST_POINTS)
     if x.size < finest:

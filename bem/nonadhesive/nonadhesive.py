@@ -32,7 +32,7 @@ from bem.nonadhesive.tension import dips, minimum, nodes, under_tension
 ITERATIONS = 400
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
 COARSEST, COARSE = 1e-2, 1e-4  # accuracies of the evaluation until the edges are near, and until they are close
-NEAR, CLOSE = 0.1, 1e-3  # residuals that mean near and close
+NEAR, CLOSE = 0.3, 4e-3  # residuals that mean near and close
 CLOSED_GAP = 1e-4  # of the shortest wavelength, or of NARROW times the narrower neighbour
 NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs thousands of modes
 COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too early is opened then

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from fem_reference import elasticity
+from fem_reference import factors
 from fem_reference.closure import Control, close, difference_jacobian, hessian, residual
 from fem_reference.crests import chosen_crests, crest_patches
 from fem_reference.mesh import Resolution
@@ -238,8 +238,8 @@ def test_four_unequal_patches_close():
 def test_meshes_that_differ_by_little_share_factors(monkeypatch):
     """Jacobians by differences and last steps on each mesh; 18 factorisations for 29 evaluations."""
     made = []
-    whole = elasticity.splu
-    monkeypatch.setattr(elasticity, "splu", lambda *given, **options: made.append(0) or whole(*given, **options))
+    whole = factors.splu
+    monkeypatch.setattr(factors, "splu", lambda *given, **options: made.append(0) or whole(*given, **options))
     state = solve(
         **LAYER,
         poisson_ratio=0.3,

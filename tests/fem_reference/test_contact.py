@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fem_reference.contact import Factors, projected_pressure, solve_unit_states
+from fem_reference.contact import KeptFactors, projected_pressure, solve_unit_states
 from fem_reference.energy_release import edge_states
 from fem_reference.face import face_nodes, interpolate, newton_cotes
 from fem_reference.mesh import Resolution, layer_mesh, moved
@@ -170,7 +170,7 @@ def test_interpolation_reproduces_the_elements_polynomials():
 @pytest.mark.parametrize("nu", [0.3, 0.5])
 def test_factors_of_a_mesh_nearly_the_same_give_the_same_states(nu, two_crests):
     """An edge moved by 9e-4 of its patch: energies of order 1 differ by 1.2e-14."""
-    problem, kept = two_crests(nu), Factors()
+    problem, kept = two_crests(nu), KeptFactors()
     mesh = layer_mesh(problem.depth, TWO, Resolution(2, 8, 8))
     solve_unit_states(problem, mesh, 2, kept)
     there, farther = (moved(mesh, TWO + np.array([[0.0, shift], [0.0, 0.0]])) for shift in (1.3e-4, 2e-3))
