@@ -39,20 +39,9 @@ DEFAULT_ROUTES = AS_FINE
 
 
 def certified(name: str, second: bool = True) -> Key:
-    """The answers to a problem, made anew.
+    """The answers to a problem, made anew; `second`: by the second routes as well, without which there are no checks.
 
-    Parameters
-    ----------
-    name : str
-    second : bool
-        Whether by the second routes as well; without them there are no checks.
-
-    Raises
-    ------
-    ChallengeError
-        There is no such problem.
-    ArithmeticError
-        A route does not converge.
+    ChallengeError where there is no such problem, ArithmeticError where a route does not converge.
     """
     if name not in poses():
         raise ChallengeError(f"problem {name!r}: one of {', '.join(poses())} is needed")

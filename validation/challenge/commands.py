@@ -126,15 +126,7 @@ def _standings(options: argparse.Namespace) -> int:
 
 
 def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) -> None:
-    """Add ours to the commands of a program.
-
-    Parameters
-    ----------
-    commands
-        As `add_subparsers` returns it.
-    perform : callable
-        Runs what was parsed.
-    """
+    """Add ours to the commands of a program (`add_subparsers`); `perform` runs what was parsed."""
     actions = commands.add_parser("challenge", help="problems with certified answers: judge a solver by them")
     actions = actions.add_subparsers(required=True, metavar="ACTION")
 

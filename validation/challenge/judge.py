@@ -72,10 +72,7 @@ class Judgement:
 def chosen(only: str | None) -> tuple[Problem, ...]:
     """Problems whose name matches a pattern, or one of several between commas; all without one.
 
-    Raises
-    ------
-    ChallengeError
-        A pattern matches none.
+    ChallengeError where a pattern matches none.
     """
     patterns = ["*"] if only is None else only.split(",")
     for pattern in patterns:
@@ -92,21 +89,10 @@ def solved(
     report: Callable[[Note], None],
     workers: tuple[int, Opener] | None = None,
 ) -> Iterator[Returned]:
-    """What a solver returns for each problem; from `folder` where it is kept there.
+    """What a solver, "package.module:function", returns for each problem; from `folder` where it is kept there.
 
-    Parameters
-    ----------
-    spec : str
-        "package.module:function".
-    limit : float
-        Seconds for each problem.
-    workers : int and opener, optional
-        How many problems at a time, and where; default one after the other, on this machine.
-
-    Raises
-    ------
-    ChallengeError
-        The solver cannot be imported.
+    `limit` is in seconds for each problem; `workers` says how many at a time, and where: by default one after the
+    other, on this machine. ChallengeError where the solver cannot be imported.
     """
     look_up(spec)
     store, source = Answers(folder / FOLDER, _key(), report), _digest(spec)
@@ -161,10 +147,7 @@ def judge(solver: str, problems: Sequence[Problem], found: Iterator[Returned], d
 def earlier(baseline: Path, problems: Sequence[Problem]) -> tuple[Judged, ...]:
     """The problems of a baseline, challenge.json of an earlier judgement.
 
-    Raises
-    ------
-    ChallengeError
-        It is none, or holds none of the problems.
+    ChallengeError where it is none, or holds none of the problems.
     """
     try:
         content = json.loads(baseline.read_text("utf-8"))

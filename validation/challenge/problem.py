@@ -48,12 +48,7 @@ def names() -> tuple[str, ...]:
 
 
 def problem(name: str) -> Problem:
-    """A shipped problem.
-
-    Raises
-    ------
-    ChallengeError
-        There is none of this name.
+    """A shipped problem; ChallengeError where there is none of this name.
 
     Examples
     --------

@@ -35,19 +35,8 @@ MACHINE, TOLD = ("system", "processor", "cores"), ("date", "commit", "python", "
 def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[[Note], None]) -> Path:
     """Run entrants and write standings.json; those not run, or not installed, keep their entries.
 
-    Parameters
-    ----------
-    folder : Path
-        What was finished there is taken.
-    solvers : sequence of str
-        Names of SOLVERS; empty for all that are installed.
-    limit : float
-        Seconds of each problem.
-
-    Raises
-    ------
-    ChallengeError
-        A solver does not exist, or is named and not installed.
+    What was finished in `folder` is taken. `solvers` are names of SOLVERS, empty for all that are installed; `limit` is
+    in seconds for each problem. ChallengeError where a solver does not exist, or is named and not installed.
     """
     for name in solvers:
         if name not in SOLVERS:

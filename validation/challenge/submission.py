@@ -21,10 +21,8 @@ Submitted = dict[str, dict[str, Any]]
 def read_submission(path: Path) -> Submitted:
     """Answers by problem and quantity, not yet judged.
 
-    Raises
-    ------
-    ChallengeError
-        The file is neither, a line is not complete, or a problem does not exist; with the line or the name.
+    ChallengeError, with the line or the name, where the file is neither, a line is not complete, or a problem does not
+    exist.
     """
     try:
         text = path.read_text("utf-8-sig")  # spreadsheets begin a file with a byte order mark

@@ -46,43 +46,23 @@ BARRIER, LOAD = 0.5, 1.0  # in standard deviations of the last stress variance, 
 
 @dataclass(frozen=True)
 class Curve:
-    """Errors of one quantity against what is refined.
-
-    Parameters
-    ----------
-    id, code, quantity, knob : str
-    sizes, errors : tuples of float
-        The error relative to its natural scale.
-    law : {"algebraic", "geometric"}
-    predicted : float
-        Order, or factor per unit of size.
-    low, high : float
-        Bounds of the fitted rate, on both sides.
-    why : str
-        Where the prediction comes from.
-    kind, reference : str
-        What the errors are measured against.
-    floor : float
-        Error known to remain: of the reference, or of what is not refined.
-    samples : tuple of floats
-        What the errors are the spread of, where they are one.
-    """
+    """Errors of one quantity against what is refined."""
 
     id: str
     code: str
     quantity: str
     knob: str
     sizes: tuple[float, ...]
-    errors: tuple[float, ...]
+    errors: tuple[float, ...]  # relative to the natural scale of the quantity
     law: Law
-    predicted: float
-    low: float
+    predicted: float  # order, or factor per unit of size
+    low: float  # and `high`: bounds of the fitted rate, on both sides
     high: float
-    why: str
-    kind: ReferenceKind
+    why: str  # where the prediction comes from
+    kind: ReferenceKind  # and `reference`: what the errors are measured against
     reference: str
-    floor: float = 0.0
-    samples: tuple[float, ...] = ()
+    floor: float = 0.0  # error known to remain: of the reference, or of what is not refined
+    samples: tuple[float, ...] = ()  # what the errors are the spread of, where they are one
 
     @cached_property
     def rate(self) -> Rate:

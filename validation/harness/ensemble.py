@@ -40,37 +40,20 @@ class OtherSceneError(ValueError):
 
 @dataclass(frozen=True)
 class Member:
-    """One solution of an ensemble.
+    """One solution of an ensemble."""
 
-    Parameters
-    ----------
-    name : str
-        Of its folder.
-    scene : mapping
-        Content of a scene file, table by table, SI units.
-    """
-
-    name: str
-    scene: Mapping[str, Any]
+    name: str  # of its folder
+    scene: Mapping[str, Any]  # content of a scene file, table by table, SI units
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run of an ensemble left behind: names of members.
+    """What a run of an ensemble left behind: names of members."""
 
-    Parameters
-    ----------
-    found, computed : tuples of str
-        Stored before, and now.
-    damaged : tuple of str
-        Stored before but not to be trusted, with the reason; computed again.
-    failed : dict of str to str
-        Kind and text of the exception that came in place of a result.
-    """
-
-    found: tuple[str, ...]
-    computed: tuple[str, ...]
-    damaged: tuple[str, ...] = ()
+    found: tuple[str, ...]  # stored before
+    computed: tuple[str, ...]  # stored now
+    damaged: tuple[str, ...] = ()  # stored before but not to be trusted, with the reason; computed again
+    # kind and text of the exception that came in place of a result
     failed: dict[str, str] = field(default_factory=dict)
 
 
@@ -92,19 +75,7 @@ def run_ensemble(
     report: Report,
     opener: Opener = local_processes,
 ) -> Outcome:
-    """Compute and store what is missing.
-
-    Parameters
-    ----------
-    members : iterable of Member
-        With distinct names; started in this order.
-    folder : Path
-    jobs : int
-        Local processes.
-    report : callable
-        Gets a `Note` for every step.
-    opener : callable
-        Opens the executor (executors.py).
+    """Compute and store what is missing, of members with distinct names, which are started in this order.
 
     Raises
     ------
@@ -151,14 +122,8 @@ def run_ensemble(
 def read_member(member: Member, folder: Path) -> Result:
     """The stored result of a member.
 
-    Raises
-    ------
-    FileNotFoundError
-        Not there.
-    CorruptResultError
-        Damaged.
-    OtherSceneError
-        That of another scene.
+    FileNotFoundError where it is not there, CorruptResultError where it is damaged, OtherSceneError where it is that of
+    another scene.
     """
     return _read(folder / member.name, digest(parse_scene(member.scene).resolved()))
 

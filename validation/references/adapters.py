@@ -36,10 +36,7 @@ def scene(name: str, changes: Mapping[str, Mapping[str, Any] | None] | None = No
 def taken(posed: Scene, code: str, *names: str) -> list[Any]:
     """The named tables of a scene, None if absent: all that `code` provides of what is in contact.
 
-    Raises
-    ------
-    ValueError
-        The scene has another one.
+    ValueError where the scene has another one.
 
     Examples
     --------
@@ -57,10 +54,7 @@ def taken(posed: Scene, code: str, *names: str) -> list[Any]:
 def persson_spectrum(posed: Scene) -> DiscreteSpectrum:
     """The lines of the profile of a scene: wavenumbers in rad/m and amplitudes in m.
 
-    Raises
-    ------
-    ValueError
-        The scene has a layer, or anything else that Persson's theory of the half-space does not know.
+    ValueError for a layer, or anything else that Persson's theory of the half-space does not know.
     """
     taken(posed, "Persson's theory", "solid", "profile", "adhesion")
     return DiscreteSpectrum.of_profile(posed.surface())

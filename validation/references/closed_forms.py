@@ -26,15 +26,6 @@ from validation.harness.arrays import FloatArray
 class Sinusoid:
     """Adhesive contact of a half-space with one sinusoid.
 
-    Parameters
-    ----------
-    amplitude, wavelength : float
-        D and wavelength, m.
-    youngs_modulus, poisson_ratio : float
-        Pa, dimensionless.
-    alpha : float
-        Johnson's parameter; 0 without adhesion.
-
     Examples
     --------
     >>> wave = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.0)
@@ -42,11 +33,11 @@ class Sinusoid:
     1.0
     """
 
-    amplitude: float
-    wavelength: float
-    youngs_modulus: float
+    amplitude: float  # D, m
+    wavelength: float  # m
+    youngs_modulus: float  # Pa
     poisson_ratio: float
-    alpha: float
+    alpha: float  # Johnson's parameter; 0 without adhesion
 
     @property
     def modulus(self) -> float:

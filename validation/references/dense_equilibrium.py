@@ -73,19 +73,8 @@ class Interface:
 def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, float]:
     """Every scalar of a state with edges, in its unit, by dense algebra.
 
-    Parameters
-    ----------
-    scene : Scene
-    state : State
-    refinement : int
-        Times the nodes that dense algebra needs; 2 doubles the resolution.
-
-    Raises
-    ------
-    NoReferenceError
-        Newton did not converge.
-    ValueError
-        The scene has a table that dense algebra does not provide.
+    `refinement` multiplies the nodes that dense algebra needs; 2 doubles the resolution. NoReferenceError where Newton
+    did not converge, ValueError for a table of the scene that dense algebra does not provide.
     """
     raw, _, layered, adhesive = taken(scene, "dense algebra", "solid", "profile", "layer", "adhesion")
     surface = scene.surface()
@@ -205,10 +194,7 @@ def _limited(step: FloatArray, stress_intensity: FloatArray, edge_scale: FloatAr
 def solve_dense(posed: Posed, nodes: int) -> Found:
     """Contact at the penetration of a scene with this many nodes on every patch.
 
-    Raises
-    ------
-    MethodError
-        Newton does not converge, or the scene has the slope term.
+    MethodError where Newton does not converge, or the scene has the slope term.
     """
     if posed.slope_term:
         raise MethodError("the slope term is not in this route")

@@ -57,23 +57,10 @@ def missing() -> str:
 
 
 def grid_contact(scene: Scene, mean_pressure: float, points: int) -> GridContact:
-    """Contact without adhesion of the profile of a scene with a half-space.
+    """Contact of the profile of a scene at a mean pressure in Pa, on more points than twice the highest harmonic.
 
-    Parameters
-    ----------
-    scene : Scene
-        Half-space without adhesion.
-    mean_pressure : float
-        Pa.
-    points : int
-        Of the grid, more than twice the highest harmonic.
-
-    Raises
-    ------
-    NotConvergedError
-        After `ITERATIONS` iterations.
-    ValueError
-        The scene has adhesion, a layer, or anything else that these grids do not know.
+    NotConvergedError after `ITERATIONS` iterations; ValueError where the scene has adhesion, a layer, or anything else
+    that these grids do not know.
     """
     taken(scene, "the solver on a grid", "solid", "profile")
     substrates, systems = import_module("ContactMechanics"), import_module("ContactMechanics.Systems")

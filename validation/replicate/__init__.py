@@ -63,27 +63,9 @@ TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
 def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable[[Note], None], command: str) -> Report:
     """Compute what is missing, write the figures, and hand back the report.
 
-    Parameters
-    ----------
-    folder : Path
-        Realisations go to folder/members, figures (SVG, PDF, CSV) to folder/figures.
-    size : Size
-        `members.PAPER`, or a short form that replicates nothing.
-    jobs : int
-        Local processes.
-    opener : callable
-        Opens the executor (executors.py).
-    say : callable
-        Gets a `Note` for every step.
-    command : str
-        What the report says it was made with.
-
-    Raises
-    ------
-    OSError
-        Disk full or folder not writable; what is stored stays whole.
-    KeyboardInterrupt
-        What was finished is kept.
+    Realisations go to folder/members, figures (SVG, PDF, CSV) to folder/figures. The size is `members.PAPER`, or a
+    short form that replicates nothing; `command` is what the report says it was made with. OSError where the disk is
+    full or the folder not writable; what is stored stays whole, also at a KeyboardInterrupt.
     """
     facts = provenance()
     begun = time.monotonic()

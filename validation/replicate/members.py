@@ -32,24 +32,12 @@ HURST_LOAD = 0.08  # of E* times the rms slope
 
 @dataclass(frozen=True)
 class Size:
-    """How much is computed.
+    """How much is computed."""
 
-    Parameters
-    ----------
-    seeds : int
-        Realisations 0, 1, .. of the loading ensemble.
-    harmonics : int
-        Of the loading ensemble and of the shapes.
-    fewer_harmonics : int
-        At high load, and of the profiles of other Hurst exponents.
-    hurst_seeds : int
-        Realisations of each of these.
-    """
-
-    seeds: int
-    harmonics: int
-    fewer_harmonics: int
-    hurst_seeds: int
+    seeds: int  # realisations 0, 1, .. of the loading ensemble
+    harmonics: int  # of the loading ensemble and of the shapes
+    fewer_harmonics: int  # at high load, and of the profiles of other Hurst exponents
+    hurst_seeds: int  # realisations of each of these
 
 
 PAPER = Size(seeds=11, harmonics=1000, fewer_harmonics=250, hurst_seeds=6)

@@ -56,18 +56,12 @@ def statement(
 
     Parameters
     ----------
-    quantity : str
     ours, error : float
         What was found, and its standard error.
-    paper : float
-        What the paper says.
     allowed, measured : float
         Tolerance of the difference, and the difference found when it was set.
     against : Alternative
-        What would contradict the paper.
-    where : str
-        Where the paper says so.
-    unit : str
+        What would contradict the paper, which says otherwise at `where`.
     last_digit : float
         Uncertainty of the paper's number.
     same_ensemble : bool
@@ -137,10 +131,7 @@ def disagreement(
 ) -> Row:
     """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause.
 
-    Raises
-    ------
-    ValueError
-        If the band holds 1, where there is no disagreement.
+    ValueError where the band holds 1, where there is no disagreement.
     """
     if band[0] <= 1 <= band[1]:
         raise ValueError(f"{quantity}: a band of {band[0]:g} to {band[1]:g} holds 1, where the two agree")

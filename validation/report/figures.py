@@ -71,13 +71,7 @@ def canvas_of(figure: Figure) -> Canvas:
 
 
 def save(canvas: Canvas, path: Path) -> None:
-    """Write a figure as SVG or PDF, as the ending of the path says; equal figures give equal files.
-
-    Raises
-    ------
-    OSError
-        As of `write_atomically`.
-    """
+    """Write a figure as SVG or PDF, as the ending of the path says; equal figures give equal files."""
     path.parent.mkdir(parents=True, exist_ok=True)
     stream, kind = io.BytesIO(), path.suffix.removeprefix(".")
     with styled(**{"pdf.fonttype": 42}):
@@ -88,11 +82,7 @@ def save(canvas: Canvas, path: Path) -> None:
 def svg_of(figure: Figure, prefix: str) -> str:
     """The figure as an SVG element with a role, a title (its caption) and a description (its axes and curves).
 
-    Parameters
-    ----------
-    figure : Figure
-    prefix : str
-        Makes its ids unique on the page.
+    The prefix makes its ids unique on the page.
     """
     return inline_svg(canvas_of(figure), prefix, figure.caption, described(figure))
 

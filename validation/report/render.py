@@ -73,32 +73,14 @@ class Worst:
 
 
 def write_html(report: Report, folder: Path) -> None:
-    """Render a report into folder/report.html, under a temporary name first.
-
-    Parameters
-    ----------
-    report : Report
-    folder : Path
-
-    Raises
-    ------
-    ReportError
-        As of `render`.
-    """
+    """Render a report into folder/report.html, under a temporary name first."""
     write_atomically(folder / PAGE, render(report))
 
 
 def render(report: Report) -> str:
     """The page as text.
 
-    Parameters
-    ----------
-    report : Report
-
-    Raises
-    ------
-    ReportError
-        A case cites a source that is not in the bibliography, or has an equation that cannot be set.
+    ReportError where a case cites a source that is not in the bibliography, or has an equation that cannot be set.
     """
     try:
         return _rendered(report)
@@ -159,12 +141,7 @@ def environment() -> Environment:
 
 
 def number(value: Any) -> str:
-    """A number with the digits a reader needs; other values as they are.
-
-    Parameters
-    ----------
-    value : any
-        None is a dash.
+    """A number with the digits a reader needs, None as a dash; other values as they are.
 
     Examples
     --------
@@ -181,17 +158,7 @@ def number(value: Any) -> str:
 
 
 def failures(report: Report) -> list[tuple[str, str]]:
-    """What gates: the case ("" for the report itself) and what is wrong with it.
-
-    Parameters
-    ----------
-    report : Report
-
-    Returns
-    -------
-    list of (str, str)
-        In the order of the report; empty when nothing gates.
-    """
+    """What gates, in the order of the report: the case ("" for the report itself) and what is wrong with it."""
     found = []
     if not is_intact(report):
         found.append(("", "report.json was changed after it was written: its checksum does not fit"))
@@ -301,10 +268,7 @@ def _worst(case: CaseRecord) -> str:
 def bibliography(cases: Iterable[CaseRecord | Case]) -> list[tuple[str, str]]:
     """Keys that cases cite, with the entries; a source written out, of more than one word, is none.
 
-    Raises
-    ------
-    ReportError
-        A key is not in the bibliography.
+    ReportError where a key is not in the bibliography.
     """
     known = json.loads(asset("bibliography.json"))
     cited = sorted({key for case in cases for key in case.sources if " " not in key})

@@ -21,13 +21,7 @@ WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
 
 
 def write_run_page(folder: Path) -> Result:
-    """Render the result of a folder into report.html beside it; the result.
-
-    Raises
-    ------
-    CorruptResultError, FileNotFoundError
-        As of `read_result`.
-    """
+    """Render the result of a folder (`read_result`) into report.html beside it; the result."""
     result = read_result(folder)
     write_atomically(folder / PAGE, render_run(result))
     return result

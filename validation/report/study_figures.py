@@ -23,42 +23,19 @@ LABELLED = 2.5  # decades of an axis up to which twice and five times a power of
 
 @dataclass(frozen=True)
 class Line:
-    """One curve.
-
-    Parameters
-    ----------
-    label : str
-    x, y : sequences of float
-    notes : sequence of str
-        Beside the points; empty for none.
-    grey : sequence of bool
-        Points within the uncertainty of the reference; empty for none.
-    joined : bool
-        Whether a line joins the points; otherwise the curve is a line alone.
-    """
+    """One curve."""
 
     label: str
     x: Sequence[float]
     y: Sequence[float]
-    notes: Sequence[str] = ()
-    grey: Sequence[bool] = ()
-    joined: bool = True
+    notes: Sequence[str] = ()  # beside the points; empty for none
+    grey: Sequence[bool] = ()  # points within the uncertainty of the reference; empty for none
+    joined: bool = True  # whether a line joins the points; otherwise the curve is a line alone
 
 
 @dataclass(frozen=True)
 class Plot:
-    """Axes with curves.
-
-    Parameters
-    ----------
-    band : tuple of float, optional
-        Interval of x shaded as the uncertainty of the reference.
-    band_label : str
-    fits : sequence of (label, x, y)
-        Dashed lines in the colours of the curves of the same place.
-    failures : sequence of str
-        Messages of points that failed.
-    """
+    """Axes with curves."""
 
     title: str
     xlabel: str
@@ -66,9 +43,11 @@ class Plot:
     lines: Sequence[Line]
     xscale: str = "log"
     yscale: str = "log"
+    # label, x, y of dashed lines in the colours of the curves of the same place
     fits: Sequence[tuple[str, Sequence[float], Sequence[float]]] = ()
+    # label and end of intervals of x shaded as the uncertainty of the reference
     bands: Sequence[tuple[str, float]] = ()
-    failures: Sequence[str] = ()
+    failures: Sequence[str] = ()  # messages of points that failed
     size: tuple[float, float] = field(default=(6.8, 4.4))
 
 

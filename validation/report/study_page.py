@@ -17,24 +17,12 @@ FILE, PAGE = "study.json", "study.html"
 
 
 def write_study_page(folder: Path) -> None:
-    """Render the study.json of a folder into study.html beside it.
-
-    Raises
-    ------
-    FileNotFoundError
-        There is none.
-    """
+    """Render the study.json of a folder into study.html beside it."""
     write_atomically(folder / PAGE, render_study(json.loads((folder / FILE).read_text("utf-8"))))
 
 
 def render_study(content: dict[str, Any]) -> str:
-    """The page as text.
-
-    Parameters
-    ----------
-    content : dict
-        Of study.json.
-    """
+    """The page of the content of study.json as text."""
     made = environment()
     made.filters["share"] = share
     made.filters["quantity"] = quantity

@@ -100,17 +100,8 @@ def run(
 ) -> int:
     """Run the study; 1 when a realisation failed.
 
-    Parameters
-    ----------
-    folder : Path
-        Gets members/ and contact-slope.json; a second run continues where the first ended.
-    quick : bool
-        Two realisations of the small groups: shows that everything runs.
-    report : callable
-    jobs : int
-        Local processes.
-    opener : callable
-        Opens the executor (executors.py).
+    The folder gets members/ and contact-slope.json; a second run continues where the first ended. Quick: two
+    realisations of the small groups, which shows that everything runs.
     """
     found: dict[str, Areas] = {}
     for part in ("fit", "hold_out"):
@@ -160,13 +151,7 @@ def run(
 
 
 def fitted(ensembles: Areas, loads: FloatArray) -> dict[str, float]:
-    """The five coefficients by least squares, from those of the package.
-
-    Raises
-    ------
-    ArithmeticError
-        The least squares do not converge.
-    """
+    """The five coefficients by least squares from those of the package; ArithmeticError where they do not converge."""
     start = data()["coefficients"]
 
     def residual(values: FloatArray) -> FloatArray:

@@ -90,16 +90,8 @@ def run(
 ) -> int:
     """Run the study; 1 when a rate is outside its bounds, a curve fails, or the path depends on its increments.
 
-    Parameters
-    ----------
-    folder : Path
-        Gets convergence.json and the figures.
-    quick : bool
-        Fewer sizes, fewer realisations.
-    report : callable
-        Gets a `Note` for every step.
-    steps, increments : optional
-        Others than those of the study.
+    The folder gets convergence.json and the figures. Quick: fewer sizes, fewer realisations. Steps and increments,
+    where they are given, are others than those of the study.
     """
     folder.mkdir(parents=True, exist_ok=True)
     chosen = steps_of(quick) if steps is None else list(steps)

@@ -120,11 +120,8 @@ def run(
 
     Parameters
     ----------
-    folder : Path
     quick : bool
         Only the benchmark.
-    report : callable
-        Gets a `Note` for every step.
     tasks : sequence of Task, optional
         Others than those of the study.
     measure : callable, optional

@@ -192,14 +192,7 @@ def run(
 ) -> int:
     """Run the study; 1 when a realisation failed, is not certified, or its energies do not balance.
 
-    Parameters
-    ----------
-    folder : Path
-        Gets members/, maps.json, and every map as SVG, PDF and CSV.
-    quick : bool
-        Small maps that show that everything runs.
-    report, jobs, opener
-        As of `run_over`.
+    Quick: small maps that show that everything runs.
     """
     return run_over(TINY_AXES if quick else FULL_AXES, folder, report, jobs, opener)
 
@@ -207,20 +200,7 @@ def run(
 def run_over(
     axes: Axes, folder: Path, report: Callable[[Note], None], jobs: int = 1, opener: Opener = local_processes
 ) -> int:
-    """Run the study over given axes.
-
-    Parameters
-    ----------
-    axes : Axes
-    folder : Path
-        Gets members/, maps.json, and every map as SVG, PDF and CSV.
-    report : callable
-        Gets a `Note` for every step.
-    jobs : int
-        Local processes.
-    opener : callable
-        Opens the executor (executors.py).
-    """
+    """Run the study over given axes: members/, maps.json, and every map as SVG, PDF and CSV go to the folder."""
     chosen, seeds = planes(axes), axes.seeds
     members = {(point, k): member_of(point, k) for plane in chosen for point in plane.points for k in range(seeds)}
     ordered = sorted(members.values(), key=lambda member: -int(member.scene["profile"]["harmonics"]))  # long ones first

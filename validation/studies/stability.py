@@ -67,11 +67,8 @@ def run(
 
     Parameters
     ----------
-    folder : Path
     quick : bool
         The reduced forms instead of the full ones.
-    report : callable
-        Gets a `Note` for every step.
     tasks : sequence of Task, optional
         Others than those of the study.
     measure : callable, optional

@@ -34,13 +34,7 @@ def solve(problem: dict[str, Any], tolerance: float) -> dict[str, Any]:
 
 
 def answers(problem: dict[str, Any], result: Result) -> dict[str, Any]:
-    """What is asked, from a result.
-
-    Raises
-    ------
-    ArithmeticError
-        The path did not converge.
-    """
+    """What is asked, from a result; ArithmeticError where the path did not converge."""
     if result.status != "converged":
         raise ArithmeticError(f"{result.status}: {result.failure}")
     targets, found = result.targets, dict[str, Any]()

@@ -60,13 +60,7 @@ class Grid:
         return np.asarray(np.arange(self.points) * (self.period / self.points), dtype=np.float64)
 
     def profile(self) -> tuple[FloatArray, FloatArray]:
-        """Heights and slopes at the points.
-
-        Raises
-        ------
-        NotImplementedError
-            The grid does not resolve the profile.
-        """
+        """Heights and slopes at the points; NotImplementedError where these do not resolve the profile."""
         raw = self.problem["profile"]
         if self.points <= 2 * int(np.max(raw["orders"])):
             raise NotImplementedError(f"{self.points} points do not resolve {int(np.max(raw['orders']))} harmonics")

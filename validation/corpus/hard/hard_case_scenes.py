@@ -31,57 +31,28 @@ class Samples:
 
 @dataclass(frozen=True)
 class Reached:
-    """What the targets of a scene must include: without it the case is not the hard one it is meant to be.
+    """What the targets of a scene must include: without it the case is not the hard one it is meant to be."""
 
-    Parameters
-    ----------
-    least, largest : float, optional
-        Contact fraction that some target does not exceed, and one that some target has at least.
-    gap, patch : float, optional
-        Width in periods that the narrowest gap or patch of some target has, to a factor of two.
-    """
-
-    least: float | None = None
-    largest: float | None = None
-    gap: float | None = None
-    patch: float | None = None
+    least: float | None = None  # contact fraction that some target does not exceed
+    largest: float | None = None  # and one that some target has at least
+    gap: float | None = None  # width in periods that the narrowest gap of some target has, to a factor of two
+    patch: float | None = None  # the same of the narrowest patch
 
 
 @dataclass(frozen=True)
 class HardCase:
-    """One hard case.
-
-    Parameters
-    ----------
-    id : str
-    reason : str
-        What is hard about it.
-    reduced, full : dict
-        Scenes, SI.
-    targets : tuple of str
-        Expected status of each target state of the reduced scene.
-    checks : tuple of str
-        Independent checks, by their names in hard_case_checks.py.
-    status : str
-        Expected status of the result.
-    events : tuple of str
-        Kinds of events that must occur.
-    samples : Samples, optional
-        The scan to write as profile.file.
-    reached, reached_in_full : Reached, optional
-        What the targets must include to be as hard as intended.
-    """
+    """One hard case."""
 
     id: str
-    reason: str
-    reduced: Table
+    reason: str  # what is hard about it
+    reduced: Table  # and `full`: scenes, SI
     full: Table
-    targets: tuple[str, ...]
-    checks: tuple[str, ...] = ("dense",)
-    status: str = "converged"
-    events: tuple[str, ...] = ()
-    samples: Samples | None = None
-    reached: Reached | None = None
+    targets: tuple[str, ...]  # expected status of each target state of the reduced scene
+    checks: tuple[str, ...] = ("dense",)  # independent ones, by their names in hard_case_checks.py
+    status: str = "converged"  # expected of the result
+    events: tuple[str, ...] = ()  # kinds that must occur
+    samples: Samples | None = None  # the scan to write as profile.file
+    reached: Reached | None = None  # and `reached_in_full`: what the targets must include to be as hard as intended
     reached_in_full: Reached | None = None
 
     def expectation(self, full: bool) -> tuple[str, ...]:
@@ -142,13 +113,7 @@ def both(
 ) -> tuple[Table, Table]:
     """The reduced and the full scene on the rough profile, which differ in its harmonics alone.
 
-    Parameters
-    ----------
-    harmonics, full : int
-    control, targets, others
-        As of `scene`.
-    changes
-        Of `scene`, or of `rough`: hurst, rms_height.
+    `changes` are of `scene`, or of `rough` (hurst, rms_height); control, targets and others as of `scene`.
     """
     shape = {name: changes.pop(name) for name in ("hurst", "rms_height") if name in changes}
     reduced, whole = (scene(rough(count, **shape), control, targets, *others, **changes) for count in (harmonics, full))

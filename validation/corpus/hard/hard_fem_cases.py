@@ -41,27 +41,14 @@ ROUGH_ORDERS = 20
 
 @dataclass(frozen=True)
 class FemCase:
-    """A hard case of the reference.
-
-    Parameters
-    ----------
-    id, reason : str
-    arguments : dict
-        Of `fem_reference.solve`, beyond those of `WAVE_LAYER`.
-    check : {"wave", "complete", "boundary_elements", "status_only"}
-        What the result is held against.
-    expected : str
-        Status, or `refused: ARGUMENT`.
-    full : dict
-        What the full form changes besides the resolution.
-    """
+    """A hard case of the reference."""
 
     id: str
     reason: str
-    arguments: Table
-    check: str
-    expected: str = "converged"
-    full: Table | None = None
+    arguments: Table  # of `fem_reference.solve`, beyond those of `WAVE_LAYER`
+    check: str  # of CHECKS: what the result is held against
+    expected: str = "converged"  # status, or `refused: ARGUMENT`
+    full: Table | None = None  # what the full form changes besides the resolution
 
     def expectation(self, full: bool) -> tuple[str, ...]:
         """The status expected, of both forms."""

@@ -113,13 +113,7 @@ class Units:
 
 
 def findings_of(scene: Scene, result: Result) -> list[Finding]:
-    """All that a result itself says against it.
-
-    Parameters
-    ----------
-    scene : Scene
-    result : Result
-    """
+    """All that a result itself says against it."""
     units = Units.of(scene)
     return [
         *vocabulary(result),

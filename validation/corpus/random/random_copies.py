@@ -59,29 +59,15 @@ OTHER_INCREMENT = Nearness(position=2e-6, place=2.5e-10, released=6e-7, noise=1e
 
 @dataclass(frozen=True)
 class Copy:
-    """A scene asked another way.
+    """A scene asked another way."""
 
-    Parameters
-    ----------
-    kind : str
-        Of the findings.
-    scene : Scene
-    length, modulus : float
-        Its units over those of the original.
-    turned : float
-        Shift of positions against the original, in periods.
-    mirrored : bool
-    last : int or None
-        Number of targets at the end of the path that it visits; None: all, and the events too.
-    """
-
-    kind: Kind
+    kind: Kind  # of the findings
     scene: Scene
-    length: float = 1.0
+    length: float = 1.0  # and `modulus`: its units over those of the original
     modulus: float = 1.0
-    turned: float = 0.0
+    turned: float = 0.0  # shift of positions against the original, in periods
     mirrored: bool = False
-    last: int | None = None
+    last: int | None = None  # number of targets at the end of the path that it visits; None: all, and the events too
 
     def placed(self, positions: NDArray[np.float64], period: float) -> NDArray[np.float64]:
         """Positions of the copy (m) as those of the original, in its periods, same shape."""
@@ -164,17 +150,9 @@ COPIES: tuple[Callable[[Table, Scene, Result, Path], Copy | None], ...] = (scale
 def compared(
     made: Copy, scene: Scene, result: Result, other: Result, nearness: Nearness | None = None
 ) -> list[Finding]:
-    """What the result of a copy says against that of the original.
+    """What the result `other` of a copy says against that of the original, of which scene and result are given.
 
-    Parameters
-    ----------
-    made : Copy
-    scene, result
-        The original.
-    other : Result
-        Of the copy.
-    nearness : Nearness, optional
-        Of the events; default: that of the copy's kind.
+    The nearness of events is by default that of the copy's kind.
     """
     if other.status != result.status:
         return [Finding(made.kind, f"status {other.status}, not {result.status}")]

@@ -18,39 +18,21 @@ Problem = Mapping[str, Any]  # of challenge.json, or an entry of standings.json
 
 @dataclass(frozen=True)
 class Standing:
-    """A solver at one setting over all problems.
-
-    Parameters
-    ----------
-    right, answered, asked : int
-        Quantities.
-    digits : float or None
-        Median over the quantities that have any.
-    seconds : float or None
-        CPU seconds of the problems answered, in all.
-    """
+    """A solver at one setting over all problems."""
 
     solver: str
     setting: str
     problems: int
-    right: int
+    right: int  # quantities, as in the next two
     answered: int
     asked: int
-    digits: float | None
-    seconds: float | None
+    digits: float | None  # median over the quantities that have any
+    seconds: float | None  # CPU seconds of the problems answered, in all
     judged: bool = False
 
 
 def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) -> str:
-    """The page as text.
-
-    Parameters
-    ----------
-    judged : mapping
-        Content of challenge.json.
-    standings : mapping
-        Content of standings.json.
-    """
+    """The page as text, from the content of challenge.json and of standings.json."""
     names = [problem["problem"] for problem in judged["problems"]]
     entries = [entry for entry in standings["entries"] if entry["problem"] in names]
     label = judged["solver"].rpartition(".")[2] if ":" in judged["solver"] else judged["solver"]

@@ -83,20 +83,9 @@ class Runs:
 def run(folder: Path, quick: bool, report: Callable[[Note], None], studied: Studied | None = None) -> int:
     """Run the study, print its table, write faults.json and faults.svg; 1 when anything it asks for is not met.
 
-    Parameters
-    ----------
-    folder : Path
-    quick : bool
-        The faults that are `quick` only, with cases below a second and without smaller sizes.
-    report : callable
-        Gets a `Note` for every step.
-    studied : Studied, optional
-        Default: the tables of this folder.
-
-    Raises
-    ------
-    FaultError
-        A fault does not fit the sources, or names a case that is not there.
+    Quick: the faults that are `quick` only, with cases below a second and without smaller sizes. `studied` is by
+    default the tables of this folder; FaultError where a fault does not fit the sources, or names a case that is not
+    there.
     """
     folder.mkdir(parents=True, exist_ok=True)
     studied = studied or Studied(faults_in())

@@ -45,46 +45,19 @@ Report = Callable[[Note], None]
 
 @dataclass(frozen=True)
 class Options:
-    """How a study is run.
+    """How a study is run."""
 
-    Parameters
-    ----------
-    seeds : int
-        Realisations besides the scene's own.
-    budget : float
-        CPU seconds.
-    jobs : int
-        Processes at a time.
-    quick : bool
-        Fewer settings.
-    overwrite : bool
-        Whether the study of another scene may be replaced.
-    """
-
-    seeds: int = SEEDS
-    budget: float = BUDGET
-    jobs: int = 1
-    quick: bool = False
-    overwrite: bool = False
+    seeds: int = SEEDS  # realisations besides the scene's own
+    budget: float = BUDGET  # CPU seconds
+    jobs: int = 1  # processes at a time
+    quick: bool = False  # fewer settings
+    overwrite: bool = False  # whether the study of another scene may be replaced
 
 
 def run(path: Path, folder: Path, options: Options, report: Report) -> int:
-    """Run the study of a scene file; 1 where the scene does not converge as it is.
+    """Run the study of a scene file into a folder; 1 where the scene does not converge as it is.
 
-    Parameters
-    ----------
-    path, folder : Path
-        The scene; where study.html and study.json go.
-    options : Options
-    report : callable
-        Gets a `Note` for every step.
-
-    Raises
-    ------
-    SceneError
-        The scene is refused.
-    ReportError
-        The folder holds the study of another scene.
+    SceneError where the scene is refused, ReportError where the folder holds the study of another scene.
     """
     scene = load_scene(path)
     resolved = scene.resolved()

@@ -34,34 +34,18 @@ PERSSON_LOAD = 1.0e4  # Pa
 
 @dataclass(frozen=True)
 class Method:
-    """A method and its knob.
-
-    Parameters
-    ----------
-    name, code, knob, fixed : str
-        `code` names whose numerics it uses: a reference of the same code gives no digits.
-    settings : tuple
-        Values of the knob, coarsest first.
-    scenes : tuple of str
-        Scenes it takes part in.
-    solve : callable
-    cannot : mapping of str to str
-        Scenes it cannot do, and why.
-    slow : int
-        How many of its settings, from the finest, the quick form of the study leaves out.
-    other_settings : mapping of str to tuple
-        Settings on scenes where those of `settings` do not fit.
-    """
+    """A method and its knob."""
 
     name: str
-    code: str
+    code: str  # names whose numerics it uses: a reference of the same code gives no digits
     knob: str
     fixed: str
-    settings: tuple[Any, ...]
-    scenes: tuple[str, ...]
+    settings: tuple[Any, ...]  # values of the knob, coarsest first
+    scenes: tuple[str, ...]  # it takes part in
     solve: Callable[[Posed, Any], Found]
-    cannot: Mapping[str, str]
-    slow: int = 0
+    cannot: Mapping[str, str]  # scenes it cannot do, and why
+    slow: int = 0  # how many of its settings, from the finest, the quick form of the study leaves out
+    # on scenes where those of `settings` do not fit
     other_settings: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def settings_for(self, scene: str, quick: bool) -> tuple[Any, ...]:

@@ -34,22 +34,12 @@ ROUNDING = 2e-15  # of the scale of a quantity
 
 @dataclass(frozen=True)
 class Reference:
-    """An answer to measure against.
+    """An answer to measure against."""
 
-    Parameters
-    ----------
-    code : str
-        Whose numerics it is; `exact` for a closed form.
-    source : str
-        In words, with the setting.
-    answer, uncertainty : dict
-        By the names of QUANTITIES, SI.
-    """
-
-    code: str
+    code: str  # whose numerics it is; `exact` for a closed form
     kind: ReferenceKind
-    source: str
-    answer: Answer
+    source: str  # in words, with the setting
+    answer: Answer  # and `uncertainty`: by the names of QUANTITIES, SI
     uncertainty: Answer
 
     def floor(self, posed: Posed, names: tuple[str, ...]) -> float:
@@ -155,13 +145,7 @@ SOURCES: dict[str, tuple[Source, ...]] = {
 
 
 def source_for(scene: str, method: Method, sources: dict[str, tuple[Source, ...]] | None = None) -> Source:
-    """The first reference of a scene that is not of the method's own code.
-
-    Raises
-    ------
-    ValueError
-        No reference is of another code.
-    """
+    """The first reference of a scene that is not of the method's own code; ValueError where there is none."""
     for source in (SOURCES if sources is None else sources)[scene]:
         if source.code != method.code:
             return source

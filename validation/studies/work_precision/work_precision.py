@@ -86,11 +86,8 @@ def run(
 
     Parameters
     ----------
-    folder : Path
     quick : bool
         Fewer scenes, settings and repeats.
-    report : callable
-        Gets a `Note` for every step.
     methods : sequence of Method
         Others than those of the study, without the peers.
     sources : dict, optional
