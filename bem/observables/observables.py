@@ -93,17 +93,9 @@ def contact_fields(
 def complete_contact_fields(
     wanted: Collection[str], problem: Posed, complete: CompleteContact, load: float, index: int
 ) -> Fields:
-    """Arrays of complete contact under a dimensionless load; widths are empty, there being no edge.
+    """Arrays of complete contact under a dimensionless load per period; widths are empty, there being no edge.
 
-    Parameters
-    ----------
-    wanted : collection of names of [output]
-    problem : Posed
-    complete : CompleteContact
-    load : float
-        Dimensionless, per period.
-    index : int
-        k of the names.
+    The others as of `contact_fields`.
     """
     fields: Fields = {}
     mean = load / (2 * np.pi)

@@ -28,22 +28,13 @@ OUTSIDE = -1
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """Fields along the period, dimensionless; all (n_points,).
+    """Fields along the period, dimensionless; all (n_points,)."""
 
-    Attributes
-    ----------
-    x : positions in [0, 2 pi), increasing
-    displacement : mean-free interface displacement u
-    gap : u - (h - h_max + Delta), zero in contact
-    pressure : sigma, nan outside contact
-    patch : index of the patch, -1 outside contact
-    """
-
-    x: FloatArray
-    displacement: FloatArray
-    gap: FloatArray
-    pressure: FloatArray
-    patch: IntArray
+    x: FloatArray  # positions in [0, 2 pi), increasing
+    displacement: FloatArray  # mean-free interface displacement u
+    gap: FloatArray  # u - (h - h_max + Delta), zero in contact
+    pressure: FloatArray  # sigma, nan outside contact
+    patch: IntArray  # index of the patch, -1 outside contact
 
 
 def shape(

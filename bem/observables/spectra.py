@@ -34,20 +34,12 @@ LEAST_ORDERS = 128
 
 @dataclass(frozen=True, eq=False)
 class Spectra:
-    """Two-sided spectra per line, dimensionless.
+    """Two-sided spectra per line, dimensionless."""
 
-    Attributes
-    ----------
-    orders : (n_orders,) array
-        m = 1..n_orders; the wavenumber is m q0.
-    profile, displacement, pressure : (n_orders,) arrays
-        C_h, C_u and C_sigma.
-    """
-
-    orders: FloatArray
-    profile: FloatArray
-    displacement: FloatArray
-    pressure: FloatArray
+    orders: FloatArray  # m = 1..n_orders; the wavenumber is m q0; (n_orders,)
+    profile: FloatArray  # C_h, (n_orders,)
+    displacement: FloatArray  # C_u, (n_orders,)
+    pressure: FloatArray  # C_sigma, (n_orders,)
 
 
 def spectral_orders(profile: Profile) -> int:

@@ -56,17 +56,6 @@ Step = dict[str, Any]
 class Scan:
     """Uniform samples of a period, and how they came about.
 
-    Parameters
-    ----------
-    x, h : (n,) arrays
-        Positions and heights, m.
-    sha256 : str
-        Of the file's bytes.
-    measured : tuple of two (n_measured,) arrays
-        Positions and heights as read, m; missing heights are NaN.
-    steps : tuple of dict
-        What was done, step by step, as plain values.
-
     Examples
     --------
     >>> x = np.array([0.0, 0.5, 1.0])
@@ -75,11 +64,11 @@ class Scan:
     (0.5, 1.5, 1)
     """
 
-    x: FloatArray
-    h: FloatArray
-    sha256: str
-    measured: Line
-    steps: tuple[Step, ...]
+    x: FloatArray  # positions, m, (n,)
+    h: FloatArray  # heights, m, (n,)
+    sha256: str  # of the file's bytes
+    measured: Line  # positions and heights as read, m, (n_measured,) each; missing heights are NaN
+    steps: tuple[Step, ...]  # what was done, step by step, as plain values
 
     @property
     def spacing(self) -> float:
