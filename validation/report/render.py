@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date
 from importlib import resources
@@ -91,39 +91,31 @@ def render(report: Report) -> str:
 def _rendered(report: Report) -> str:
     lines = {case.id: [_line(row) for row in case.rows] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
-    page = (
-        environment()
-        .get_template("page.jinja")
-        .render(
-            report=report,
-            sentence=first_sentence(report),
-            passed=not fails(report) and is_intact(report),
-            all_results=_overview(report),
-            budgets={case.id: [budget for row in case.rows if (budget := budget_of(row))] for case in report.cases},
-            lines=lines,
-            verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
-            marks=MARKS,
-            worst=_worst_ratio(lines),
-            intact=is_intact(report),
-            failing=failures(report),
-            known=_known(report, lines),
-            groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
-            scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
-            landing=[
-                _drawn(case, LANDING) for case in report.cases if any(f.id.startswith(LANDING) for f in case.figures)
-            ],
-            figures={case.id: _drawn(case, "") for case in report.cases},
-            case_verdict={case.id: _worst(case) for case in report.cases},
-            bibliography=bibliography(report.cases),
-            style=asset("style.css"),
-            script=asset("sort.js"),
-        )
+    return filled(
+        "page.jinja",
+        report=report,
+        sentence=first_sentence(report),
+        passed=not fails(report) and is_intact(report),
+        all_results=_overview(report),
+        budgets={case.id: [budget for row in case.rows if (budget := budget_of(row))] for case in report.cases},
+        lines=lines,
+        verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
+        marks=MARKS,
+        worst=_worst_ratio(lines),
+        intact=is_intact(report),
+        failing=failures(report),
+        known=_known(report, lines),
+        groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
+        scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
+        landing=[_drawn(case, LANDING) for case in report.cases if any(f.id.startswith(LANDING) for f in case.figures)],
+        figures={case.id: _drawn(case, "") for case in report.cases},
+        case_verdict={case.id: _worst(case) for case in report.cases},
+        bibliography=bibliography(report.cases),
     )
-    return str(page)
 
 
-def environment() -> Environment:
-    """Where templates are found, and how they are filled: nothing undefined, everything escaped."""
+def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = None, **values: Any) -> str:
+    """A page from its template, with the style and the script of all pages: nothing undefined, everything escaped."""
     made = Environment(
         loader=PackageLoader("validation.report", "."),
         autoescape=True,
@@ -131,13 +123,9 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters["number"] = number
-    made.filters["short"] = _short
-    made.filters["typeset"] = typeset
-    made.filters["with_links"] = with_links
-    made.filters["subscripts"] = subscripts
-    made.filters["counted"] = counted
-    return made
+    made.filters |= {"number": number, "short": _short, "typeset": typeset, "with_links": with_links}
+    made.filters |= {"subscripts": subscripts, "counted": counted} | dict(filters or {})
+    return made.get_template(template).render(style=asset("style.css"), script=asset("sort.js"), **values)
 
 
 def number(value: Any) -> str:

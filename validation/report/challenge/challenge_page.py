@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from validation.report.challenge.challenge_figures import Curve, error_of_digits, standings_svg
-from validation.report.render import asset, environment
+from validation.report.render import filled
 
 AREAS = ("contact_fraction", "gap_fraction")
 COUNTS = ("patches",)  # right or wrong: their 15 digits would hide those of all else
@@ -41,7 +41,8 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
     table = [*standing_rows(entries, limit), standing(judged["solver"], "judged here", judged["problems"], limit, True)]
     table.sort(key=lambda row: (-row.right, math.inf if row.seconds is None else row.seconds))
     ahead = table[: next(index for index, row in enumerate(table) if row.judged)]
-    page = environment().get_template("challenge_page.jinja").render(
+    return filled(
+        "challenge_page.jinja",
         judged=judged,
         problems=problems,
         table=table,
@@ -51,10 +52,7 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
                               overall_curves(entries), _curve(label, [judged["problems"]])),
         grids=grid_errors(entries),
         run_on=standings["run_on"],
-        style=asset("style.css"),
-        script=asset("sort.js"),
     )  # fmt: skip
-    return str(page)
 
 
 def standing(
