@@ -14,6 +14,8 @@ from typing import Any
 from bem.scene.scene import Scene, parse_scene
 from persson import DiscreteSpectrum
 
+NOT_SELF_AFFINE: dict[str, Any] = dict.fromkeys(("hurst", "rms_height", "harmonics", "seed"))  # but of harmonics
+
 
 def scene_text(name: str) -> str:
     """The text of a scene of the registry, by its file name without ending."""

@@ -80,6 +80,22 @@ class Sinusoid:
         return float(brentq(slope, start / 1.05, start * 1.05, xtol=1e-12))
 
 
+def layer_compliance(q: ArrayLike, thickness: float, youngs_modulus: float, poisson_ratio: float) -> FloatArray:
+    """c(q) in m/Pa: displacement of the frictionless face of a bonded layer per pressure of a wave, rad/m, any shape.
+
+    As printed by G. Carbone, L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684: fine for q d of order one.
+
+    Examples
+    --------
+    >>> round(float(layer_compliance(1.0, 20.0, 1.0, 0.0)), 12)  # a half-space: 2 / (E* q)
+    2.0
+    """
+    wavenumber, nu = np.asarray(q, dtype=np.float64), poisson_ratio
+    y = 2 * wavenumber * thickness
+    bracket = ((3 - 4 * nu) * np.sinh(y) - y) / ((3 - 4 * nu) * np.cosh(y) + y**2 / 2 + 5 - 12 * nu + 8 * nu**2)
+    return np.asarray(2 * (1 - nu**2) / (youngs_modulus * wavenumber) * bracket)
+
+
 def full_contact_amplitudes(orders: ArrayLike, amplitudes: ArrayLike, wavelength: float, modulus: float) -> FloatArray:
     """Pressure amplitudes in Pa of complete contact with a half-space: E* m q0 h_m / 2."""
     m, h = np.asarray(orders, dtype=np.float64), np.asarray(amplitudes, dtype=np.float64)

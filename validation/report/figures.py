@@ -121,10 +121,7 @@ def _draw(axes: Axes, panel: Panel) -> None:
     for index, series in enumerate(panel.series):
         hue = (index if series.hue is None else series.hue) % len(COLOURS)
         _draw_series(axes, series, COLOURS[hue], MARKERS[hue])
-    axes.set_xlabel(panel.xlabel)
-    axes.set_ylabel(panel.ylabel)
-    axes.set_xscale(panel.xscale)
-    axes.set_yscale(panel.yscale)
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, xscale=panel.xscale, yscale=panel.yscale)
     if len(panel.series) > MOST_INSIDE:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=8.0)
     else:

@@ -64,8 +64,7 @@ def draw(found: Map) -> Figure:
                 axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=size, color=colour)
         axes.set_xticks(np.arange(len(found.columns)) + 0.5, found.columns)
         axes.set_yticks(np.arange(len(found.rows)) + 0.5, found.rows)
-        axes.set_xlabel(found.column_label)
-        axes.set_ylabel(found.row_label)
+        axes.set(xlabel=found.column_label, ylabel=found.row_label)
         axes.set_title(found.title, fontsize=9.5)
         canvas.colorbar(mesh, ax=axes)
     return canvas

@@ -60,8 +60,7 @@ def draw(plot: Plot) -> Figure:
             _draw_line(axes, line, COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)])
         for index, (label, x, y) in enumerate(plot.fits):
             axes.plot(x, y, "--", color=COLOURS[index % len(COLOURS)], linewidth=1.0, label=label)
-        axes.set_xscale(plot.xscale)
-        axes.set_yscale(plot.yscale)
+        axes.set(xlabel=plot.xlabel, ylabel=plot.ylabel, xscale=plot.xscale, yscale=plot.yscale)
         if plot.xscale == "log":
             axes.xaxis.set_minor_locator(LogLocator(subs=(2, 5)))
             axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(LABELLED, LABELLED)))
@@ -74,8 +73,6 @@ def draw(plot: Plot) -> Figure:
         for place, message in enumerate(plot.failures):
             cross = axes.plot([0.985], [0.03 + 0.04 * place], "x", color="#aa0000", label=f"failed: {message}")[0]
             cross.set(linestyle="none", transform=axes.transAxes, clip_on=False)
-        axes.set_xlabel(plot.xlabel)
-        axes.set_ylabel(plot.ylabel)
         axes.set_title(plot.title, fontsize=9.5)
         if plot.lines or plot.failures:
             longest = max(len(text) for text in axes.get_legend_handles_labels()[1])

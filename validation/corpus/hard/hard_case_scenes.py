@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from bem.geometry.profile import Profile
+
 Table = dict[str, Any]
 
 PERIOD, RMS_HEIGHT, MODULUS, WORK = 0.01, 50e-6, 1e6, 0.03
@@ -73,13 +75,13 @@ def rough(harmonics: int, hurst: float = 0.7, rms_height: float = RMS_HEIGHT, se
 
 def waves(orders: list[int], amplitudes: list[float]) -> Table:
     """[profile] of cosines."""
-    return {
-        "kind": "harmonics",
-        "period": PERIOD,
-        "orders": orders,
-        "amplitudes": amplitudes,
-        "phases": [0.0] * len(orders),
-    }
+    return waves_of(Profile.from_harmonics(PERIOD, orders, amplitudes))
+
+
+def waves_of(surface: Profile) -> Table:
+    """[profile] of the harmonics of a surface."""
+    lists: Table = {name: getattr(surface, name).tolist() for name in ("orders", "amplitudes", "phases")}
+    return {"kind": "harmonics", "period": surface.period} | lists
 
 
 def scene(

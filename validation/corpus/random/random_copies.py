@@ -17,7 +17,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,7 @@ from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Event, Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
+from validation.corpus.hard.hard_case_scenes import waves_of
 from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Kind, Units
 from validation.corpus.random.random_scenes import SCAN, Table
 
@@ -114,15 +114,15 @@ def scaled(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
 def shifted(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
     """The profile shifted along the period."""
     surface = scene.surface()
-    moved = replace_phases(surface, surface.phases + SHIFT * surface.orders)
-    other = _plain(tables, scene) | {"profile": moved}
+    moved = replace(surface, phases=surface.phases + SHIFT * surface.orders)
+    other = _plain(tables, scene) | {"profile": waves_of(moved)}
     return Copy("shift", parse_scene(other, folder), turned=SHIFT / (2 * np.pi))
 
 
 def mirrored(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
     """The profile mirrored."""
     surface = scene.surface()
-    other = _plain(tables, scene) | {"profile": replace_phases(surface, -surface.phases)}
+    other = _plain(tables, scene) | {"profile": waves_of(replace(surface, phases=-surface.phases))}
     return Copy("mirror", parse_scene(other, folder), mirrored=True)
 
 
@@ -321,12 +321,6 @@ def _unlike(ours: list[list[str]], theirs: list[list[str]]) -> str:
             return f"{counts}; avalanche {k} is {' + '.join(two)} for {' + '.join(one)}"
     longer = ours if len(ours) > len(theirs) else theirs
     return f"{counts}; the rest begins with {' + '.join(longer[min(len(ours), len(theirs))])}"
-
-
-def replace_phases(surface: Profile, phases: NDArray[np.float64]) -> Table:
-    """[profile] as harmonics with other phases."""
-    lists: dict[str, Any] = {"orders": surface.orders, "amplitudes": surface.amplitudes, "phases": phases}
-    return {"kind": "harmonics", "period": surface.period} | {name: array.tolist() for name, array in lists.items()}
 
 
 def _plain(tables: Table, scene: Scene) -> Table:
