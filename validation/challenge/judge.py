@@ -11,7 +11,7 @@ import hashlib
 import importlib.util
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatch
@@ -30,7 +30,7 @@ from validation.challenge.submission import read_submission
 from validation.harness.execution import Ended, run_in_processes
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance, versions
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.report.challenge.challenge_page import render_challenge
 from validation.studies.answers import FOLDER, Answers
 from validation.studies.store import plain
@@ -86,7 +86,7 @@ def solved(
     problems: Sequence[Problem],
     limit: float,
     folder: Path,
-    report: Callable[[Note], None],
+    report: Listener,
     workers: tuple[int, Opener] | None = None,
 ) -> Iterator[Returned]:
     """What a solver, "package.module:function", returns for each problem; from `folder` where it is kept there.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
@@ -20,7 +20,7 @@ from validation.challenge.problem import ChallengeError, Problem
 from validation.challenge.solving import Returned
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.report.challenge.challenge_figures import drawn_standings
 from validation.report.challenge.challenge_page import overall_curves
 from validation.report.figures import save
@@ -32,7 +32,7 @@ TITLE = "All problems: geometric means over the problems that a solver answers"
 MACHINE, TOLD = ("system", "processor", "cores"), ("date", "commit", "python", "numpy", "scipy", "kernels")
 
 
-def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[[Note], None]) -> Path:
+def record(folder: Path, solvers: Sequence[str], limit: float, report: Listener) -> Path:
     """Run entrants and write standings.json; those not run, or not installed, keep their entries.
 
     What was finished in `folder` is taken. `solvers` are names of SOLVERS, empty for all that are installed; `limit` is
@@ -68,7 +68,7 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[
 
 
 def _entries(
-    entrant: Entrant, problems: Sequence[Problem], limit: float, folder: Path, report: Callable[[Note], None]
+    entrant: Entrant, problems: Sequence[Problem], limit: float, folder: Path, report: Listener
 ) -> list[dict[str, Any]]:
     """An entry for each setting and problem."""
     made, by_problem = [], dict[str, list[Returned]]()

@@ -13,7 +13,7 @@ A member depends on its scene alone, not on the number of workers: phases come f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -29,9 +29,7 @@ from bem.scene.scene import parse_scene
 from validation.harness.execution import Ended, Running, run_in_processes
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
-
-Report = Callable[[Note], None]
+from validation.harness.runner import Listener, Note
 
 
 class OtherSceneError(ValueError):
@@ -72,7 +70,7 @@ def run_ensemble(
     members: Iterable[Member],
     folder: Path,
     jobs: int,
-    report: Report,
+    report: Listener,
     opener: Opener = local_processes,
 ) -> Outcome:
     """Compute and store what is missing, of members with distinct names, which are started in this order.
@@ -148,7 +146,7 @@ def _read(folder: Path, scene_sha256: str) -> Result:
 
 
 def _sorted_out(
-    planned: tuple[Member, ...], wanted: Mapping[str, str], folder: Path, report: Report
+    planned: tuple[Member, ...], wanted: Mapping[str, str], folder: Path, report: Listener
 ) -> tuple[list[str], list[str], list[Member]]:
     """Names of the members that are there, of those that cannot be trusted, and the members to compute."""
     found: list[str] = []

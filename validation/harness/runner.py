@@ -37,14 +37,14 @@ class Note:
     text: str
 
 
-Report = Callable[[Note], None]
+Listener = Callable[[Note], None]
 
 
 def run_cases(
     cases: Iterable[Case],
     folder: Path,
     jobs: int,
-    report: Report,
+    report: Listener,
     expected: Mapping[str, float] | None = None,
     opener: Opener = local_processes,
     anew: bool = False,
@@ -97,7 +97,7 @@ def _computed(
     store: Path,
     code: str,
     jobs: int,
-    report: Report,
+    report: Listener,
     planned: int,
     seconds: Mapping[str, float],
     opener: Opener,
@@ -223,7 +223,7 @@ def _key(case: Case, code: str) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
-def _stored(case: Case, store: Path, code: str, report: Report) -> CaseRecord | None:
+def _stored(case: Case, store: Path, code: str, report: Listener) -> CaseRecord | None:
     """The stored record of a case if the same code made it and it did not crash."""
     try:
         record = kept(store / f"{case.id}.json", CaseRecord, _key(case, code))

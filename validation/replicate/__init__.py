@@ -23,7 +23,7 @@ from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, OtherSceneError, read_member, run_ensemble
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note, failed_record, record_of
+from validation.harness.runner import Listener, Note, failed_record, record_of
 from validation.harness.schema import SCHEMA, CaseRecord, Report
 from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra, summary
 from validation.replicate.evidence import Evidence, Realisation
@@ -60,7 +60,7 @@ TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
 )  # fmt: skip
 
 
-def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable[[Note], None], command: str) -> Report:
+def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Listener, command: str) -> Report:
     """Compute what is missing, write the figures, and hand back the report.
 
     Realisations go to folder/members, figures (SVG, PDF, CSV) to folder/figures. The size is `members.PAPER`, or a

@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 from validation.harness.execution import Ended, Running, run_alone
 from validation.harness.kept import DamagedError, keep, kept
 from validation.harness.provenance import sources_digest, versions
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 
 FOLDER = "answers"
 NAME_LENGTH = 60  # characters of a file name before its digest
@@ -36,7 +36,7 @@ class Answers:
 
     folder: Path  # made where it is not there
     key: str  # of sources and versions; answers of another key are not taken
-    report: Callable[[Note], None]  # gets a `Note` for each answer that is there already, and for each damaged file
+    report: Listener  # gets a `Note` for each answer that is there already, and for each damaged file
 
     def kept(self, form: type[Answer], name: str, *decides: Any) -> Answer | None:
         """The answer of a task if these sources gave it.
@@ -84,7 +84,7 @@ class Answers:
         return self.folder / f"{short}-{hashlib.sha256(repr((name, decides)).encode()).hexdigest()[:12]}.json"
 
 
-def answers_in(folder: Path, report: Callable[[Note], None]) -> Answers:
+def answers_in(folder: Path, report: Listener) -> Answers:
     """The answers of a study that writes to a folder."""
     key = hashlib.sha256((sources_digest() + json.dumps(versions(), sort_keys=True)).encode()).hexdigest()
     return Answers(folder / FOLDER, key, report)

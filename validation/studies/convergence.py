@@ -28,7 +28,7 @@ from validation.corpus.convergence_curves import (
 )
 from validation.corpus.rates import RateError
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.store import text_table, write_json
@@ -84,7 +84,7 @@ def steps_of(quick: bool) -> list[Step]:
 def run(
     folder: Path,
     quick: bool,
-    report: Callable[[Note], None],
+    report: Listener,
     steps: Sequence[Step] | None = None,
     increments: tuple[float, ...] | None = None,
 ) -> int:

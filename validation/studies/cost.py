@@ -24,7 +24,7 @@ import bem
 from bem.scene.result import FINAL_STATUSES, Progress, State
 from validation.harness.compare import fitted_order
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.harness.schema import Table
 from validation.references import adapters
 from validation.report.study_figures import Line, Plot, write_svg
@@ -111,7 +111,7 @@ def tasks_of(quick: bool) -> list[Task]:
 def run(
     folder: Path,
     quick: bool,
-    report: Callable[[Note], None],
+    report: Listener,
     tasks: Sequence[Task] | None = None,
     measure: Callable[[Task], Run] | None = None,
     dissect: Callable[[int], Breakdown] | None = dissected,
