@@ -62,8 +62,7 @@ class Posed:
         height = float(np.sqrt(np.sum(amplitudes**2) / 2))
         slope = float(np.sqrt(np.sum((2 * np.pi / self.period * orders * amplitudes) ** 2) / 2))
         pressure = modulus * slope / np.sqrt(2)
-        values = (1.0, pressure, pressure * height, height)
-        return dict(zip(QUANTITIES, values, strict=True))
+        return answer_of(1.0, pressure, pressure * height, height)
 
     def surface(self) -> Surface:
         """As the paper's method takes it."""
@@ -93,6 +92,11 @@ class Found:
     solve: float  # of solving
     post: float  # of evaluating the answer
     details: dict[str, float] = field(default_factory=dict)  # what else is to be said of the setting
+
+
+def answer_of(contact_fraction: float, mean_pressure: float, elastic_energy: float, gap: float) -> Answer:
+    """The four quantities by their names."""
+    return dict(zip(QUANTITIES, (contact_fraction, mean_pressure, elastic_energy, gap), strict=True))
 
 
 def scenes() -> dict[str, Posed]:
@@ -151,8 +155,7 @@ def exact_sinusoid(posed: Posed) -> Answer:
     energy -= np.pi * wave.modulus * lift**2 / (2 * length * np.log(share))
     angle = np.arccosh(1 / np.sqrt(share))
     gap = 2 * length / (np.pi * wave.modulus) * (full * (np.sqrt(1 - share) - share * angle) + tension * angle)
-    values = (psi * 2 / np.pi, float(wave.mean_pressure(psi)), float(energy), float(gap))
-    return dict(zip(QUANTITIES, values, strict=True))
+    return answer_of(psi * 2 / np.pi, float(wave.mean_pressure(psi)), float(energy), float(gap))
 
 
 def overlap(posed: Posed) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
