@@ -98,27 +98,10 @@ def certify(
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
-    """Check a state with at least one patch and one gap.
+    """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
-    Parameters
-    ----------
-    profile : Profile
-        Dimensionless (period 2 pi, unit rms height).
-    pressure : PatchPressure
-        Edges and series, dimensionless.
-    penetration : float
-        Delta, dimensionless.
-    adhesion : AdhesiveEdges or None
-        None without adhesion.
-    compliance_ratio : callable, optional
-        Compliance of a layer over that of the half-space for orders m >= 1 (n,), tending to 1.
-    demands : Demands, optional
-        Limits.
-
-    Raises
-    ------
-    ValueError
-        No patch, or overlapping patches.
+    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to
+    1. ValueError where there is no patch, or patches overlap.
 
     Examples
     --------

@@ -91,19 +91,9 @@ class Boxes:
 
 
 class DisplacementField:
-    """Mean-free displacement of a pressure at points inside and outside its patches.
+    """Mean-free displacement of a dimensionless pressure at points inside and outside its patches.
 
-    Parameters
-    ----------
-    pressure : PatchPressure
-        Dimensionless.
-    compliance_ratio : callable, optional
-        Compliance of a layer over that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.
-
-    Raises
-    ------
-    ValueError
-        The ratio is not 1 to rounding within 65536 modes.
+    The ratio is as of `certify`; ValueError where it is not 1 to rounding within 65536 modes.
 
     Examples
     --------

@@ -82,24 +82,10 @@ def certify_gaps(
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
-    """Check a state without adhesion that has at least one gap and one patch.
+    """Check a dimensionless state without adhesion that has at least one gap and one patch.
 
-    Parameters
-    ----------
-    profile : Profile
-        Dimensionless (period 2 pi, unit rms height).
-    gaps : OpenGaps
-    levels : Levels
-    compliance_ratio : callable, optional
-        Compliance of a layer over that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.
-    demands : Demands, optional
-        `interpenetration` is taken relative to the largest opening of a gap, `contact_residual` to the largest tension
-        that it holds back.
-
-    Raises
-    ------
-    ValueError
-        No gap, or gaps that overlap.
+    The ratio is as of `certify`. Of the demands, `interpenetration` is taken relative to the largest opening of a gap,
+    `contact_residual` to the largest tension that it holds back. ValueError where there is no gap, or gaps overlap.
     """
     demands = Demands() if demands is None else demands
     if gaps.anchor.size == 0 or not (np.all(gaps.half_width > 0) and np.all(gaps.contact_after > 0)):

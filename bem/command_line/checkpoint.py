@@ -65,16 +65,9 @@ def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> 
 
 
 class Checkpoint:
-    """Writes the states found so far, as an interrupted result.
+    """Writes the states found so far, as an interrupted result; those of the result that the run resumes come first.
 
-    Parameters
-    ----------
-    scene : Scene
-    folder : Path
-    stored : Result, optional
-        The result the run resumes; its states come first.
-    clock : callable
-        Seconds.
+    The clock counts seconds.
     """
 
     def __init__(

@@ -80,19 +80,8 @@ def pressure_distribution(
 ) -> PressureDistribution:
     """Distribution of the pressure of a state with patches (none: all of the period is outside contact).
 
-    Parameters
-    ----------
-    pressure : PatchPressure
-        Dimensionless.
-    levels : (n_bins + 1,) array, optional
-        Bounds of the bins, increasing; default `pressure_levels` with `bins` bins.
-    bins : int
-        Number of bins of the default levels.
-
-    Raises
-    ------
-    ArithmeticError
-        A crossing was not located.
+    The pressure is dimensionless; levels are bounds of the bins, increasing, (n_bins + 1,), by default
+    `pressure_levels` with `bins` bins. ArithmeticError where a crossing was not located.
 
     Examples
     --------

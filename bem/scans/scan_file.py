@@ -52,16 +52,9 @@ class _Columns(NamedTuple):
 def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
     """Read a scan.
 
-    Parameters
-    ----------
-    path : Path
-    values : mapping
-        Of [profile]: unit_x, unit_h, decimal, spacing, columns, row, channel, as far as they are given.
-
-    Raises
-    ------
-    ScanFileError
-        The file cannot be read or holds no such scan, a unit is missing or contradicts the file, a position is missing.
+    `values` are those of [profile]: unit_x, unit_h, decimal, spacing, columns, row, channel, as far as they are given.
+    ScanFileError where the file cannot be read or holds no such scan, a unit is missing or contradicts the file, or a
+    position is missing.
     """
     try:
         content = path.read_bytes()

@@ -148,16 +148,8 @@ def _thinned(x: FloatArray, h: FloatArray) -> Line:
 def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     """Samples of a period.
 
-    Parameters
-    ----------
-    raw : RawScan
-    values : mapping
-        Of [profile]: missing, outliers, detrend, periodic, unequal_spacing, as far as they are given.
-
-    Raises
-    ------
-    ScanFileError
-        Positions that do not increase or are unequal, missing samples, fewer than three.
+    `values` are those of [profile]: missing, outliers, detrend, periodic, unequal_spacing, as far as they are given.
+    ScanFileError for positions that do not increase or are unequal, missing samples, fewer than three.
     """
     asked = DEFAULTS | {key: values[key] for key in DEFAULTS if key in values}
     _increasing(raw)

@@ -11,8 +11,9 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import Any
 
+import persson
 from bem.scene.scene import Scene, parse_scene
-from persson import DiscreteSpectrum
+from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact
 
 NOT_SELF_AFFINE: dict[str, Any] = dict.fromkeys(("hurst", "rms_height", "harmonics", "seed"))  # but of harmonics
 
@@ -51,6 +52,19 @@ def taken(posed: Scene, code: str, *names: str) -> list[Any]:
     if tables:
         raise ValueError(f"scene: {code} does not provide {', '.join(f'[{name}]' for name in tables)}")
     return known
+
+
+def persson_contact(posed: Scene, mean_pressure: float, **options: Any) -> AdhesiveContact | NonadhesiveContact:
+    """Persson's theory of a scene (`persson_spectrum`) at a mean pressure in Pa, with adhesion where it has that."""
+    solid, _, adhesion = taken(posed, "Persson's theory", "solid", "profile", "adhesion")
+    return persson.solve(
+        DiscreteSpectrum.of_profile(posed.surface()),
+        mean_pressure,
+        youngs_modulus=solid.youngs_modulus,
+        poisson_ratio=solid.poisson_ratio,
+        work_of_adhesion=None if adhesion is None else adhesion.work_of_adhesion,
+        **options,
+    )
 
 
 def persson_spectrum(posed: Scene) -> DiscreteSpectrum:
