@@ -119,16 +119,12 @@ def _returned(
         return
     jobs, opener = workers
     names_of = {text: name for name, text in texts.items()}
-    with closing(run_in_processes(partial(_limited, spec, limit), texts.values(), jobs, opener=opener)) as events:
+    with closing(run_in_processes(partial(returned, spec, limit=limit), texts.values(), jobs, opener=opener)) as events:
         for event in events:
             if isinstance(event, Ended):
                 answer = event.answer
                 died = Returned("crashed", f"{type(answer).__name__}: {answer}")
                 yield names_of[event.item], answer if isinstance(answer, Returned) else died
-
-
-def _limited(spec: str, limit: float, text: str) -> Returned:
-    return returned(spec, text, limit)
 
 
 def submitted(path: Path, problems: Sequence[Problem]) -> Iterator[Returned]:

@@ -26,7 +26,7 @@ def error_of(row: Row) -> float:
     >>> error_of(row)
     0.5
     """
-    expected, computed = _numbers(row.expected), _numbers(row.computed)
+    expected, computed = (np.array(values, dtype=np.float64) for values in (row.expected, row.computed))  # None is nan
     if row.band is None:
         with np.errstate(invalid="ignore"):
             return float(np.max(np.abs(computed - expected)) / row.scale)
@@ -73,7 +73,3 @@ def pairwise_orders(size: Sequence[float], error: Sequence[float]) -> list[float
     """
     x, y = np.log(np.asarray(size)), np.log(np.asarray(error))
     return [float(value) for value in np.diff(y) / np.diff(x)]
-
-
-def _numbers(values: Sequence[float | None]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    return np.array([math.nan if value is None else value for value in values], dtype=np.float64)

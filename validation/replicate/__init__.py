@@ -10,14 +10,13 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
+from bem.command_line.console import scene_text
 from bem.scene.result_file import CorruptResultError
 from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, OtherSceneError, read_member, run_ensemble
@@ -133,24 +132,6 @@ def _summary(topics: list[CaseRecord]) -> Case:
                 equations="accepted: the tolerance, or twice the uncertainties, and at most half the way to the "
                 "alternative that the row excludes",
                 sources=("carbone2009",), compute=partial(summary.compute, topics))  # fmt: skip
-
-
-def scene_text(scene: Mapping[str, Any]) -> str:
-    """A scene as the text of a scene file; its values are written alike in TOML and JSON.
-
-    Examples
-    --------
-    >>> print(scene_text({"title": "one", "profile": {"seed": 3}}), end="")
-    title = "one"
-    <BLANKLINE>
-    [profile]
-    seed = 3
-    """
-    lines = [f"{key} = {json.dumps(value)}" for key, value in scene.items() if not isinstance(value, Mapping)]
-    for name, table in scene.items():
-        if isinstance(table, Mapping):
-            lines += ["", f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
-    return "\n".join(lines) + "\n"
 
 
 def _answered(compute: Callable[[Evidence], Outcome], evidence: Evidence) -> Outcome:
