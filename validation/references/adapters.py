@@ -25,15 +25,23 @@ def scene_text(name: str) -> str:
 
 def scene(name: str, changes: Mapping[str, Mapping[str, Any] | None] | None = None) -> Scene:
     """A scene of the registry with some keys changed, table by table; None removes a table or key."""
-    data = tomllib.loads(scene_text(name))
-    for table, keys in (changes or {}).items():
-        if keys is None:
-            data.pop(table, None)
-            continue
-        content = copy.deepcopy(data.get(table, {}))
-        content.update(keys)
-        data[table] = {key: value for key, value in content.items() if value is not None}
-    return parse_scene(data)
+    return parse_scene(changed(tomllib.loads(scene_text(name)), changes or {}))
+
+
+def changed(tables: Mapping[str, Any], changes: Mapping[str, Mapping[str, Any] | None]) -> dict[str, Any]:
+    """Tables with some keys changed; None removes a table or key.
+
+    Examples
+    --------
+    >>> changed({"a": {"x": 1, "y": 2}, "c": {"w": 0}}, {"a": {"x": None, "y": 3}, "b": {"z": 4}, "c": None})
+    {'a': {'y': 3}, 'b': {'z': 4}}
+    """
+    content = copy.deepcopy(dict(tables))
+    for name, keys in changes.items():
+        table = content.pop(name, {}) | dict(keys or {})
+        if keys is not None:
+            content[name] = {key: value for key, value in table.items() if value is not None}
+    return content
 
 
 def taken(posed: Scene, code: str, *names: str) -> list[Any]:

@@ -19,6 +19,7 @@ import numpy as np
 from bem.scans.scan_file import SCAN_KEYS, RawScan, read_scan
 from bem.scene.atomic_file import write_atomically
 from bem.scene.scene import Scene
+from validation.references.adapters import changed
 
 Kind = Literal["base", "numerical", "input", "model"]
 Tables = dict[str, Any]
@@ -81,21 +82,6 @@ def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: 
                 else:
                     found.append(Setting(kind, origin, name, changed(tables, change)))
     return found
-
-
-def changed(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tables:
-    """Tables with some keys changed; None removes a key.
-
-    Examples
-    --------
-    >>> changed({"a": {"x": 1, "y": 2}}, {"a": {"x": None, "y": 3}, "b": {"z": 4}})
-    {'a': {'y': 3}, 'b': {'z': 4}}
-    """
-    content = copy.deepcopy(tables)
-    for name, keys in changes.items():
-        table = content.get(name, {}) | keys
-        content[name] = {key: value for key, value in table.items() if value is not None}
-    return content
 
 
 Change = Mapping[str, Mapping[str, Any]]
