@@ -140,6 +140,7 @@ def _error_estimate(problem: Problem, assessment: Assessment, separation: float 
     correction, scales = assessment.correction, problem.scales
     stress, height, energy = scales.stress / (2 * np.pi), scales.height, scales.energy_per_area
     penetration = _margin(correction.penetration) * height
+    relative = STIFFNESS_ROUNDING * abs(assessment.stiffness)
     total = None
     if problem.mean_compliance is not None:
         share = problem.mean_compliance * stress / height  # of the mean compression in the displacement of the plate
@@ -158,7 +159,7 @@ def _error_estimate(problem: Problem, assessment: Assessment, separation: float 
         adhesion_energy=_margin(correction.adhesion_energy) * energy,
         total_energy=_margin(correction.total_energy) * energy,
         stress_intensity_max=_margin(correction.stress_intensity) * scales.stress_intensity,
-        contact_stiffness=(_margin(correction.stiffness) + STIFFNESS_ROUNDING * abs(assessment.stiffness)) * stress / height,
+        contact_stiffness=(_margin(correction.stiffness) + relative) * stress / height,
     )
 
 

@@ -9,9 +9,10 @@ Dimensionless.
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import lapack
 
 from bem.adhesive.equilibrium import Balance, System, energy_noise
+from bem.adhesive.lowest_modes import lowest_modes
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.loading.control import Control
@@ -24,6 +25,8 @@ def tangent(control: Control, here: Balance) -> FloatArray:
     """d(outward motion of the edges) / dtau along the branch, (2 L,)."""
     scale = here.state.patches.edge_scale
     pull = here.load_gradient * scale * control.rate(here.state)
+    if here.factor is not None:
+        return np.asarray(-scale * lapack.dpotrs(here.factor, pull, lower=0)[0])
     return np.asarray(-scale * np.linalg.solve(here.hessian_by_edge_scale, pull))
 
 
@@ -97,8 +100,7 @@ def _outward(first: Patches, last: Patches) -> FloatArray:
 
 def softest_mode(here: Balance) -> FloatArray:
     """Outward motion of the edges in the mode of least scaled stiffness, (2 L,), each in units of its scale."""
-    _, mode = eigh(here.scaled_hessian, subset_by_index=[0, 0])
-    return np.asarray(mode[:, 0])
+    return lowest_modes(here.scaled_hessian, 1)[1][:, 0]
 
 
 def unstable_patches(here: Balance) -> IntArray:

@@ -13,8 +13,9 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, eigh
+from scipy.linalg import lapack
 
+from bem.adhesive.lowest_modes import lowest_modes
 from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate
 from bem.elastic.hierarchical import if_solvable
 from bem.elastic.sensitivities import stress_intensity_jacobian
@@ -92,27 +93,35 @@ class Balance:
 
     def closed(self, limit: float) -> bool:
         """Whether |G/w - 1| is at most the limit at every edge, or what rounding of K leaves where w is tiny."""
-        rounding = self.rounding / np.sqrt(self.work)
-        return bool(np.all(np.abs(self.gradient / self.work) <= np.maximum(limit, rounding)))
+        missing = np.abs(self.gradient / self.work)
+        if np.all(missing <= limit):
+            return True
+        return bool(np.all((missing <= limit) | (missing <= self.rounding / np.sqrt(self.work))))
 
     @property
     def all_tensile(self) -> bool:
         """Whether K > 0 at every edge, as at the tip of a crack."""
         return bool(np.all(self.state.stress_intensity > 0))
 
-    @property
+    @cached_property
     def hessian_by_edge_scale(self) -> FloatArray:
         """Symmetric part of the Hessian with every edge in units of its edge scale, (2 L, 2 L)."""
         scale = self.state.patches.edge_scale
         return np.asarray((self.hessian + self.hessian.T) / 2 * np.outer(scale, scale))
 
+    @cached_property
+    def factor(self) -> FloatArray | None:
+        """U with U^T U = `hessian_by_edge_scale`, (2 L, 2 L); None where that is not positive definite."""
+        factor, info = lapack.dpotrf(self.hessian_by_edge_scale, lower=0, clean=0)
+        return np.asarray(factor) if info == 0 else None
+
     @property
     def stable_at_fixed_load(self) -> bool:
         """Whether the Hessian bordered with Delta, of U - load Delta, is positive definite."""
         soft = self.fixed_penetration_hessian - np.outer(self.load_gradient, self.load_gradient) / self.state.load_rate
-        return bool(eigh(self._scaled(soft), eigvals_only=True, subset_by_index=[0, 0])[0] > 0)
+        return bool(lowest_modes(self._scaled(soft), 1)[0][0] > 0)
 
-    @property
+    @cached_property
     def stiffness(self) -> float:
         """d(load)/dDelta along the branch, the edges following."""
         response = np.linalg.solve(self.fixed_penetration_hessian, self.load_gradient)
@@ -121,7 +130,7 @@ class Balance:
     @property
     def smallest_eigenvalue(self) -> float:
         """Smallest eigenvalue of the Hessian scaled by work of adhesion and edge scale."""
-        return float(eigh(self.scaled_hessian, eigvals_only=True, subset_by_index=[0, 0])[0])
+        return float(lowest_modes(self.scaled_hessian, 1)[0][0])
 
     @property
     def hessian_asymmetry(self) -> float:
@@ -226,9 +235,7 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
             return Corrected("ill_conditioned", None, count)
         scale = patches.edge_scale
         if here.all_tensile:
-            try:
-                cho_factor(here.hessian_by_edge_scale, check_finite=False)
-            except LinAlgError:
+            if here.factor is None:
                 return Corrected("indefinite", None, count)
             if here.closed(accuracy.residual):
                 return Corrected("converged", here, count)

@@ -8,8 +8,9 @@ Source: Conn, Gould, Toint, Trust-Region Methods (2000), section 7.3.
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import eigh, lapack
+from scipy.linalg import lapack
 
+from bem.adhesive.lowest_modes import lowest_modes
 from bem.geometry.arrays import FloatArray
 
 HARD_CASE = 1e-3  # of the square of the radius: a shorter step gets what is missing along the most negative mode
@@ -32,7 +33,7 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
     if newton is not None:
         step = newton[0] if np.linalg.norm(newton[0]) <= radius else _on_surface(gradient, hessian, radius, 0.0)
         return np.asarray(step)
-    values, modes = eigh(hessian, subset_by_index=[0, 0], check_finite=False)
+    values, modes = lowest_modes(hessian, 1)
     mode = modes[:, 0]
     step = _on_surface(gradient, hessian, radius, max(0.0, -float(values[0])))
     missing = radius**2 - float(step @ step)

@@ -7,7 +7,7 @@
 #include "core.h"
 #include "kernels.h"
 
-#define INTERFACE "1" /* kernels.INTERFACE */
+#define INTERFACE "2" /* kernels.INTERFACE */
 
 Blas blas;
 static PyObject *numpy_empty;
@@ -226,15 +226,11 @@ static PyMethodDef methods[] = {
     KERNEL(taylor),
     KERNEL(sampled_series),
     KERNEL(skeleton_columns),
-    KERNEL(solved_leaf),
-    KERNEL(joined_gram),
+    KERNEL(solved),
     KERNEL(stress_intensity_jacobian),
     KERNEL(slopes_at_edges),
-    KERNEL(without_uniform),
     KERNEL(uncoupled),
     KERNEL(integral),
-    KERNEL(columns),
-    KERNEL(coordinates),
     KERNEL(near_patch),
     KERNEL(pair_by_pair),
     {NULL, NULL, 0, NULL},

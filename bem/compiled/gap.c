@@ -1,4 +1,4 @@
-/* Potentials of charges, and the kernel between two arcs: logarithmic_potential.py, gap.py, separated_kernel.py. */
+/* Potentials of charges: logarithmic_potential.py, gap.py. */
 
 #include "core.h"
 #include "kernels.h"
@@ -54,7 +54,7 @@ DECLARED(near_patch)
 {
     Call call;
     Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1], n_count, n_index, i, k;
-    double *center, *half_width, *charges, *places, *total, *terms, *x, *values;
+    double *center, *half_width, *charges, *places, *total, *terms, *x, *values, *ones;
     int64_t *n_terms, *index;
     PyObject *result;
     if (!enter(&call, n_given, 6))
@@ -75,99 +75,34 @@ DECLARED(near_patch)
     terms = reals(&call, PyTuple_GET_ITEM(given[3], 2), 2, of_terms);
     index = integers(&call, given[4], &n_index);
     x = reals(&call, given[5], 1, n);
-    expect(&call, of_width[0] == patches[0] && of_charges[1] == patches[0] && of_places[0] == of_charges[0] &&
-                      of_places[1] == patches[0] && of_total[0] == patches[0] && n_count == patches[0] &&
-                      of_terms[1] == patches[0] && n_index == n[0],
+    expect(&call, of_width[0] == patches[0] && of_charges[0] == patches[0] && of_places[0] == patches[0] &&
+                      of_places[1] == of_charges[1] && of_total[0] == patches[0] && n_count == patches[0] &&
+                      of_terms[0] == patches[0] && n_index == n[0],
            "arrays of the patches differ in size");
     result = new_reals(&call, 1, n[0], 0, &values);
     for (i = 0; !call.failed && i < n[0]; i++)
-        expect(&call, 0 <= index[i] && index[i] < patches[0] && n_terms[index[i]] <= of_terms[0], "no such patch");
-    for (i = 0; !call.failed && i < n[0]; i++) {
-        Size which = (Size)index[i], stride = patches[0];
-        double t = (x[i] - center[which]) / half_width[which], square = t * t - 1, exact, coarse = 0.0, power = 1.0;
+        expect(&call, 0 <= index[i] && index[i] < patches[0] && n_terms[index[i]] <= of_terms[1], "no such patch");
+    ones = call.failed ? NULL : workspace(of_charges[1]);
+    for (k = 0; ones != NULL && k < of_charges[1]; k++)
+        ones[k] = 1.0;
+    for (i = 0; ones != NULL && i < n[0]; i++) {
+        Size which = (Size)index[i], width = of_charges[1];
+        const double *charge = charges + which * width, *place = places + which * width;
+        const double *term = terms + which * of_terms[1];
+        double t = (x[i] - center[which]) / half_width[which], square = t * t - 1, exact, power = 1.0;
         double zeta = 1 / (t + copysign(sqrt(square > 0 ? square : 0.0), t));
         double most = NEGLIGIBLE / log(fabs(zeta) - 1e-16), sum = 0.0;
         Size last = most < (double)n_terms[which] ? (Size)ceil(most) : (Size)n_terms[which];
         exact = log_of_size(2 * zeta) * total[which];
         for (k = 0; k < last; k++) {
             power *= zeta;
-            sum += power * terms[k * stride + which];
+            sum += power * term[k];
         }
-        for (k = 0; k < of_charges[0]; k++) /* those that fill up are zero */
-            coarse += charges[k * stride + which] * log_of_size(t - places[k * stride + which]);
-        values[i] = -PI * (exact + sum) - coarse;
+        values[i] = -PI * (exact + sum) - potential(width, t, -1.0, ones, place, charge); /* zero charges fill up */
     }
-    if (call.failed)
+    if (ones == NULL)
         Py_CLEAR(result);
-    leave(&call);
-    return result;
-}
-
-/* separated_kernel.coordinates(x, beta, delta): u and m of points of both arcs. */
-DECLARED(coordinates)
-{
-    Call call;
-    Size n[1], i;
-    double *x, *u, *m, beta, delta, constant;
-    PyObject *parts[2], *result = NULL;
-    if (!enter(&call, n_given, 3))
-        return NULL;
-    x = reals(&call, given[0], 1, n);
-    beta = number(&call, given[1]);
-    delta = number(&call, given[2]);
-    parts[0] = new_reals(&call, 1, n[0], 0, &u);
-    parts[1] = new_reals(&call, 1, n[0], 0, &m);
-    if (!call.failed) {
-        constant = log(2.0) - log(fabs(sin((delta - beta) / 2)));
-        for (i = 0; i < n[0]; i++) {
-            double from_beta = log(fabs(sin((x[i] - beta) / 2))), from_delta = log(fabs(sin((x[i] - delta) / 2)));
-            u[i] = from_beta - from_delta;
-            m[i] = (from_beta + from_delta + constant) / 2;
-        }
-        result = PyTuple_Pack(2, parts[0], parts[1]);
-    }
-    for (i = 0; i < 2; i++)
-        Py_XDECREF(parts[i]);
-    leave(&call);
-    return result;
-}
-
-/* separated_kernel.columns(m, t, modes): m, 1 and the sums of Chebyshev polynomials at t. */
-DECLARED(columns)
-{
-    Call call;
-    Size n[1], of_t[1], of_modes[2], i, k, q;
-    double *m, *t, *modes, *values, *polynomials;
-    PyObject *result;
-    if (!enter(&call, n_given, 3))
-        return NULL;
-    m = reals(&call, given[0], 1, n);
-    t = reals(&call, given[1], 1, of_t);
-    modes = reals(&call, given[2], 2, of_modes);
-    q = of_modes[1];
-    expect(&call, of_t[0] == n[0] && of_modes[0] >= 1, "points or modes differ");
-    result = new_reals(&call, 2, n[0], q + 2, &values);
-    if (!call.failed && (polynomials = workspace((of_modes[0] + 1) * n[0])) != NULL) {
-        double *imaginary = polynomials + of_modes[0] * n[0];
-        for (i = 0; i < n[0]; i++) {
-            polynomials[i] = 1.0;
-            imaginary[i] = 0.0;
-            values[i * (q + 2)] = m[i];
-            values[i * (q + 2) + 1] = 1.0;
-        }
-        for (k = 1; k < of_modes[0]; k++) { /* real parts of the powers of exp(i arccos t) */
-            double *now = polynomials + k * n[0];
-            const double *before = now - n[0];
-            for (i = 0; i < n[0]; i++) {
-                double square = 1 - t[i] * t[i], sine = sqrt(square > 0 ? square : 0.0);
-                now[i] = t[i] * before[i] - sine * imaginary[i];
-                imaginary[i] = sine * before[i] + t[i] * imaginary[i];
-            }
-        }
-        product('N', 'T', q, n[0], of_modes[0], 1.0, modes, q, polynomials, n[0], 0.0, values + 2, q + 2);
-        PyMem_Free(polynomials);
-    } else
-        Py_CLEAR(result);
+    PyMem_Free(ones);
     leave(&call);
     return result;
 }

@@ -8,15 +8,11 @@
 DECLARED(taylor);
 DECLARED(sampled_series);
 DECLARED(skeleton_columns);
-DECLARED(solved_leaf);
-DECLARED(joined_gram);
+DECLARED(solved);
 DECLARED(stress_intensity_jacobian);
 DECLARED(slopes_at_edges);
-DECLARED(without_uniform);
 DECLARED(uncoupled);
 DECLARED(integral);
-DECLARED(columns);
-DECLARED(coordinates);
 DECLARED(near_patch);
 DECLARED(pair_by_pair);
 

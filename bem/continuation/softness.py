@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
 from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.lowest_modes import lowest_modes
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.loading.path_events import EventNumbers
@@ -60,7 +60,7 @@ def softness(
 ) -> Soft:
     """Forces of a balance, and its two softest modes or `every` one; the first has the sign of `last`."""
     hessian = _scaled(here, scale)
-    eigenvalues, modes = eigh(hessian, subset_by_index=None if every else [0, 1], check_finite=False)
+    eigenvalues, modes = lowest_modes(hessian, None if every else 2)
     if last is not None:
         modes *= np.sign(modes[:, 0] @ last) or 1.0
     rate = system.control.rate(here.state)

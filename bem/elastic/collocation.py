@@ -261,7 +261,8 @@ def _skeleton(elastic: Elastic, patches: Patches, resolution: Resolution, series
     x, force, at_edges = skeleton_columns(patches, coupled, series)
     for background in elastic.backgrounds:
         force -= background(x)
-    return Skeleton(patches, coupled, x, at_edges, force, elastic.kernel)
+    addition = None if elastic.kernel is None else elastic.kernel.matrix(x)
+    return Skeleton(patches, coupled, x, at_edges, force, addition)
 
 
 @mirrored
@@ -288,9 +289,10 @@ def _right_hand_sides(
     """
     sampling = chebyshev.by_nodes(resolution.nodes)
     series = sampled_series(profile, patches, sampling)
-    for size, members in sampling.classes:
-        if size > chebyshev.SMALL_TRANSFORM:
-            series[members, :size] = chebyshev.coefficients(series[members, :size])
+    if sampling.sizes[-1] > chebyshev.SMALL_TRANSFORM:
+        for size, members in sampling.classes:
+            if size > chebyshev.SMALL_TRANSFORM:
+                series[members, :size] = chebyshev.coefficients(series[members, :size])
     series[:, 0] += np.pi * (profile.max_height - penetration)
     return series, *uncoupled(series, resolution.modes)
 
@@ -327,7 +329,7 @@ def sampled_series(profile: Profile, patches: Patches, sampling: chebyshev.BySiz
     positions = [center[who, None] + half_width[who, None] * chebyshev.basis_nodes(n) for n, who in sampling.classes]
     heights = profile.height(np.concatenate([x.ravel() for x in positions]))
     splits = np.split(heights, np.cumsum([x.size for x in positions])[:-1])
-    series = np.zeros((patches.count, sampling.classes[-1][0]))
+    series = np.zeros((patches.count, sampling.sizes[-1]))
     for (size, who), x, height in zip(sampling.classes, positions, splits, strict=True):
         samples = -np.pi * height.reshape(x.shape)
         series[who, :size] = samples if size > chebyshev.SMALL_TRANSFORM else chebyshev.coefficients(samples)

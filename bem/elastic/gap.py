@@ -83,31 +83,32 @@ class GapField:
 
     @cached_property
     def _skeletons(self) -> tuple[FloatArray, FloatArray]:
-        """Skeleton charges of the patches and their places in (-1, 1), (p, L) each, filled up with zeros."""
+        """Skeleton charges of the patches and their places in (-1, 1), (L, p) each, filled up with zeros."""
         modes = self.state.resolution.modes
         filled = np.arange(int(modes.max())) < modes[:, None]
         charges, places = np.zeros((2, *filled.shape))
         charges[filled] = self.state.skeleton
         places[filled] = np.concatenate([chebyshev.basis_nodes(size) for size in modes.tolist()])
-        return np.ascontiguousarray(charges.T), np.ascontiguousarray(places.T)
+        return charges, places
 
     @cached_property
     def _skeleton_potential(self) -> LogarithmicPotential:
         """Potential of the skeleton charges of all patches, (unknowns,)."""
         patches, modes, (_, places) = self.state.patches, self.state.resolution.modes, self._skeletons
-        positions = (patches.center + patches.half_width * places).T[np.arange(places.shape[0]) < modes[:, None]]
+        positions = patches.center[:, None] + patches.half_width[:, None] * places
+        positions = positions[np.arange(places.shape[1]) < modes[:, None]]
         return LogarithmicPotential(positions, self.state.skeleton)
 
     @cached_property
     def _series(self) -> tuple[FloatArray, IntArray, FloatArray]:
-        """c_0 of the patches and number of their other c_n, (L,) each, and c_n / n, (n, L), filled up with zeros."""
+        """c_0 of the patches and number of their other c_n, (L,) each, and c_n / n, (L, n), filled up with zeros."""
         modes, (skeletons, _) = self.state.resolution.modes, self._skeletons
         total, terms = np.empty(modes.size), self.state.series[:, 1:] / -np.pi
         for size in np.unique(modes).tolist():
             who = np.flatnonzero(modes == size)
-            coupled = chebyshev.coefficients(skeletons[:size, who].T * (size / np.pi))
+            coupled = chebyshev.coefficients(skeletons[who, :size] * (size / np.pi))
             total[who], terms[who, : size - 1] = coupled[:, 0], coupled[:, 1:] / np.arange(1, size)
-        return total, self.state.resolution.nodes - 1, np.ascontiguousarray(terms.T)
+        return total, self.state.resolution.nodes - 1, terms
 
 
 @mirrored
@@ -127,8 +128,8 @@ def near_patch(
     t = (x - center[index]) / half_width[index]
     zeta = 1 / (t + np.copysign(np.sqrt(np.maximum(t * t - 1, 0.0)), t))
     exact = np.log(np.abs(2 * zeta)) * total[index] + _power_series(terms, count, index, zeta)
-    distance = np.abs(t - places.take(index, axis=1))
-    coarse = np.einsum("kn,kn->n", np.log(distance, out=distance), charges.take(index, axis=1))
+    distance = np.abs(t[:, None] - places[index])
+    coarse = np.einsum("nk,nk->n", np.log(distance, out=distance), charges[index])
     return np.asarray(-np.pi * exact - coarse)
 
 
@@ -138,11 +139,11 @@ def _power_series(terms: FloatArray, count: IntArray, column: IntArray, zeta: Fl
     parts = np.ceil(np.minimum(NEGLIGIBLE / np.log(np.abs(zeta) - 1e-16), count[column]) / step).astype(np.int64)
     order = np.argsort(-parts, kind="stable")
     reach = parts.size - np.cumsum(np.bincount(parts))[:-1]  # points that see more than 0, 1, ... parts of the terms
-    column, powers = column[order], _powers(zeta[order], min(step, terms.shape[0]))
+    column, powers = column[order], _powers(zeta[order], min(step, terms.shape[1]))
     factor, total = np.ones(zeta.size), np.zeros(zeta.size)
     for part, active in enumerate(reach.tolist()):
-        here = terms[part * step : (part + 1) * step].take(column[:active], axis=1)
-        total[:active] += factor[:active] * np.einsum("kn,kn->n", powers[: here.shape[0], :active], here)
+        here = terms[:, part * step : (part + 1) * step][column[:active]]
+        total[:active] += factor[:active] * np.einsum("kn,nk->n", powers[: here.shape[1], :active], here)
         factor[:active] *= powers[-1, :active]
     result = np.empty(zeta.size)
     result[order] = total

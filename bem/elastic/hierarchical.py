@@ -29,7 +29,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, ParamSpec, Protocol, TypeVar
+from typing import ParamSpec, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,16 +41,13 @@ from bem.elastic.separated_kernel import separated_kernel
 from bem.geometry.chebyshev import BySize, basis
 from bem.geometry.patches import TWO_PI, Patches
 
-if TYPE_CHECKING:
-    from bem.elastic.kernel_series import KernelSeries
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Inputs = ParamSpec("Inputs")
 Output = TypeVar("Output")
 
 UNIFORM = 0.03  # alpha; the kernel of a whole period has the eigenvalues 0 and 1 / (2 n)
-LARGEST_LEAF = 250  # unknowns, above which a cluster of several patches is split (measured)
+LARGEST_LEAF = 110  # unknowns, above which a cluster of several patches is split (measured)
 FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by blocks of rows (measured)
 
 
@@ -81,8 +78,8 @@ class Skeleton:
         What takes nodal charges to q at the left and right edge of their patch.
     force : (n,) array
         Right-hand side.
-    addition : KernelSeries or None
-        To the kernel of the half-space.
+    addition : (n, n) array or None
+        To the kernel of the half-space; it asks for a single leaf.
     """
 
     patches: Patches
@@ -90,7 +87,7 @@ class Skeleton:
     x: FloatArray
     at_edges: FloatArray
     force: FloatArray
-    addition: KernelSeries | None
+    addition: FloatArray | None
 
     @cached_property
     def within(self) -> list[FloatArray]:
@@ -101,6 +98,25 @@ class Skeleton:
             for i, block in zip(members, together, strict=True):
                 blocks[i] = block
         return blocks
+
+
+@dataclass(frozen=True)
+class Splitting:
+    """How a system is split.
+
+    Parameters
+    ----------
+    accuracy : float
+        Absolute, of the kernel between clusters.
+    largest : int
+        Unknowns above which a cluster of several patches is split.
+    uniform : float
+        alpha.
+    """
+
+    accuracy: float
+    largest: int
+    uniform: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,17 +162,21 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
     IllConditionedSystemError
         The matrix is not positive definite.
     """
-    count = skeleton.patches.count
-    shared = np.stack([skeleton.force, np.ones(skeleton.x.size)], axis=1)
-    whole = _cluster(skeleton, 0, count, shared, accuracy)
-    found = without_uniform(whole.gram, np.ascontiguousarray(whole.charges(np.eye(2))), UNIFORM)
+    found = solved(skeleton, Splitting(accuracy, LARGEST_LEAF, UNIFORM))
     if found is None:
         raise IllConditionedSystemError(f"skeleton matrix of {skeleton.x.size} unknowns is not positive definite")
     return Solution(*found)
 
 
 @mirrored
-def without_uniform(gram: FloatArray, charges: FloatArray, uniform: float) -> tuple[FloatArray, FloatArray] | None:
+def solved(skeleton: Skeleton, splitting: Splitting) -> tuple[FloatArray, FloatArray] | None:
+    """b^T A^-1 b and A^-1 [force | 1] of `Solution`; None where A is not positive definite."""
+    shared = np.stack([skeleton.force, np.ones(skeleton.x.size)], axis=1)
+    whole = if_solvable(_cluster, skeleton, 0, skeleton.patches.count, shared, splitting)
+    return None if whole is None else _without_uniform(whole.gram, whole.charges(np.eye(2)), splitting.uniform)
+
+
+def _without_uniform(gram: FloatArray, charges: FloatArray, uniform: float) -> tuple[FloatArray, FloatArray] | None:
     """b^T A^-1 b and A^-1 [force | 1] from those of A' = A + alpha 1 1^T, whose columns come patch by patch.
 
     None where A is not positive definite.
@@ -171,33 +191,33 @@ def without_uniform(gram: FloatArray, charges: FloatArray, uniform: float) -> tu
     return gram + np.outer(gram[:, -1], change), charges + np.outer(charges[:, 1], change[-2:])
 
 
-def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, accuracy: float) -> Cluster:
+def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, splitting: Splitting) -> Cluster:
     """Patches from `first` to before `last`, with the shared columns at their nodes."""
     starts, patches = skeleton.coupled.starts, skeleton.patches
-    if last - first == 1 or starts[last] - starts[first] <= LARGEST_LEAF or skeleton.addition is not None:
-        return _leaf(skeleton, first, last, shared)
+    if last - first == 1 or starts[last] - starts[first] <= splitting.largest or skeleton.addition is not None:
+        return _leaf(skeleton, first, last, shared, splitting.uniform)
     middle = first + 1 + int(np.argmin(np.abs(starts[first + 1 : last] - (starts[first] + starts[last]) / 2)))
     behind = (patches.left[first] - patches.right[last - 1]) % TWO_PI
     kernel = separated_kernel(
         skeleton.x[starts[first] : starts[last]],
         patches.right[middle - 1] + patches.gap_after[middle - 1] / 2,
         patches.right[last - 1] + behind / 2,
-        accuracy,
+        splitting.accuracy,
     )
     wider = np.concatenate([shared, kernel.columns], axis=1)
     split = int(starts[middle] - starts[first])
     halves = (
-        _cluster(skeleton, first, middle, wider[:split], accuracy),
-        _cluster(skeleton, middle, last, wider[split:], accuracy),
+        _cluster(skeleton, first, middle, wider[:split], splitting),
+        _cluster(skeleton, middle, last, wider[split:], splitting),
     )
     core = -kernel.core
-    core[1, 1] += UNIFORM  # the second column is 1
+    core[1, 1] += splitting.uniform  # the second column is 1
     return _joined(halves, core, shared.shape[1])
 
 
 @dataclass(frozen=True, eq=False)
 class _Leaf:
-    """A cluster solved by Cholesky: U^T, and Y of the shared columns, one a row."""
+    """A cluster solved by Cholesky: U with A' = U^T U, and Y of the shared columns."""
 
     gram: FloatArray
     factor: FloatArray
@@ -205,68 +225,32 @@ class _Leaf:
 
     def charges(self, amounts: FloatArray) -> FloatArray:
         """A^-1 b by back substitution."""
-        found, _ = lapack.dtrtrs(self.factor.T, self.solved.T @ amounts, lower=0, trans=0)
+        found, _ = lapack.dtrtrs(self.factor, self.solved @ amounts, lower=0, trans=0)
         return np.asarray(found)
 
 
-def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray) -> _Leaf:
-    starts, addition = skeleton.coupled.starts, None
-    if skeleton.addition is not None:
-        addition = skeleton.addition.matrix(skeleton.x[starts[first] : starts[last]])
-    found = solved_leaf(skeleton, first, last, shared, addition, UNIFORM)
-    if found is None:
-        size = int(starts[last] - starts[first])
-        raise IllConditionedSystemError(f"skeleton matrix of {size} unknowns is not positive definite")
-    return _Leaf(*found)
-
-
-@mirrored
-def solved_leaf(
-    skeleton: Skeleton, first: int, last: int, shared: FloatArray, addition: FloatArray | None, uniform: float
-) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Patches from `first` to before `last` solved by Cholesky.
-
-    Parameters
-    ----------
-    skeleton : Skeleton
-    first, last : int
-    shared : (n, k) array
-        Columns that are not edge vectors, at the nodes of these patches.
-    addition : (n, n) array or None
-        To the kernel of the half-space.
-    uniform : float
-        alpha.
-
-    Returns
-    -------
-    gram : (m, m) array
-        b^T A'^-1 b of the shared columns and the edge vectors.
-    factor : (n, n) array
-        U^T with A' = U^T U, in its lower triangle.
-    solved : (k, n) array
-        U^-T of the shared columns, one a row.
-    All None where A' is not positive definite.
-    """
+def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray, uniform: float) -> _Leaf:
+    """Patches from `first` to before `last` solved by Cholesky."""
     nodes = slice(int(skeleton.coupled.starts[first]), int(skeleton.coupled.starts[last]))
     starts = skeleton.coupled.starts[first : last + 1] - nodes.start
     x, size = skeleton.x[nodes], int(starts[-1])
     matrix = between_nodes(x)
     for (start, end), block in zip(pairwise(starts.tolist()), skeleton.within[first:last], strict=True):
         matrix[start:end, start:end] = block
-    if addition is not None:
-        matrix += addition
+    if skeleton.addition is not None:
+        matrix += skeleton.addition
     np.subtract(uniform, matrix, out=matrix)
     factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
     if info != 0:
-        return None
+        raise IllConditionedSystemError(f"skeleton matrix of {size} unknowns is not positive definite")
     count, row = shared.shape[1], np.arange(size)
     rhs = np.zeros((size, count + 2 * (last - first)), order="F")
     rhs[:, :count] = shared
     left = count + 2 * np.repeat(np.arange(last - first), np.diff(starts))
     rhs[row, left], rhs[row, left + 1] = skeleton.at_edges[nodes].T
     begin = np.concatenate([np.zeros(count, dtype=np.int64), np.repeat(starts[:-1], 2)])
-    gram, solved = _gram(factor, rhs, begin, count)
-    return gram, factor.T, solved.T
+    gram, seen = _gram(factor, rhs, begin, count)
+    return _Leaf(gram, factor, seen)
 
 
 def _gram(factor: FloatArray, rhs: FloatArray, begin: IntArray, count: int) -> tuple[FloatArray, FloatArray]:
@@ -314,14 +298,13 @@ class _Pair:
 
 def _joined(halves: tuple[Cluster, Cluster], core: FloatArray, count: int) -> _Pair:
     """Two clusters with the kernel P C Q^T between them; `count` columns are shared from above."""
-    found = joined_gram(halves[0].gram, halves[1].gram, core, count)
+    found = _joined_gram(halves[0].gram, halves[1].gram, core, count)
     if found is None:
         raise IllConditionedSystemError("the skeleton matrix of two clusters is not positive definite")
     return _Pair(found[0], halves, found[1])
 
 
-@mirrored
-def joined_gram(
+def _joined_gram(
     first: FloatArray, second: FloatArray, core: FloatArray, count: int
 ) -> tuple[FloatArray, FloatArray] | None:
     """b^T A'^-1 b of two clusters, (m, m), and M V of the columns shared from above, (2 q, count).

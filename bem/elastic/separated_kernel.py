@@ -19,7 +19,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.compiled.kernels import mirrored
 from bem.geometry.chebyshev import basis_nodes, coefficients
 
 FloatArray = NDArray[np.float64]
@@ -64,15 +63,14 @@ def separated_kernel(x: FloatArray, beta: float, delta: float, accuracy: float) 
     >>> bool(np.abs(error).max() < 3e-12)
     True
     """
-    u, m = coordinates(x, beta, delta)
+    u, m = _coordinates(x, beta, delta)
     low, high = float(u.min()), float(u.max())
     steps = int(np.ceil(np.log((high - low) / 2) / np.log(RANGE_STEP)))
-    modes, core = _modes(steps, accuracy)
-    return SeparatedKernel(columns(m, (u - (low + high) / 2) / RANGE_STEP**steps, modes), core)
+    modes, core = modes_and_core(steps, accuracy)
+    return SeparatedKernel(_columns(m, (u - (low + high) / 2) / RANGE_STEP**steps, modes), core)
 
 
-@mirrored
-def coordinates(x: FloatArray, beta: float, delta: float) -> tuple[FloatArray, FloatArray]:
+def _coordinates(x: FloatArray, beta: float, delta: float) -> tuple[FloatArray, FloatArray]:
     """u of points of both arcs, and m with half of what is constant, (n,) each."""
     from_beta = np.log(np.abs(np.sin((x - beta) / 2)))
     from_delta = np.log(np.abs(np.sin((x - delta) / 2)))
@@ -80,8 +78,7 @@ def coordinates(x: FloatArray, beta: float, delta: float) -> tuple[FloatArray, F
     return from_beta - from_delta, (from_beta + from_delta + constant) / 2
 
 
-@mirrored
-def columns(m: FloatArray, t: FloatArray, modes: FloatArray) -> FloatArray:
+def _columns(m: FloatArray, t: FloatArray, modes: FloatArray) -> FloatArray:
     """Columns of m, of 1 and of the phi_k, which are Chebyshev series in t, (n, q)."""
     values = np.empty((m.size, 2 + modes.shape[1]))
     values[:, 0] = m
@@ -100,7 +97,7 @@ def _polynomials(t: FloatArray, count: int) -> FloatArray:
 
 
 @lru_cache(maxsize=256)
-def _modes(steps: int, accuracy: float) -> tuple[FloatArray, FloatArray]:
+def modes_and_core(steps: int, accuracy: float) -> tuple[FloatArray, FloatArray]:
     """Chebyshev coefficients of the phi_k on [-U, U], U = RANGE_STEP^steps, (m, q - 2), and the core, (q, q)."""
     half_range = RANGE_STEP**steps
     pole = np.pi / half_range

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.fft import dct
@@ -152,8 +152,8 @@ class BySize:
 
     Attributes
     ----------
-    classes : tuple of (size, indices)
-        Each size, ascending, with the patches that have it, ascending.
+    sizes : tuple of int
+        Of the classes, ascending.
     tables : tuple of (k,) arrays
         Of each class: `Basis.packed` of modes; of nodes their number, 1.0 or 0.0, they themselves, and in the first
         case the matrix of `coefficients`.
@@ -163,10 +163,15 @@ class BySize:
         First node of each patch, and the number of all.
     """
 
-    classes: tuple[tuple[int, IntArray], ...]
+    sizes: tuple[int, ...]
     tables: tuple[FloatArray, ...]
     index: IntArray
     starts: IntArray
+
+    @cached_property
+    def classes(self) -> tuple[tuple[int, IntArray], ...]:
+        """Each size with the patches that have it, ascending."""
+        return tuple((size, np.flatnonzero(self.index == k)) for k, size in enumerate(self.sizes))
 
 
 def by_modes(modes: IntArray) -> BySize:
@@ -182,10 +187,10 @@ def by_nodes(nodes: IntArray) -> BySize:
 @lru_cache(maxsize=128)
 def _grouped(sizes: bytes, table: Callable[[int], FloatArray]) -> BySize:
     known = np.frombuffer(sizes, dtype=np.int64)
-    different, index = np.unique(known, return_inverse=True)
-    classes = tuple((size, np.flatnonzero(index == k)) for k, size in enumerate(different.tolist()))
+    different = tuple(sorted(set(known.tolist())))
+    index = np.searchsorted(different, known)
     starts = np.concatenate([[0], np.cumsum(known)])
-    return BySize(classes, tuple(table(size) for size, _ in classes), index.astype(np.int64), starts.astype(np.int64))
+    return BySize(different, tuple(table(size) for size in different), index.astype(np.int64), starts.astype(np.int64))
 
 
 def _packed_basis(modes: int) -> FloatArray:

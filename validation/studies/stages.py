@@ -24,15 +24,12 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.elastic.half_space", "between_nodes", "assembly"),
     ("bem.elastic.half_space", "within_patch", "assembly"),
     ("bem.elastic.separated_kernel", "separated_kernel", "kernel between clusters"),
-    ("bem.elastic.hierarchical", "solved_leaf", "factorisation"),  # in C also assembly and triangular solves
+    ("bem.elastic.hierarchical", "solved", "factorisation"),  # in C all of the system
     ("bem.elastic.hierarchical", "lapack.dtrtrs", "triangular solves"),
     ("bem.elastic.hierarchical", "_joined", "joining of clusters"),
     ("bem.elastic.collocation", "evaluate", "evaluation, rest"),
     ("bem.elastic.sensitivities", "stress_intensity_jacobian", "sensitivities"),
-    ("bem.adhesive.equilibrium", "eigh", "eigenvalues"),
-    ("bem.adhesive.trust_region", "eigh", "eigenvalues"),
-    ("bem.adhesive.branch", "eigh", "eigenvalues"),
-    ("bem.continuation.softness", "eigh", "eigenvalues"),
+    ("bem.adhesive.lowest_modes", "lowest_modes", "eigenvalues"),
     ("bem.adhesive.events", "interpenetration", "gap search"),
     ("bem.nonadhesive.nonadhesive", "low_minima", "gap search"),
     ("bem.adhesive.equilibrium", "correct", "Newton, rest"),

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,12 +11,11 @@ import pytest
 
 from bem.adhesive.adhesion import true_length
 from bem.compiled import kernels
-from bem.elastic import collocation, hierarchical, sensitivities
+from bem.elastic import collocation, hierarchical, sensitivities, separated_kernel
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field
 from bem.elastic.kernel_series import kernel_series
 from bem.elastic.layer import LayerEffect
-from bem.elastic.separated_kernel import separated_kernel
 from bem.geometry import chebyshev
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.geometry.profile import Profile
@@ -67,10 +67,9 @@ def posed(request):
     series = reference.sampled_series(ROUGH, patches, sampling)
     x, force, at_edges = reference.skeleton_columns(patches, coupled, series)
     skeleton = hierarchical.Skeleton(patches, coupled, x, at_edges, force, None)
-    shared = np.stack([force, np.ones(x.size)], axis=1)
     return SimpleNamespace(
         patches=patches, reference=reference, sampling=sampling, coupled=coupled, series=series, skeleton=skeleton,
-        shared=shared, resolution=resolution,
+        resolution=resolution,
     )  # fmt: skip
 
 
@@ -99,38 +98,38 @@ def test_columns_of_the_coupled_modes(posed):
         check(one, other)
 
 
-@pytest.mark.parametrize("layered", [False, True], ids=["half-space", "layer"])
-def test_leaf(posed, layered):
+@pytest.mark.parametrize(
+    ("layered", "largest"), [(False, 10**9), (False, 110), (False, 30), (True, 30)],
+    ids=["one leaf", "split", "split often", "layer"],
+)  # fmt: skip
+def test_system_of_all_patches(posed, layered, largest):
     addition = LAYER.matrix(posed.skeleton.x) if layered else None
-    given = posed.skeleton, 0, posed.patches.count, posed.shared, addition, hierarchical.UNIFORM
-    found, expected = CORE.solved_leaf(*given), posed.reference.solved_leaf(*given)
-    check(found[0], expected[0])
-    check(np.tril(found[1]), np.tril(expected[1]))
-    check(found[2], expected[2])
-
-
-def test_matrix_that_is_not_positive_definite(posed):
-    given = posed.skeleton, 0, posed.patches.count, posed.shared, None, -100.0
-    assert CORE.solved_leaf(*given) is None
-    assert posed.reference.solved_leaf(*given) is None
-
-
-@pytest.mark.parametrize("posed", ["near merging", "near vanishing", "sixty", "three hundred"], indirect=True)
-def test_two_clusters(posed):
-    patches, skeleton, count = posed.patches, posed.skeleton, posed.patches.count
-    middle = count // 2
-    beta = patches.right[middle - 1] + patches.gap_after[middle - 1] / 2
-    delta = patches.right[-1] + patches.gap_after[-1] / 2
-    kernel = separated_kernel(skeleton.x, beta, delta, 1e-12)
-    wider, split = np.concatenate([posed.shared, kernel.columns], axis=1), posed.coupled.starts[middle]
-    leaf, core = posed.reference.solved_leaf, -kernel.core + np.diag(np.arange(kernel.core.shape[0]) == 1) * 0.03
-    first = leaf(skeleton, 0, middle, wider[:split], None, hierarchical.UNIFORM)[0]
-    second = leaf(skeleton, middle, count, np.ascontiguousarray(wider[split:]), None, hierarchical.UNIFORM)[0]
-    given = np.ascontiguousarray(first), np.ascontiguousarray(second), core, 2
-    for found, expected in zip(CORE.joined_gram(*given), posed.reference.joined_gram(*given), strict=True):
+    given = replace(posed.skeleton, addition=addition), hierarchical.Splitting(1e-12, largest, 0.03)
+    for found, expected in zip(CORE.solved(*given), posed.reference.solved(*given), strict=True):
         check(found, expected)
-    assert CORE.joined_gram(*given[:2], 100 * core, 2) is None
-    assert posed.reference.joined_gram(*given[:2], 100 * core, 2) is None
+
+
+def refused(skeleton, splitting, reference):
+    """Whether kernel and reference both find that the matrix is not positive definite."""
+    return CORE.solved(skeleton, splitting) is None and reference.solved(skeleton, splitting) is None
+
+
+def test_leaf_that_is_not_positive_definite(posed):
+    assert refused(posed.skeleton, hierarchical.Splitting(1e-12, 110, -100.0), posed.reference)
+
+
+def test_matrix_that_a_uniform_charge_alone_keeps_positive_definite(posed):
+    gram, _ = posed.reference.solved(posed.skeleton, hierarchical.Splitting(1e-12, 10**9, 0.03))
+    size = posed.skeleton.x.size
+    beyond = replace(posed.skeleton, addition=np.full((size, size), 1.01 / gram[-1, -1]))
+    assert refused(beyond, hierarchical.Splitting(1e-12, 110, 2.02 / gram[-1, -1]), posed.reference)
+
+
+@pytest.mark.parametrize("posed", ["sixty", "three hundred"], indirect=True)
+def test_clusters_that_are_not_positive_definite_together(posed, monkeypatch):
+    modes, splitting = separated_kernel.modes_and_core, hierarchical.Splitting(1e-12, 110, 0.03)
+    monkeypatch.setattr(separated_kernel, "modes_and_core", lambda *given: (modes(*given)[0], 100 * modes(*given)[1]))
+    assert refused(posed.skeleton, splitting, posed.reference)
 
 
 def test_derivatives_of_the_stress_intensities(posed):
@@ -147,17 +146,6 @@ def test_sums_over_the_uncoupled_modes(posed):
     for one, other in zip(found, expected, strict=True):
         check(one, other)
     assert energy == pytest.approx(energy_expected, rel=ROUNDING)
-
-
-def test_uniform_charge_taken_out(posed):
-    leaf = posed.reference.solved_leaf(posed.skeleton, 0, posed.patches.count, posed.shared, None, 0.03)
-    gram, charges = np.ascontiguousarray(leaf[0]), np.ascontiguousarray(leaf[2].T)
-    for found, expected in zip(
-        CORE.without_uniform(gram, charges, 0.03), posed.reference.without_uniform(gram, charges, 0.03), strict=True
-    ):
-        check(found, expected)
-    assert CORE.without_uniform(gram, charges, 1.001 / gram[1, 1]) is None
-    assert posed.reference.without_uniform(gram, charges, 1.001 / gram[1, 1]) is None
 
 
 def test_slopes_at_the_edges(posed):
@@ -191,18 +179,6 @@ def test_potential_beside_a_patch(posed):
     x = posed.patches.right[which] + apart * posed.patches.gap_after[which]
     given = posed.patches.center, posed.patches.half_width, field._skeletons, field._series, which, x
     check(CORE.near_patch(*given), kernels.REFERENCES["near_patch"](*given))
-
-
-def test_kernel_between_two_arcs():
-    x, modes = (
-        np.concatenate([np.linspace(0.2, 3, 40), np.linspace(3.3, 6, 50)]),
-        np.random.default_rng(5).normal(size=(37, 21)),
-    )
-    given = x, 3.1, -0.1
-    for found, expected in zip(CORE.coordinates(*given), kernels.REFERENCES["coordinates"](*given), strict=True):
-        check(found, expected)
-    given = x, np.cos(np.linspace(0, np.pi, 90)), modes
-    check(CORE.columns(*given), kernels.REFERENCES["columns"](*given))
 
 
 def test_true_length():

@@ -5,12 +5,11 @@ import pytest
 from rough_surfaces import cut, short_waved
 
 from bem.audit.dense import evaluate_dense
-from bem.elastic import hierarchical
+from bem.elastic import hierarchical, separated_kernel
 from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.compliance import Compliance
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.sensitivities import stress_intensity_jacobian
-from bem.elastic.separated_kernel import SeparatedKernel
 from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
 from bem.loading.control import LoadControl
@@ -132,13 +131,13 @@ def test_layers_are_one_cluster(monkeypatch):
 def test_clusters_that_are_not_positive_definite_together_are_refused_by_name(monkeypatch):
     """A kernel between them far larger than that within them."""
 
-    def too_strong(x, beta, delta, accuracy):
-        kernel = original(x, beta, delta, accuracy)
-        return SeparatedKernel(30 * kernel.columns, kernel.core)
+    def too_strong(steps, accuracy):
+        modes, core = original(steps, accuracy)
+        return modes, 100 * core
 
-    original = hierarchical.separated_kernel
+    original = separated_kernel.modes_and_core
     monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 40)
-    monkeypatch.setattr(hierarchical, "separated_kernel", too_strong)
+    monkeypatch.setattr(separated_kernel, "modes_and_core", too_strong)
     patches, penetration = cut(SHORT, 0.15)
-    with pytest.raises(IllConditionedSystemError, match="two clusters"):
+    with pytest.raises(IllConditionedSystemError, match="unknowns is not positive definite"):
         evaluate(Elastic(SHORT), patches, penetration, 1e-6)

@@ -47,7 +47,8 @@ def test_estimates_are_within_two_orders_of_the_true_errors(found):
 
 
 def test_no_true_error_is_far_above_its_estimate(found):
-    assert max(number.true / number.estimate for number in found) <= 4  # measured 0.5 to 1.3 on three core types, both kernels
+    worst = max(number.true / number.estimate for number in found)
+    assert worst <= 4  # measured 0.5 to 1.3 on three core types, with both kernels
 
 
 @pytest.mark.parametrize("quantity", [f.name for f in fields(ErrorEstimate)])

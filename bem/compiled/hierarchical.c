@@ -1,0 +1,292 @@
+/* The system of all patches, cluster by cluster: hierarchical.py. */
+
+#include "hierarchical.h"
+#include "kernels.h"
+
+static void release(Cluster *cluster)
+{
+    PyMem_Free(cluster->gram);
+    PyMem_Free(cluster->factor);
+    PyMem_Free(cluster->solved);
+    PyMem_Free(cluster->response);
+    if (cluster->halves != NULL) {
+        release(&cluster->halves[0]);
+        release(&cluster->halves[1]);
+        PyMem_Free(cluster->halves);
+    }
+}
+
+/* hierarchical._middle: M of two halves, (2 q, 2 q), from X_1, X_2 and C; 0 where the matrix is not positive definite.
+   `work` has room for 6 q q + 2 q numbers; all matrices but R and the factor are symmetric. */
+static int middle(Size q, const double *first, const double *second, const double *core, double *work, double *m)
+{
+    double *root = work, *turned = root + q * q, *inner = turned + q * q, *other = inner + q * q;
+    double *through = other + q * q, *factor = through + q * q, *scratch = factor + q * q, tolerance = -1.0;
+    int *pivots = (int *)through, order = (int)q, rank, info;
+    char lower = 'L', upper = 'U';
+    Size i, j;
+    memcpy(other, first, (size_t)(q * q) * sizeof(double));
+    blas.dpstrf(&lower, &order, other, &order, pivots, &rank, &tolerance, scratch, &info);
+    memset(root, 0, (size_t)(q * q) * sizeof(double)); /* R^T, `rank` rows */
+    for (j = 0; j < rank; j++)
+        for (i = j; i < q; i++)
+            root[(pivots[i] - 1) * q + j] = other[j * q + i];
+    product('N', 'N', q, q, q, 1.0, second, q, core, q, 0.0, other, q);
+    product('N', 'N', q, q, q, 1.0, core, q, other, q, 0.0, turned, q);
+    product('N', 'T', q, rank, q, 1.0, turned, q, root, q, 0.0, other, q);
+    product('N', 'N', rank, rank, q, -1.0, root, q, other, q, 0.0, factor, q);
+    for (i = 0; i < rank; i++)
+        factor[i * q + i] += 1.0;
+    blas.dpotrf(&upper, &rank, factor, &order, &info);
+    if (info != 0)
+        return 0;
+    solve_upper('T', rank, q, factor, q, root, q);
+    product('T', 'N', q, q, rank, 1.0, root, q, root, q, 0.0, inner, q);
+    product('N', 'N', q, q, q, 1.0, turned, q, inner, q, 0.0, through, q);
+    for (j = 0; j < q; j++)
+        for (i = 0; i < q; i++) {
+            m[j * 2 * q + i] = -turned[j * q + i];
+            m[(q + j) * 2 * q + i] = core[j * q + i];
+        }
+    product('N', 'N', q, q, q, -1.0, through, q, turned, q, 1.0, m, 2 * q);
+    product('N', 'N', q, q, q, 1.0, through, q, core, q, 1.0, m + 2 * q * q, 2 * q);
+    product('N', 'N', q, q, q, 1.0, inner, q, core, q, 0.0, other, q);
+    product('N', 'N', q, q, q, -1.0, core, q, other, q, 0.0, m + 2 * q * q + q, 2 * q);
+    for (j = 0; j < q; j++)
+        for (i = 0; i < q; i++)
+            m[i * 2 * q + q + j] = m[(q + j) * 2 * q + i];
+    return 1;
+}
+
+/* hierarchical._joined: b^T A^-1 b of a pair and M V of its shared columns from those of its halves. */
+static Status joined(Cluster *pair, const double *core)
+{
+    Size shared = pair->shared, q = pair->rank, size = pair->m, place = shared, i, j, part;
+    double *work = workspace(12 * q * q + 2 * q + 4 * q * size), *own, *m, *seen, *reply, *gram;
+    Status status = FAILED;
+    gram = pair->gram = workspace(size * size);
+    pair->response = workspace(2 * q * shared);
+    if (work != NULL && gram != NULL && pair->response != NULL) {
+        own = work + 6 * q * q + 2 * q; /* X_1 and X_2 */
+        m = own + 2 * q * q;
+        seen = m + 4 * q * q;
+        reply = seen + 2 * q * size;
+        memset(gram, 0, (size_t)(size * size) * sizeof(double));
+        memset(seen, 0, (size_t)(2 * q * size) * sizeof(double));
+        for (part = 0; part < 2; part++) {
+            Size full = pair->halves[part].m, edges = full - shared - q;
+            const double *from = pair->halves[part].gram, *beyond = from + shared + q;
+            for (i = 0; i < shared; i++) {
+                for (j = 0; j < shared; j++)
+                    gram[i * size + j] += from[i * full + j];
+                memcpy(gram + i * size + place, beyond + i * full, (size_t)edges * sizeof(double));
+            }
+            for (i = 0; i < edges; i++) {
+                const double *row = from + (shared + q + i) * full;
+                memcpy(gram + (place + i) * size, row, (size_t)shared * sizeof(double));
+                memcpy(gram + (place + i) * size + place, row + shared + q, (size_t)edges * sizeof(double));
+            }
+            for (i = 0; i < q; i++) {
+                double *row = seen + (part * q + i) * size;
+                memcpy(row, from + (shared + i) * full, (size_t)shared * sizeof(double));
+                memcpy(row + place, beyond + (shared + i) * full, (size_t)edges * sizeof(double));
+                memcpy(own + (part * q + i) * q, from + (shared + i) * full + shared, (size_t)q * sizeof(double));
+            }
+            place += edges;
+        }
+        status = middle(q, own, own + q * q, core, work, m) ? SOLVED : NOT_DEFINITE;
+        if (status == SOLVED) {
+            product('N', 'N', size, 2 * q, 2 * q, 1.0, seen, size, m, 2 * q, 0.0, reply, size);
+            product('N', 'T', size, size, 2 * q, -1.0, seen, size, reply, size, 1.0, gram, size);
+            for (i = 0; i < 2 * q; i++)
+                memcpy(pair->response + i * shared, reply + i * size, (size_t)shared * sizeof(double));
+        }
+    }
+    PyMem_Free(work);
+    return status;
+}
+
+/* hierarchical._cluster: patches from `first` to before `last`, with `shared` columns at their nodes. */
+static Status solved_cluster(System *system, Size first, Size last, Size shared, const double *columns,
+                             Cluster *cluster)
+{
+    const int64_t *starts = system->starts;
+    double *wider[2] = {NULL, NULL}, *core = NULL, best = HUGE_VAL;
+    const Range *range = NULL;
+    Size n = (Size)(starts[last] - starts[first]), cut = first + 1, i;
+    Status status = FAILED;
+    memset(cluster, 0, sizeof *cluster);
+    cluster->n = n;
+    cluster->m = shared + 2 * (last - first);
+    cluster->shared = shared;
+    if (last - first == 1 || n <= system->largest || system->addition != NULL)
+        return solved_leaf(system, first, last, columns, cluster);
+    for (i = first + 1; i < last; i++) {
+        double off = fabs((double)starts[i] - ((double)starts[first] + (double)starts[last]) / 2);
+        if (off < best) {
+            best = off;
+            cut = i;
+        }
+    }
+    cluster->halves = PyMem_Calloc(2, sizeof(Cluster));
+    range = cluster->halves != NULL ? widened(system, first, cut, last, shared, columns, wider) : NULL;
+    if (range != NULL && wider[1] != NULL && (core = workspace(range->q * range->q)) != NULL) {
+        for (i = 0; i < range->q * range->q; i++)
+            core[i] = -range->core[i];
+        core[range->q + 1] += system->uniform; /* the second column is 1 */
+        cluster->rank = range->q;
+        status = solved_cluster(system, first, cut, shared + range->q, wider[0], &cluster->halves[0]);
+        if (status == SOLVED)
+            status = solved_cluster(system, cut, last, shared + range->q, wider[1], &cluster->halves[1]);
+        if (status == SOLVED)
+            status = joined(cluster, core);
+        for (i = 0; i < 2; i++) {
+            PyMem_Free(cluster->halves[i].gram);
+            cluster->halves[i].gram = NULL;
+        }
+    }
+    PyMem_Free(wider[0]);
+    PyMem_Free(wider[1]);
+    PyMem_Free(core);
+    return status;
+}
+
+/* A'^-1 b of the shared columns in two amounts each, (shared, 2); 0 without memory. */
+static int charges_of(const Cluster *cluster, const double *amounts, double *charges, Size ld)
+{
+    Size shared = cluster->shared, q = cluster->rank, inner = shared + q, part, k;
+    double *into, *given;
+    if (cluster->halves == NULL) {
+        product('N', 'N', cluster->n, 2, shared, 1.0, cluster->solved, cluster->n, amounts, shared, 0.0, charges, ld);
+        solve_upper('N', cluster->n, 2, cluster->factor, cluster->n, charges, ld);
+        return 1;
+    }
+    if ((into = workspace(4 * q + 2 * inner)) == NULL)
+        return 0;
+    given = into + 4 * q;
+    product('T', 'N', 2 * q, 2, shared, -1.0, cluster->response, shared, amounts, shared, 0.0, into, 2 * q);
+    for (part = 0; part < 2; part++) {
+        for (k = 0; k < 2; k++) {
+            memcpy(given + k * inner, amounts + k * shared, (size_t)shared * sizeof(double));
+            memcpy(given + k * inner + shared, into + k * 2 * q + part * q, (size_t)q * sizeof(double));
+        }
+        if (!charges_of(&cluster->halves[part], given, charges + (part == 0 ? 0 : cluster->halves[0].n), ld))
+            break;
+    }
+    PyMem_Free(into);
+    return part == 2;
+}
+
+/* hierarchical.without_uniform: edges in the order of edge vectors, then the shared columns; alpha 1 1^T taken out by
+   the formula of Sherman and Morrison. */
+static Status without_uniform(Size m, const double *from, double uniform, double *gram, Size n, const double *charges,
+                              double *values)
+{
+    Size edges = (m - 2) / 2, i, j;
+    double factor = uniform / (1 - uniform * from[m + 1]), *ones;
+    if (1 - uniform * from[m + 1] <= 0)
+        return NOT_DEFINITE;
+    if ((ones = workspace(m)) == NULL)
+        return FAILED;
+    for (i = 0; i < m; i++) /* b^T A'^-1 1: the column, whatever rounding left of the row */
+        ones[i] = from[i * m + 1];
+    for (i = 0; i < m; i++) {
+        /* place of the shared columns: 0 and 1; of edges: 2, 4, ... on the left, 3, 5, ... on the right */
+        Size place = i < edges ? 2 + 2 * i : i < 2 * edges ? 3 + 2 * (i - edges) : i - 2 * edges;
+        const double *old = from + place * m;
+        double *row = gram + i * m;
+        for (j = 0; j < edges; j++) {
+            row[j] = old[2 + 2 * j] + ones[place] * (ones[2 + 2 * j] * factor);
+            row[edges + j] = old[3 + 2 * j] + ones[place] * (ones[3 + 2 * j] * factor);
+        }
+        row[2 * edges] = old[0] + ones[place] * (ones[0] * factor);
+        row[2 * edges + 1] = old[1] + ones[place] * (ones[1] * factor);
+    }
+    for (i = 0; i < n; i++) {
+        values[2 * i] = charges[i] + charges[n + i] * (ones[0] * factor);
+        values[2 * i + 1] = charges[n + i] + charges[n + i] * (ones[1] * factor);
+    }
+    PyMem_Free(ones);
+    return SOLVED;
+}
+
+/* hierarchical.solved(skeleton, splitting). */
+DECLARED(solved)
+{
+    Call call;
+    Size n[1], patches[1], of_edges[2], of_left[1], of_right[1], of_force[1], of_addition[2], n_index, n_starts, i;
+    double *half = NULL, *columns = NULL, *charges = NULL, *gram, *values;
+    const double *force, unit[4] = {1.0, 0.0, 0.0, 1.0};
+    System system;
+    Cluster whole;
+    Table *tables;
+    Status status = FAILED;
+    PyObject *held, *coupled, *classes, *parts[2], *result = NULL;
+    if (!enter(&call, n_given, 2))
+        return NULL;
+    memset(&whole, 0, sizeof whole);
+    memset(&system, 0, sizeof system);
+    system.call = &call;
+    system.x = reals(&call, attribute(&call, given[0], "x"), 1, n);
+    system.at_edges = reals(&call, attribute(&call, given[0], "at_edges"), 2, of_edges);
+    force = reals(&call, attribute(&call, given[0], "force"), 1, of_force);
+    held = attribute(&call, given[0], "patches");
+    system.half_width = reals(&call, attribute(&call, held, "half_width"), 1, patches);
+    system.left = reals(&call, attribute(&call, held, "left"), 1, of_left);
+    system.right = reals(&call, attribute(&call, held, "right"), 1, of_right);
+    coupled = attribute(&call, given[0], "coupled");
+    system.index = integers(&call, attribute(&call, coupled, "index"), &n_index);
+    system.starts = integers(&call, attribute(&call, coupled, "starts"), &n_starts);
+    classes = attribute(&call, coupled, "tables");
+    held = attribute(&call, given[0], "addition");
+    if (held != Py_None)
+        system.addition = reals(&call, held, 2, of_addition);
+    system.accuracy = number(&call, attribute(&call, given[1], "accuracy"));
+    system.largest = count(&call, attribute(&call, given[1], "largest"));
+    system.uniform = number(&call, attribute(&call, given[1], "uniform"));
+    system.n = n[0];
+    expect(&call, n_index > 0 && patches[0] == n_index && n_starts == n_index + 1 && of_left[0] == n_index &&
+                      of_right[0] == n_index && of_edges[0] == n[0] && of_edges[1] == 2 && of_force[0] == n[0],
+           "patches, modes and nodes differ");
+    expect(&call, system.addition == NULL || (of_addition[0] == n[0] && of_addition[1] == n[0]),
+           "addition of another size");
+    tables = tables_of(&call, classes);
+    for (i = 0; !call.failed && i < n_index; i++)
+        expect(&call, 0 <= system.index[i] && system.index[i] < PyTuple_GET_SIZE(classes) && system.starts[0] == 0 &&
+                          system.starts[i + 1] <= n[0] &&
+                          system.starts[i + 1] - system.starts[i] == tables[system.index[i]].n,
+               "modes: index out of range");
+    system.tables = tables;
+    parts[0] = new_reals(&call, 2, 2 + 2 * n_index, 2 + 2 * n_index, &gram);
+    parts[1] = new_reals(&call, 2, n[0], 2, &values);
+    if (!call.failed && (half = workspace(2 * n[0])) && (columns = workspace(2 * n[0])) &&
+        (charges = workspace(2 * n[0]))) {
+        system.half = half;
+        for (i = 0; i < n[0]; i++) {
+            half[i] = sin(system.x[i] / 2);
+            half[n[0] + i] = cos(system.x[i] / 2);
+            columns[i] = force[i];
+            columns[n[0] + i] = 1.0;
+        }
+        status = solved_cluster(&system, 0, n_index, 2, columns, &whole);
+        if (status == SOLVED && !charges_of(&whole, unit, charges, n[0]))
+            status = FAILED;
+        if (status == SOLVED)
+            status = without_uniform(whole.m, whole.gram, system.uniform, gram, n[0], charges, values);
+        if (status == SOLVED)
+            result = PyTuple_Pack(2, parts[0], parts[1]);
+        else if (status == NOT_DEFINITE) {
+            result = Py_None;
+            Py_INCREF(result);
+        }
+    }
+    release(&whole);
+    Py_XDECREF(parts[0]);
+    Py_XDECREF(parts[1]);
+    PyMem_Free(half);
+    PyMem_Free(columns);
+    PyMem_Free(charges);
+    PyMem_Free(tables);
+    leave(&call);
+    return result;
+}

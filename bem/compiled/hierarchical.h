@@ -1,0 +1,46 @@
+/* What the parts of the hierarchical solver share: leaf.c, separated_kernel.c, hierarchical.c.  Matrices by columns. */
+
+#ifndef LINECONTACT_HIERARCHICAL_H
+#define LINECONTACT_HIERARCHICAL_H
+
+#include "core.h"
+
+#define MOST_RANGES 64 /* for which tables are held in one call */
+
+/* separated_kernel.modes_and_core of a half range: `count` coefficients of each of q - 2 functions, and the core, (q, q). */
+typedef struct {
+    Size steps, count, q;
+    const double *modes, *core;
+} Range;
+
+/* Nodes, patches and their tables; sine and cosine of half of each position, one behind the other. */
+typedef struct {
+    Call *call;
+    Size n, largest;
+    const double *x, *half, *at_edges, *left, *right, *half_width, *addition;
+    const int64_t *starts, *index;
+    const Table *tables;
+    double uniform, accuracy;
+    Range ranges[MOST_RANGES];
+    Size n_ranges;
+} System;
+
+/* A solved cluster.  Of a leaf: U with A' = U^T U, and U^-T of its columns; of a pair: M V of the shared columns,
+   `shared` numbers a row, and its halves. */
+typedef struct Cluster {
+    Size n, m, shared, rank;
+    double *gram, *factor, *solved, *response;
+    struct Cluster *halves;
+} Cluster;
+
+typedef enum { FAILED = -1, NOT_DEFINITE = 0, SOLVED = 1 } Status;
+
+/* hierarchical._leaf of the patches from `first` to before `last`, whose sizes the leaf says. */
+Status solved_leaf(const System *system, Size first, Size last, const double *shared, Cluster *leaf);
+
+/* separated_kernel.separated_kernel between the patches before and from `middle`: for both halves the columns shared
+   from above and those of the kernel, which the caller frees; NULL with an exception. */
+const Range *widened(System *system, Size first, Size middle, Size last, Size shared, const double *columns,
+                     double *wider[2]);
+
+#endif

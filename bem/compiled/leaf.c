@@ -1,0 +1,118 @@
+/* A cluster that is not split: the kernel between its nodes and its Cholesky factor: hierarchical.py, half_space.py. */
+
+#include "hierarchical.h"
+
+#define BLOCK_ROWS 64      /* of the forward substitution */
+#define WIDEST_SERIES 0.4  /* half_space.WIDEST_SERIES */
+#define SERIES 8           /* half_space.TERMS */
+
+/* zeta(2 k) / k, k = 1 ... 8 */
+static const double zeta_over[SERIES] = {
+    1.6449340668482264, 0.5411616168555691,  0.33911435399481643, 0.2510193390494861,
+    0.20019891502556358, 0.166707681092218, 0.1428658925907227, 0.12500191028242608,
+};
+
+/* uniform - log|2 sin((x_i - x_j)/2)| above the diagonal, by columns; sine and cosine of x/2 are those of `half`. */
+VECTORISED static void between_nodes(Size n, const double *RESTRICT half, double uniform, double *RESTRICT matrix)
+{
+    Size i, j;
+    const double *sine = half, *cosine = half + n;
+    for (j = 0; j < n; j++) {
+        double *RESTRICT column = matrix + j * n;
+        double s = 2 * sine[j], c = 2 * cosine[j];
+        for (i = 0; i < j; i++)
+            column[i] = uniform - log_of_size(sine[i] * c - cosine[i] * s);
+        column[j] = uniform;
+    }
+}
+
+/* half_space.within_patch, on and above the diagonal: uniform - moments - log r - log sinc(r (t - t')/2). */
+VECTORISED static void within_patch(const Table *table, double r, double uniform, double *RESTRICT matrix, Size ld)
+{
+    Size i, j, n = table->n, k;
+    double rest = uniform - log(r);
+    for (j = 0; j < n; j++) {
+        double *RESTRICT column = matrix + j * ld;
+        const double *moments = table->moments + j * n;
+        for (i = 0; i <= j; i++) {
+            double apart = r * (table->nodes[i] - table->nodes[j]) / (2 * PI), square = apart * apart, sum = 0.0;
+            for (k = SERIES - 1; k >= 0; k--)
+                sum = (sum + zeta_over[k]) * square;
+            column[i] = rest - moments[i] + sum;
+        }
+        if (r > WIDEST_SERIES)
+            for (i = 0; i < j; i++) {
+                double y = r * (table->nodes[i] - table->nodes[j]) / 2;
+                column[i] = rest - moments[i] - log(sin(y) / y);
+            }
+    }
+}
+
+/* hierarchical._gram: Y = U^-T rhs in place by blocks of rows, and Y^T Y; column c of rhs begins at row begin[c]. */
+static void substitute(Size n, Size m, const double *upper, double *rhs, const Size *begin, double *gram)
+{
+    Size start, end, active, from, to, seen;
+    char triangle = 'U', transposed = 'T';
+    double one = 1.0;
+    memset(gram, 0, (size_t)(m * m) * sizeof(double));
+    for (start = 0, active = 0; start < n; start = end) {
+        int in_active, rows, ld = (int)n, ld_gram = (int)m;
+        end = start + BLOCK_ROWS < n ? start + BLOCK_ROWS : n;
+        while (active < m && begin[active] < end)
+            active++;
+        for (from = 0, seen = 0; from < start; from = to) {
+            to = from + BLOCK_ROWS;
+            while (seen < m && begin[seen] < to)
+                seen++;
+            product('T', 'N', end - start, seen, to - from, -1.0, upper + start * n + from, n, rhs + from, n, 1.0,
+                    rhs + start, n);
+        }
+        solve_upper('T', end - start, active, upper + start * n + start, n, rhs + start, n);
+        in_active = (int)active;
+        rows = (int)(end - start);
+        blas.dsyrk(&triangle, &transposed, &in_active, &rows, &one, rhs + start, &ld, &one, gram, &ld_gram);
+    }
+    for (start = 0; start < m; start++)
+        for (end = 0; end < start; end++)
+            gram[end * m + start] = gram[start * m + end];
+}
+
+Status solved_leaf(const System *system, Size first, Size last, const double *shared, Cluster *leaf)
+{
+    Size start = (Size)system->starts[first], n = leaf->n, m = leaf->m, i, k, c;
+    double *matrix = leaf->factor = workspace(n * n), *rhs = leaf->solved = workspace(n * m), *half = workspace(2 * n);
+    Size *begin = (Size *)workspace(m);
+    Status status = FAILED;
+    leaf->gram = workspace(m * m);
+    if (matrix != NULL && rhs != NULL && half != NULL && begin != NULL && leaf->gram != NULL) {
+        char upper = 'U';
+        int order = (int)n, info;
+        memcpy(half, system->half + start, (size_t)n * sizeof(double));
+        memcpy(half + n, system->half + system->n + start, (size_t)n * sizeof(double));
+        between_nodes(n, half, system->uniform, matrix);
+        memcpy(rhs, shared, (size_t)(n * leaf->shared) * sizeof(double));
+        memset(rhs + n * leaf->shared, 0, (size_t)(n * (m - leaf->shared)) * sizeof(double));
+        for (c = 0; c < leaf->shared; c++)
+            begin[c] = 0;
+        for (i = first; i < last; i++, c += 2) {
+            Size from = (Size)system->starts[i] - start;
+            const Table *table = &system->tables[system->index[i]];
+            within_patch(table, system->half_width[i], system->uniform, matrix + from * n + from, n);
+            begin[c] = begin[c + 1] = from;
+            for (k = from; k < from + table->n; k++) {
+                rhs[c * n + k] = system->at_edges[2 * (start + k)];
+                rhs[(c + 1) * n + k] = system->at_edges[2 * (start + k) + 1];
+            }
+        }
+        if (system->addition != NULL)
+            for (i = 0; i < n * n; i++)
+                matrix[i] -= system->addition[i];
+        blas.dpotrf(&upper, &order, matrix, &order, &info);
+        status = info == 0 ? SOLVED : NOT_DEFINITE;
+        if (status == SOLVED)
+            substitute(n, m, matrix, rhs, begin, leaf->gram);
+    }
+    PyMem_Free(half);
+    PyMem_Free(begin);
+    return status;
+}

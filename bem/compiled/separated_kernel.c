@@ -1,0 +1,128 @@
+/* The kernel between two arcs as a short sum of products: separated_kernel.py. */
+
+#include "hierarchical.h"
+
+#define RANGE_STEP 1.15   /* separated_kernel.RANGE_STEP */
+#define CLOSE_TO_END 0.05 /* sine below which a difference of products has lost digits */
+
+/* The tables of a half range, asked of Python once a call. */
+static const Range *range_of(System *system, Size steps)
+{
+    Size i, shape[2], of_core[2];
+    Range *range = &system->ranges[system->n_ranges];
+    PyObject *module, *found;
+    for (i = 0; i < system->n_ranges; i++)
+        if (system->ranges[i].steps == steps)
+            return &system->ranges[i];
+    if (system->n_ranges == MOST_RANGES) {
+        PyErr_SetString(PyExc_ValueError, "clusters of more sizes than there is room for");
+        return NULL;
+    }
+    module = PyImport_ImportModule("bem.elastic.separated_kernel");
+    found = module != NULL ? PyObject_CallMethod(module, "modes_and_core", "nd", steps, system->accuracy) : NULL;
+    Py_XDECREF(module);
+    if (found == NULL)
+        return NULL;
+    system->call->objects[system->call->n_objects++] = found;
+    expect(system->call, PyTuple_Check(found) && PyTuple_GET_SIZE(found) == 2, "modes and core: two arrays");
+    if (system->call->failed)
+        return NULL;
+    range->modes = reals(system->call, PyTuple_GET_ITEM(found, 0), 2, shape);
+    range->core = reals(system->call, PyTuple_GET_ITEM(found, 1), 2, of_core);
+    expect(system->call, shape[0] > 0 && of_core[0] == shape[1] + 2 && of_core[1] == of_core[0], "core of another size");
+    range->steps = steps;
+    range->count = shape[0];
+    range->q = of_core[0];
+    system->n_ranges += !system->call->failed;
+    return system->call->failed ? NULL : range;
+}
+
+/* sin((x - end)/2) of nodes, where it is small from the difference itself. */
+static void sines(Size n, const double *x, const double *sine, const double *cosine, double end, double *values)
+{
+    double s = sin(end / 2), c = cos(end / 2);
+    Size i;
+    for (i = 0; i < n; i++)
+        values[i] = sine[i] * c - cosine[i] * s;
+    for (i = 0; i < n; i++)
+        if (fabs(values[i]) < CLOSE_TO_END)
+            values[i] = sin((x[i] - end) / 2);
+}
+
+/* u and m from these sines, in their place. */
+VECTORISED static void coordinates(Size n, double constant, double *RESTRICT u, double *RESTRICT m)
+{
+    Size i;
+    for (i = 0; i < n; i++) {
+        double from_beta = log_of_size(u[i]), from_delta = log_of_size(m[i]);
+        u[i] = from_beta - from_delta;
+        m[i] = (from_beta + from_delta + constant) / 2;
+    }
+}
+
+/* T_0 to T_(count - 1), (n, count): real parts of the powers of exp(i arccos t); `work` has room for 2 n numbers. */
+VECTORISED static void chebyshev(Size n, Size count, const double *RESTRICT t, double *RESTRICT values,
+                                 double *RESTRICT work)
+{
+    Size i, k;
+    double *sine = work, *imaginary = work + n;
+    for (i = 0; i < n; i++) {
+        double square = 1 - t[i] * t[i];
+        sine[i] = sqrt(square > 0 ? square : 0.0);
+        imaginary[i] = 0.0;
+        values[i] = 1.0;
+    }
+    for (k = 1; k < count; k++)
+        for (i = 0; i < n; i++) {
+            double real = values[(k - 1) * n + i];
+            values[k * n + i] = t[i] * real - sine[i] * imaginary[i];
+            imaginary[i] = sine[i] * real + t[i] * imaginary[i];
+        }
+}
+
+const Range *widened(System *system, Size first, Size middle, Size last, Size shared, const double *columns,
+                     double *wider[2])
+{
+    Size start = (Size)system->starts[first], split = (Size)system->starts[middle] - start, i, part;
+    Size n = (Size)system->starts[last] - start, steps;
+    const double *x = system->x + start, *sine = system->half + start, *cosine = sine + system->n;
+    double behind = fmod(system->left[first] - system->right[last - 1], 2 * PI), low = HUGE_VAL, high = -HUGE_VAL;
+    double beta = system->right[middle - 1] + (system->left[middle] - system->right[middle - 1]) / 2;
+    double delta = system->right[last - 1] + (behind < 0 ? behind + 2 * PI : behind) / 2, unit;
+    double *u = workspace(4 * n), *m, *polynomials = NULL;
+    const Range *range = NULL;
+    if (u == NULL)
+        return NULL;
+    m = u + n;
+    sines(n, x, sine, cosine, beta, u);
+    sines(n, x, sine, cosine, delta, m);
+    coordinates(n, log(2.0) - log(fabs(sin((delta - beta) / 2))), u, m);
+    for (i = 0; i < n; i++) {
+        low = u[i] < low ? u[i] : low;
+        high = u[i] > high ? u[i] : high;
+    }
+    steps = (Size)ceil(log((high - low) / 2) / log(RANGE_STEP));
+    unit = pow(RANGE_STEP, (double)steps);
+    range = range_of(system, steps);
+    if (range != NULL && (polynomials = workspace(n * range->count)) != NULL) {
+        for (i = 0; i < n; i++)
+            u[i] = (u[i] - (low + high) / 2) / unit;
+        chebyshev(n, range->count, u, polynomials, u + 2 * n);
+        for (part = 0; part < 2; part++) {
+            Size from = part == 0 ? 0 : split, rows = part == 0 ? split : n - split;
+            double *added = wider[part] = workspace(rows * (shared + range->q));
+            if (added == NULL)
+                break;
+            for (i = 0; i < shared; i++, added += rows)
+                memcpy(added, columns + i * n + from, (size_t)rows * sizeof(double));
+            memcpy(added, m + from, (size_t)rows * sizeof(double));
+            for (i = 0; i < rows; i++)
+                added[rows + i] = 1.0;
+            product('N', 'T', rows, range->q - 2, range->count, 1.0, polynomials + from, n, range->modes, range->q - 2,
+                    0.0, added + 2 * rows, rows);
+        }
+    }
+    PyMem_Free(polynomials);
+    PyMem_Free(u);
+    return range;
+}
