@@ -56,7 +56,7 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Listener)
         entries = [entry for entry in before["entries"] if entry["solver"] not in replaced] + made
         facts = provenance()
         spent = sum(entry["cpu_seconds"] or 0.0 for entry in made if entry["solver"] == entrant.name)
-        told = {name: facts[name] for name in TOLD} | _versions(entrant)
+        told = {name: facts[name] for name in TOLD} | {name: metadata.version(name) for name in entrant.needs}
         run = ", ".join(f"{name} {value}" for name, value in told.items()) + f"; {spent:.0f} CPU seconds in all"
         ran = before["run_on"] | {name: facts[name] for name in MACHINE} | {entrant.name: run}
         order = {name: index for index, name in enumerate(SOLVERS)}
@@ -112,8 +112,3 @@ def estimated(one: Problem, quantity: str, finest: Returned, limit: Returned) ->
 
 def _rounded(value: float | None) -> float | None:
     return None if value is None else float(f"{value:.3g}")
-
-
-def _versions(entrant: Entrant) -> dict[str, str]:
-    """Of the packages that an entrant needs."""
-    return {name: metadata.version(name) for name in entrant.needs}

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -50,11 +49,10 @@ def _of_json(path: Path, text: str) -> Submitted:
         content = {content["problem"]: content.get("answers")}
     if not isinstance(content, dict) or not all(isinstance(given, dict) for given in content.values()):
         raise ChallengeError(f"submission {path}: {{problem: {{quantity: number or list}}}} is needed")
-    return {name: {key: _value(given) for key, given in answers.items()} for name, answers in content.items()}
-
-
-def _value(given: Any) -> Any:
-    return given.get("value") if isinstance(given, Mapping) else given
+    return {
+        name: {key: given.get("value") if isinstance(given, dict) else given for key, given in answers.items()}
+        for name, answers in content.items()
+    }
 
 
 def _of_csv(path: Path, text: str) -> Submitted:

@@ -166,7 +166,7 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER, own: bool = F
     if bad:
         raise BaselineError(f"{record.id}: not a number: {', '.join(bad)}")
     before = read_baseline(record.id, folder)
-    old = {} if before is None else {quantity.name: quantity.value for quantity in before.quantities}
+    old = {} if before is None else {quantity.name: f"{quantity.value:.10g}" for quantity in before.quantities}
     facts = provenance()
     baseline = Baseline(
         case=record.id,
@@ -182,7 +182,7 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER, own: bool = F
     )
     folder.mkdir(parents=True, exist_ok=True)
     write_atomically(folder / f"{record.id}.json", json.dumps(baseline.model_dump(), indent=1) + "\n")
-    return [f"{record.id}: {q.name}: {_shown(old.get(q.name))} -> {q.value:.10g}" for q in quantities]
+    return [f"{record.id}: {q.name}: {old.get(q.name, 'none')} -> {q.value:.10g}" for q in quantities]
 
 
 def refuse_other_sources(facts: Mapping[str, Any], own_digest: str | None = None) -> None:
@@ -241,7 +241,3 @@ def _tolerances(row: Row) -> tuple[float, float, Literal["measured", "required",
     if row.tolerance is None:
         return BANDED, 0.0, "provisional"
     return 0.0, 2 * combined_tolerance(row) * row.scale, row.tolerance.basis
-
-
-def _shown(value: Any) -> str:
-    return "none" if value is None else f"{value:.10g}"

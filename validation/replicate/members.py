@@ -66,7 +66,8 @@ def loading(size: Size) -> list[Member]:
 
 def shapes(size: Size) -> Member:
     """The first realisation with a crest above `HIGHEST_CREST`, through `SHAPES_AT`."""
-    seed = next(k for k in range(1000) if _surface(k, size.harmonics).max_height > HIGHEST_CREST)
+    surfaces = (Profile.self_affine(PERIOD, HURST, RMS_HEIGHT, size.harmonics, k) for k in range(1000))
+    seed = next(k for k, surface in enumerate(surfaces) if surface.max_height > HIGHEST_CREST)
     return Member(
         f"shapes-{seed:02d}",
         _profile(seed, HURST, size.harmonics)
@@ -129,7 +130,3 @@ def _profile(seed: int, exponent: float, harmonics: int) -> dict[str, Any]:
         },
         "adhesion": {"work_of_adhesion": WORK_OF_ADHESION, "slope_term": True},
     }
-
-
-def _surface(seed: int, harmonics: int) -> Profile:
-    return Profile.self_affine(PERIOD, HURST, RMS_HEIGHT, harmonics, seed)

@@ -31,7 +31,7 @@ from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences
-from validation.studies.store import peak_megabytes, write_json
+from validation.studies.store import peak_megabytes, plain, write_json
 
 SCHEMA = "linecontact-cost/1"
 FILE = "cost.json"
@@ -283,7 +283,7 @@ def _write(folder: Path, facts: dict[str, Any], runs: Sequence[Run], planned: in
     table = Table(
         caption="Cost of loading the paper's profile to 0.025 E*, one thread.",
         columns=COLUMNS,
-        rows=[[_cell(getattr(found, name)) for name in COLUMNS] for found in runs],
+        rows=[[plain(getattr(found, name)) for name in COLUMNS] for found in runs],
     )
     content = {
         "schema": SCHEMA,
@@ -347,10 +347,6 @@ def _worst(values: Iterable[float]) -> float:
     """The largest; nan when the values are empty or one is not a number."""
     known = list(values)
     return math.nan if not known or any(math.isnan(value) for value in known) else max(known)
-
-
-def _cell(value: Any) -> str | float | int | None:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 HEADING = (

@@ -32,17 +32,13 @@ REQUIRED = 1e-10
 def _scenes() -> dict[str, Scene]:
     """The layers compared, by name."""
     mild: dict[str, Any] = {"solid": {"poisson_ratio": 0.3}}
+    driven = {"control": "total_displacement", "targets": [20e-6, 60e-6, 90e-6, 50e-6]}  # of the plate
     return {
         "nu = 0.5, adhesion": adapters.scene("thin_layer"),
         "nu = 0.5": adapters.scene("thin_layer", {"adhesion": None}),
         "nu = 0.3, adhesion": adapters.scene("thin_layer", mild),
-        "nu = 0.3, driven by its plate": adapters.scene("thin_layer", {**mild, "loading": _driven()}),
+        "nu = 0.3, driven by its plate": adapters.scene("thin_layer", {**mild, "loading": driven}),
     }
-
-
-def _driven() -> dict[str, Any]:
-    """Displacements of the plate, which hold the mean compression of the layer."""
-    return {"control": "total_displacement", "targets": [20e-6, 60e-6, 90e-6, 50e-6]}
 
 
 def errors(posed: Scene, states: tuple[State, ...]) -> dict[str, tuple[list[float], list[float]]]:
