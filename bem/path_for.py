@@ -10,7 +10,7 @@ from typing import Any
 
 from bem.continuation.opening import flaw_of
 from bem.continuation.path import Path
-from bem.continuation.path_point import Point, WithEdges
+from bem.continuation.points_with_edges import Point, WithEdges
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.loading_path import LoadingPath
 from bem.nonadhesive.completed_body import CompletedBody

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.continuation.path_point import Point
+from bem.continuation.points_with_edges import Point
 from bem.geometry.patches import PatchPressure
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.loading_path import LoadingPath

@@ -95,6 +95,8 @@ def equilibrium_state(
             hessian_asymmetry=judged.hessian_asymmetry,
             ok=judged.ok,
             reasons=judged.reasons,
+            contact_residual=judged.contact_residual,
+            mean_gap_error=judged.mean_gap_error * scales.height,
         ),
         unknowns=place.cost.unknowns,
         evaluations=place.cost.evaluations,

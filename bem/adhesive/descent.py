@@ -117,7 +117,7 @@ def descend(
         verdict = walk.reshaped(here)
         if verdict is None:
             step = walk.step(here)
-            inside = here.closed(accuracy.residual) and step.size < 0.9 * walk.radius
+            inside = here.is_equilibrium(accuracy.residual) and step.size < 0.9 * walk.radius
             verdict = "converged" if inside else walk.tried(here, step)
         if verdict != "again":
             return walk.ended(verdict)

@@ -91,7 +91,7 @@ class Balance:
         """max |G/w - 1| over the edges."""
         return float(np.max(np.abs(self.gradient / self.work)))
 
-    def closed(self, limit: float) -> bool:
+    def is_equilibrium(self, limit: float) -> bool:
         """Whether |G/w - 1| is at most the limit at every edge, or what rounding of K leaves where w is tiny."""
         missing = np.abs(self.gradient / self.work)
         if np.all(missing <= limit):
@@ -189,7 +189,7 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
         work_gradient=work_gradient,
         gradient=intensity**2 / 4 - work,
         jacobian=jacobian,
-        hessian=system.control.stiffen(hessian, load_gradient, state),
+        hessian=system.control.hessian_under_control(hessian, load_gradient, state),
         fixed_penetration_hessian=hessian,
         load_gradient=load_gradient,
         potential=system.control.potential(state.penetration, state.load, energy),
@@ -237,7 +237,7 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
         if here.all_tensile:
             if here.factor is None:
                 return Corrected("indefinite", None, count)
-            if here.closed(accuracy.residual):
+            if here.is_equilibrium(accuracy.residual):
                 return Corrected("converged", here, count)
         step = _newton_step(system, here)
         size = float(np.abs(step).max())

@@ -1,4 +1,5 @@
-/* The profile at given points, and its Chebyshev series on the patches: profile.py, collocation.py. */
+/* The profile at given points, its Chebyshev series on the patches, and its length: profile.py, collocation.py,
+   adhesion.py. */
 
 #include "core.h"
 #include "kernels.h"

@@ -12,7 +12,7 @@ import numpy as np
 
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System
-from bem.adhesive.events import Relaxed, first_contact, relax
+from bem.adhesive.relaxation import Relaxed, first_contact, relax
 from bem.continuation.jumps import Jumps
 from bem.continuation.opening import (
     Flaw,
@@ -24,7 +24,7 @@ from bem.continuation.opening import (
     opening_load,
     opening_rounding,
 )
-from bem.continuation.path_point import BranchEnd, Equilibrium, Point
+from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact, closing_place

@@ -22,7 +22,7 @@ import numpy as np
 
 from bem.adhesive.equilibrium import System
 from bem.continuation.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
-from bem.continuation.path_point import Equilibrium, Point, WithEdges
+from bem.continuation.points_with_edges import Equilibrium, Point, WithEdges
 from bem.elastic.collocation import evaluate
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact

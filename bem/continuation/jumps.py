@@ -2,7 +2,7 @@
 
 A branch ends at a limit point or where a crest touches; both are located first (limit_points.py, touch_points.py), so
 that neither the jump nor its numbers depend on the increments.  The jump itself follows the forces at the value of the
-control at which the branch ends (events.py); what it releases is the difference of the potential of two equilibria,
+control at which the branch ends (relaxation.py); what it releases is the difference of the potential of two equilibria,
 each improved until another resolution changes nothing.  Where no end is located within the smallest increment, the
 jump begins from the last good edges, and the increment is its error.  Dimensionless.
 """
@@ -16,11 +16,11 @@ import numpy as np
 
 from bem.adhesive.branch import misses_energy, strays, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
-from bem.adhesive.events import Cause, Relaxed, interpenetration, relax
+from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
 from bem.continuation.limit_points import LimitPoint, Search, locate_limit_point
 from bem.continuation.opening import complete_potential
-from bem.continuation.path_point import BranchEnd, Equilibrium, Point
+from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point
 from bem.continuation.rest import at_rest
 from bem.continuation.touch_points import Bracket, locate_touch
 from bem.elastic.collocation import Evaluation
@@ -93,7 +93,7 @@ class Jumps:
             return []
         self.effort.evaluations += touch.evaluations
         end = self._equilibrium(touch.exact.value, touch.balance, last=True)
-        if isinstance(ahead, TouchedFold) and self.misses_energy(point, end):  # the fold was of another branch
+        if isinstance(ahead, TouchedFold) and self.surely_misses_energy(point, end):  # the fold was of another branch
             return []
         state = touch.balance.state
         deeper = interpenetration(self.system, state, DEEPER)
@@ -185,10 +185,10 @@ class Jumps:
         here, state = start.balance, start.state
         unstable = unstable_patches(here) if found is None else None
         relaxed = self._relaxed(state, state.patches, value, unstable, found, fine)
-        pushed = self._exact(here, start.value, value)
+        pushed = self._at_fixed_edges(here, start.value, value)
         if relaxed.balance is not None and not relaxed.changes:
             ahead = self._equilibrium(value, relaxed.balance)
-            if not self.misses_energy(start, ahead):
+            if not self.surely_misses_energy(start, ahead):
                 return self._resting(relaxed)
         control, stiffness = self.system.control, here.stiffness
         deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
@@ -199,9 +199,9 @@ class Jumps:
     def leaps(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether Newton leapt from one branch to another, as motions of the edges or energies say."""
         ends, rates, change = (start.balance, end.balance), (start.rate, end.rate), end.value - start.value
-        return strays(ends, rates, change, self.increments.coarse.residual) or self.misses_energy(start, end)
+        return strays(ends, rates, change, self.increments.coarse.residual) or self.surely_misses_energy(start, end)
 
-    def misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
+    def surely_misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether more energy went missing between two points than the forces along one branch account for.
 
         Newton can step over a short unstable stretch of the path.  What the coarse evaluations suspect, the accuracy
@@ -241,7 +241,7 @@ class Jumps:
         energies = finest if system.elastic.kernel else fine  # their error falls with the square of the tolerance
         found = at_rest(system, relaxed.balance, value, (fine, energies))
         self.effort.evaluations += 2
-        here, after, uncertain = (relaxed.balance, self._exact(relaxed.balance, value, value), np.inf)
+        here, after, uncertain = (relaxed.balance, self._at_fixed_edges(relaxed.balance, value, value), np.inf)
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
         released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
@@ -307,7 +307,7 @@ class Jumps:
         """A point with its tangent."""
         return Equilibrium(value, here, tangent(self.system.control, here), events=events, last=last)
 
-    def _exact(self, here: Balance, start: float, value: float) -> EventNumbers:
+    def _at_fixed_edges(self, here: Balance, start: float, value: float) -> EventNumbers:
         """Numbers of a state after a change of the control at fixed edges."""
         control, change = self.system.control, value - start
         state = here.state

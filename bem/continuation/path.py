@@ -24,13 +24,13 @@ import numpy as np
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
-from bem.adhesive.events import interpenetration
+from bem.adhesive.relaxation import interpenetration
 from bem.continuation import crossing
 from bem.continuation.bare_states import BareStates
 from bem.continuation.jumps import Jumps, TouchedFold
 from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import Flaw
-from bem.continuation.path_point import Equilibrium, Point, WithEdges
+from bem.continuation.points_with_edges import Equilibrium, Point, WithEdges
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches

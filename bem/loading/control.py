@@ -72,7 +72,7 @@ class DisplacementControl:
         """Share of an error in the heights that is left as an error of Delta, from 0 (soft spring) to 1."""
         return self.rate(state)
 
-    def stiffen(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
+    def hessian_under_control(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
         """Hessian of the potential, (2 L, 2 L)."""
         if not self.load_weight:
             return hessian
@@ -122,7 +122,7 @@ class LoadControl:
         """Share of an error in the heights that is left as an error of Delta: none."""
         return 0.0
 
-    def stiffen(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
+    def hessian_under_control(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
         """Hessian of the potential, (2 L, 2 L)."""
         return hessian - np.outer(load_gradient, load_gradient) / state.load_rate
 

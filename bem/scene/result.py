@@ -57,9 +57,10 @@ class ErrorEstimate:
 
 @dataclass(frozen=True)
 class Certificate:
-    """A-posteriori checks of a state; `min_gap` in m, the rest dimensionless, None where it has no meaning.
+    """A-posteriori checks of a state; `min_gap` and `mean_gap_error` in m, the rest dimensionless.
 
-    `reasons` names each demand that is not met, with its limit and place.
+    None: it has no meaning for the state, or its file is older.  `reasons` names each demand that is not met, with its
+    limit and place.
     """
 
     closure: float | None
@@ -69,6 +70,8 @@ class Certificate:
     hessian_asymmetry: float | None
     ok: bool
     reasons: tuple[str, ...] = ()
+    contact_residual: float | None = None
+    mean_gap_error: float | None = None
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,17 @@ from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
 from validation.report.run_words import outcome, quantity, scene_in_words, succeeded
 
 MOST_ROWS = 500  # of a table; all are in result.json
-MEASURES = ("closure", "min_gap", "min_eigenvalue", "truncation", "hessian_asymmetry")
+MEASURES = (
+    "closure",
+    "contact_residual",
+    "min_gap",
+    "mean_gap_error",
+    "min_eigenvalue",
+    "truncation",
+    "hessian_asymmetry",
+)
 WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
+IN_METRES = ("min_gap", "mean_gap_error")
 
 
 def write_run_page(folder: Path) -> Result:
@@ -96,7 +105,7 @@ def _certificate(result: Result) -> Iterator[tuple[str, str]]:
         values = [value for state in result.states if (value := getattr(state.certificate, name)) is not None]
         if values:
             worst = min(values) if name in WORST_BELOW else max(values)
-            yield name.replace("_", " "), quantity(worst, "m") if name == "min_gap" else number(worst)
+            yield name.replace("_", " "), quantity(worst, "m") if name in IN_METRES else number(worst)
 
 
 def _step(step: Mapping[str, Any]) -> tuple[str, str]:

@@ -172,8 +172,8 @@ def test_residual_measures_the_release_rate():
     target = float(penetration_of(0.4))
     here = balance(System(Elastic(WAVE), law, DisplacementControl()), patch(0.4), target, target, 1e-13)
     assert here.residual == pytest.approx(3.0, rel=1e-11)
-    assert here.closed(3.1)
-    assert not here.closed(2.9)
+    assert here.is_equilibrium(3.1)
+    assert not here.is_equilibrium(2.9)
 
 
 @pytest.mark.parametrize("start", [0.15, 0.3, 0.7], ids=lambda f: f"from {f}")

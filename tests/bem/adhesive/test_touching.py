@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from bem.adhesive import events
+from bem.adhesive import relaxation
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, balance
-from bem.adhesive.events import Cause, relax
+from bem.adhesive.relaxation import Cause, relax
 from bem.adhesive.touching import CrestsAhead
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field
@@ -137,7 +137,7 @@ def test_a_descent_does_not_run_into_other_patches():
 
 def test_a_jump_goes_on_with_the_crests_that_touched(monkeypatch):
     """Touches do not use up the rounds that an avalanche may have."""
-    monkeypatch.setattr(events, "AVALANCHE_ROUNDS", 1)
+    monkeypatch.setattr(relaxation, "AVALANCHE_ROUNDS", 1)
     end = relax(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10))
     assert end.status == "converged"
     assert [kind for kind, _ in end.changes] == TOUCHES

@@ -10,7 +10,7 @@ from rough_surfaces import rough_scene
 from bem.adhesive import equilibrium
 from bem.continuation import crossing
 from bem.continuation.crossing import at_load
-from bem.continuation.path_point import BranchEnd
+from bem.continuation.points_with_edges import BranchEnd
 from bem.loading.complete_contact import complete_contact
 from bem.loading.path_point import Separated
 from bem.path_for import path_for

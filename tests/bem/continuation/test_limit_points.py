@@ -7,11 +7,11 @@ from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.branch import tangent
 from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, correct, forces
-from bem.adhesive.events import interpenetration
+from bem.adhesive.relaxation import interpenetration
 from bem.continuation.departure import departure
 from bem.continuation.jumps import Jumps, TouchedFold, interpolated
 from bem.continuation.limit_points import Search, before_fold, locate_limit_point
-from bem.continuation.path_point import Equilibrium
+from bem.continuation.points_with_edges import Equilibrium
 from bem.continuation.rest import at_rest
 from bem.continuation.softness import softness
 from bem.elastic.collocation import Elastic

@@ -12,7 +12,7 @@ from scipy.optimize import brentq, minimize_scalar
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System
 from bem.continuation.path import Path
-from bem.continuation.path_point import Equilibrium
+from bem.continuation.points_with_edges import Equilibrium
 from bem.loading.complete_contact import complete_contact
 from bem.loading.increments import Accuracy, Increments
 from bem.loading.path_point import Separated
@@ -315,7 +315,7 @@ def test_every_point_is_a_stable_equilibrium(rough_points):
         if point.state is not None:
             assert point.balance.all_tensile
             if not point.last:
-                assert point.balance.closed(1e-9)
+                assert point.balance.is_equilibrium(1e-9)
                 assert point.balance.smallest_eigenvalue > 0
 
 

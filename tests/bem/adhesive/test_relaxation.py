@@ -6,7 +6,7 @@ from rough_surfaces import rough_profile
 
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.equilibrium import System, balance, correct
-from bem.adhesive.events import Cause, first_contact, interpenetration, relax
+from bem.adhesive.relaxation import Cause, first_contact, interpenetration, relax
 from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
@@ -49,7 +49,7 @@ def test_second_crest_makes_contact_where_the_first_state_overlaps():
 
 def test_relaxed_state_is_a_stable_equilibrium_without_overlap():
     end = relaxed(SYSTEM, one_patch(0.5), 0.6)
-    assert end.balance.closed(ACCURACY.residual)
+    assert end.balance.is_equilibrium(ACCURACY.residual)
     assert end.balance.smallest_eigenvalue > 0
     assert interpenetration(SYSTEM, end.balance.state, 1e-10).position.size == 0
 
