@@ -10,7 +10,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ from fem_reference.result import quantities
 from fem_reference.solve import closed, control_of, problem_of
 from persson import AdhesiveContact, DiscreteSpectrum
 from persson import solve as persson_solve
-from persson.adhesive import ROUTES, Route
+from persson.adhesive import Route
 from validation.references.dense_equilibrium import solve_dense
 from validation.references.paper_method import PaperState, follow
 from validation.references.paper_method import solve as paper_solve
@@ -149,7 +148,15 @@ def solve_persson(route: Route, posed: Posed, resolution: float) -> Found:
     return Found(answer, nodes, {"iterations": contact.fields.iterations}, ready - begun, solved - ready, 0.0)
 
 
-persson_finite_volumes, persson_volterra = (partial(solve_persson, route) for route in ROUTES)
+def persson_finite_volumes(posed: Posed, resolution: float) -> Found:
+    """First route."""
+    return solve_persson("finite_volumes", posed, resolution)
+
+
+def persson_volterra(posed: Posed, resolution: float) -> Found:
+    """Second route."""
+    return solve_persson("volterra", posed, resolution)
+
 
 PAPER_RESIDUAL, PAPER_GAP = 1e-7, 1e-3  # of the paper's method: |G/w - 1|, and interpenetration in rms heights
 PATH_RESIDUAL, PATH_STEPS = 1e-5, 40
