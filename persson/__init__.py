@@ -21,7 +21,8 @@ Where to look: spectrum.py (what the theory sees of a profile), nonadhesive.py (
 adhesive.py (effective work of adhesion, moving barrier, fixed point), magnification.py (the mesh both routes share),
 diffusion.py and volterra.py (the two routes), separation.py, double_gaussian.py, contact.py (what is returned),
 status.py (what can go wrong, with advice), solve.py (all of it in order); corrected.py and corrected_variance.py (what
-the literature, and a calibration for roughness in one direction, put beside the theory in partial contact).
+the literature, and a calibration for roughness in one direction, put beside the theory in partial contact);
+contact_slope.py and adhesive_edges.py (its area, without and with adhesion), edge_distribution.py, domain.py.
 """
 
 from persson import corrected

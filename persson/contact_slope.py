@@ -32,7 +32,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from typing import Any
 
@@ -159,6 +159,12 @@ def pair_correlation(spectrum: Spectrum, coefficients: Mapping[str, float] | Non
     0.5
     """
     value = coefficients or data()["coefficients"]
+    return value["D_0"] * _pair_sum(spectrum, value["n"])
+
+
+@lru_cache(maxsize=16)
+def _pair_sum(spectrum: Spectrum, exponent: float) -> float:
+    """sum_mn w_m w_n sech(ln q_m/q_n)^exponent."""
     wavenumbers, shares = slope_shares(spectrum)
     position = np.log(wavenumbers)
     if shares.size > PAIRED:
@@ -168,10 +174,11 @@ def pair_correlation(spectrum: Spectrum, coefficients: Mapping[str, float] | Non
         position = np.asarray(np.bincount(bands, shares * position), dtype=np.float64)[full] / weight[full]
         shares = weight[full]
     apart = np.abs(position[:, None] - position[None, :])
-    kernel = (2 / (np.exp(-apart) * (1 + np.exp(2 * np.minimum(apart, 300.0))))) ** value["n"]
-    return float(value["D_0"] * (shares @ kernel @ shares))
+    kernel = (2 / (np.exp(-apart) * (1 + np.exp(2 * np.minimum(apart, 300.0))))) ** exponent
+    return float(shares @ kernel @ shares)
 
 
+@lru_cache(maxsize=16)
 def summit_curvature(spectrum: Spectrum) -> float | None:
     """k / (q_0 h'_rms) at the highest summit, <k^-1/2>^-2 over random phases; None without a period.
 
@@ -185,7 +192,7 @@ def summit_curvature(spectrum: Spectrum) -> float | None:
     lines = _orders(spectrum)
     if lines is None:
         return None
-    orders, heights = lines
+    orders, heights, _ = lines
     draw = np.random.default_rng(0)
     size = int(2 ** np.ceil(np.log2(POINTS * orders[-1])))
     roots = []
@@ -201,8 +208,20 @@ def summit_curvature(spectrum: Spectrum) -> float | None:
     return float(np.mean(roots)) ** -2 / float(np.sqrt(np.sum((orders * heights) ** 2) / 2))
 
 
-def _orders(spectrum: DiscreteSpectrum) -> tuple[NDArray[np.int64], FloatArray] | None:
-    """Orders and heights of the lines that carry roughness over the wavenumber of their period, if they have one."""
+def period_wavenumber(spectrum: Spectrum) -> float | None:
+    """q_0 in rad/m, of the period of the lines that carry roughness; None without a period.
+
+    Examples
+    --------
+    >>> period_wavenumber(DiscreteSpectrum([4.0, 6.0], [0.1, 0.1]))
+    2.0
+    """
+    lines = _orders(spectrum) if isinstance(spectrum, DiscreteSpectrum) else None
+    return None if lines is None else lines[2]
+
+
+def _orders(spectrum: DiscreteSpectrum) -> tuple[NDArray[np.int64], FloatArray, float] | None:
+    """Orders and heights of the lines that carry roughness, and the wavenumber of their period, if they have one."""
     slope, height = spectrum.slope_variance_steps, spectrum.amplitudes**2
     carries = (slope > CARRIES * slope.sum()) | (height > CARRIES * height.sum())
     wavenumbers = spectrum.wavenumbers[carries]
@@ -212,7 +231,7 @@ def _orders(spectrum: DiscreteSpectrum) -> tuple[NDArray[np.int64], FloatArray] 
         if wavenumbers[-1] > HIGHEST_ORDER * unit:
             return None
     amplitudes = spectrum.amplitudes[carries]
-    return np.rint(wavenumbers / unit).astype(np.int64), amplitudes / amplitudes.max()
+    return np.rint(wavenumbers / unit).astype(np.int64), amplitudes / amplitudes.max(), unit
 
 
 def _common(one: float, other: float, least: float) -> float:
@@ -230,4 +249,5 @@ def _smallest(bandwidth: float, coefficients: Mapping[str, float]) -> float:
 
 def _reduction(area: FloatArray, correlation: float, smallest: float) -> FloatArray:
     """(g / h'_rms)^2 at A_rough > 0, of the shape of it."""
-    return np.asarray(1 - (1 - (1 - correlation) * area / (area + smallest)) * (1 - area))
+    kept = (1 - correlation) * area / (area + smallest)
+    return np.asarray(kept + area - kept * area)  # 1 - (1 - kept)(1 - area), with all digits at small loads

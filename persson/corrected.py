@@ -7,8 +7,8 @@ the one calibrated for roughness in one direction (`calibrated`).  Without adhes
 
 with the variance tau of the correction (a drift has none: the stress is marched, diffusion.py); with adhesion the
 fixed point of adhesive.py with A S in the energy and the corrected variance, and the correction's own detached width;
-or, where the correction has a fringe, its area in place of that without adhesion, the energy and the separation without
-adhesion, and Gaussians that end at the tension where they have that area.
+or, where the correction has `edges`, area, distribution and the changes of energy and separation by adhesive_edges.py
+and edge_distribution.py, and the area without adhesion, on which they build, by contact_slope.py.
 
 Source: corrected_variance.py; separation: C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20 (2008) 215214.  SI
 units at the edge.  Limits: those of the plain theory; where a correction was found and tested is in its `range`.
@@ -23,14 +23,17 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.special import erfinv
 
+from persson import adhesive_edges, contact_slope
 from persson.contact import AdhesiveContact
 from persson.corrected_data import calibrated, calibration
-from persson.corrected_variance import Correction, area_at, detachment_stress, diffused, fringed, scales_of
+from persson.corrected_variance import Correction, area_at, diffused, scales_of
 from persson.diffusion import SAFE, StressDistribution, march
 from persson.domain import groups_of, outside, refuse_extremes
 from persson.magnification import MagnificationMesh, magnification_mesh
+from persson.mathematics.edge_distribution import EdgeDistribution, edge_distribution, full_contact
+from persson.mathematics.separation import adhesive_part, load_ladder
 from persson.nonadhesive import dimensionless_load, energy_length, plane_strain_modulus, separation_length, status_of
-from persson.separation import adhesive_part, load_ladder
+from persson.solve import BELOW_ZERO
 from persson.solve import solve as solve_plain
 from persson.spectrum import Spectrum
 from persson.status import Status, advice_for
@@ -61,8 +64,8 @@ class CorrectedContact:
         J/m^2.
     variance : float
         tau of the stress, in units of E*^2; nan where the distribution is not two Gaussians.
-    barrier : float
-        Tension at which they end, in units of E*.
+    edges : EdgeDistribution or None
+        Of the stress, with adhesion at the edges.
     adhesive : AdhesiveContact or None
         The whole state, with adhesion.
     """
@@ -77,7 +80,7 @@ class CorrectedContact:
     status: Status
     work_of_adhesion: float | None = None
     variance: float = np.nan
-    barrier: float = 0.0
+    edges: EdgeDistribution | None = None
     adhesive: AdhesiveContact | None = None
     distribution: StressDistribution | None = field(default=None, repr=False)
 
@@ -88,10 +91,15 @@ class CorrectedContact:
 
     @property
     def outside_calibration(self) -> tuple[str, ...]:
-        """Where the case lies outside of the domain of the calibrated correction (domain.py); empty if nowhere."""
+        """Where the case lies outside of the domain of the calibrated correction (domain.py); empty if nowhere.
+
+        With adhesion, of that of the edges (adhesive_edges.py) too.
+        """
         modulus = self.plane_strain_modulus
         load, work = self.mean_pressure / modulus, (self.work_of_adhesion or 0.0) / modulus
-        return outside(calibration()["domain"], groups_of(self.spectrum, load, self.contact_fraction, work))
+        found = groups_of(self.spectrum, load, self.contact_fraction, work)
+        tables = [calibration()["domain"]] + ([adhesive_edges.data()["domain"]] if work else [])
+        return tuple(dict.fromkeys(words for table in tables for words in outside(table, found)))
 
     def pressure_distribution(self, pressure: ArrayLike) -> FloatArray:
         """P(sigma) per nominal area in 1/Pa at pressures in Pa; its integral is A/A0."""
@@ -104,10 +112,11 @@ class CorrectedContact:
             points = np.concatenate([faces[:1], (faces[1:] + faces[:-1]) / 2])
             value = PchipInterpolator(points, np.concatenate([[0.0], density]), extrapolate=False)(stress)
             return np.asarray(np.nan_to_num(value, nan=0.0) / modulus)
+        if self.edges is not None:
+            return np.asarray(self.edges.at(stress) / modulus)
         direct = np.exp(-((stress - mean) ** 2) / (2 * self.variance))
-        beyond = stress + self.barrier
-        image = -np.expm1(-2 * beyond * (mean + self.barrier) / self.variance)
-        return np.where(beyond > 0, direct * image / (np.sqrt(2 * np.pi * self.variance) * modulus), 0.0)
+        image = -np.expm1(-2 * stress * mean / self.variance)
+        return np.where(stress > 0, direct * image / (np.sqrt(2 * np.pi * self.variance) * modulus), 0.0)
 
 
 def solve(
@@ -160,7 +169,7 @@ def solve(
     if work_of_adhesion is not None and not (np.isfinite(work_of_adhesion) and work_of_adhesion > 0):
         raise ValueError(f"work_of_adhesion: {work_of_adhesion} must be finite and > 0 (J/m^2)")
     refuse_extremes(spectrum, load, None if work_of_adhesion is None else work_of_adhesion / modulus)
-    if work_of_adhesion is not None and correction.fringe is None:
+    if work_of_adhesion is not None and not correction.edges:
         state = solve_plain(
             spectrum,
             mean_pressure,
@@ -203,11 +212,23 @@ def solve(
     if with_separation:
         plain = np.array([float(energy_length(spectrum, float(p), np.array([total]))[0]) for p in loads])
         separation = separation_length(spectrum, load) + adhesive_part(loads, energy - plain)
-    fraction, barrier = float(area[0, -1]), 0.0
+    fraction, variance, stored_energy, edges = float(area[0, -1]), float(spread[0, -1]), float(energy[0]), None
     if work_of_adhesion is not None:
-        stress = detachment_stress(spectrum, work_of_adhesion / modulus)
-        fraction = float(fringed(correction, area[0, -1], spread[0, -1], total / 4, stress))
-        barrier = float(np.sqrt(2 * spread[0, -1]) * erfinv(fraction)) - load
+        law = adhesive_edges.EdgeLaw(spectrum, work_of_adhesion / modulus)
+        reference, fraction = law.at(load)
+        if fraction == 1:
+            stored_energy, separation = spectrum.full_contact_energy, None if separation is None else 0.0
+            edges = full_contact(load, total / 4)
+        else:
+            shift, gained = law.changes(load, reference)
+            stored_energy, separation = stored_energy + gained, None if separation is None else separation + shift
+            edges = edge_distribution(reference, fraction, reference - load)
+    elif correction.edges:
+        fraction = float(contact_slope.contact_fractions(spectrum, np.array([load]))[0][0])
+        variance = float(load / erfinv(fraction)) ** 2 / 2 if fraction < 1 else total / 4
+    status = status_of(spectrum, fraction)
+    if status == "converged" and separation is not None and separation < -BELOW_ZERO * spectrum.h_rms:
+        status = "below_zero"
     return CorrectedContact(
         spectrum=spectrum,
         mean_pressure=mean_pressure,
@@ -215,24 +236,17 @@ def solve(
         correction=correction,
         contact_fraction=fraction,
         separation=separation,
-        elastic_energy=modulus * float(energy[0]),
-        status=status_of(spectrum, fraction),
+        elastic_energy=modulus * stored_energy,
+        status=status,
         work_of_adhesion=work_of_adhesion,
-        variance=np.nan if drifts else float(spread[0, -1]),
-        barrier=barrier,
+        variance=np.nan if drifts or edges is not None else variance,
+        edges=edges,
         distribution=distribution,
     )
 
 
-def contact_fractions(
-    spectrum: Spectrum, loads: ArrayLike, correction: Correction, work_length: float = 0.0
-) -> FloatArray:
-    """A/A0 at loads sigma_0 / E*, (n_loads,), of the form `slower` or `total`.
-
-    Parameters
-    ----------
-    work_length : float
-        gamma / E* in m, for a correction with a fringe; 0 without adhesion.
+def contact_fractions(spectrum: Spectrum, loads: ArrayLike, correction: Correction) -> FloatArray:
+    """A/A0 without adhesion at loads sigma_0 / E*, (n_loads,), of the form `slower` or `total`.
 
     Examples
     --------
@@ -243,12 +257,7 @@ def contact_fractions(
     array([0.0865])
     """
     pressed = np.asarray(loads, dtype=np.float64)
-    tau = spread_of(spectrum, pressed, correction)
-    area = area_at(pressed, tau)
-    if work_length == 0:
-        return area
-    total = spectrum.total_slope_variance / 4
-    return fringed(correction, area, tau, total, detachment_stress(spectrum, work_length))
+    return area_at(pressed, spread_of(spectrum, pressed, correction))
 
 
 def spread_of(spectrum: Spectrum, loads: FloatArray, correction: Correction) -> FloatArray:

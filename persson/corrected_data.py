@@ -17,7 +17,7 @@ from persson.corrected_variance import Correction
 from persson.domain import in_words
 
 FILE = "calibration.json"
-SCHEMA = "linecontact-theory-correction/2"
+SCHEMA = "linecontact-theory-correction/3"
 
 
 class CalibrationError(ValueError):
@@ -48,7 +48,7 @@ def correction_of(content: dict[str, Any]) -> Correction:
     Parameters
     ----------
     content : dict
-        `schema`, and `coefficients` with c_0, b_0, k, k_a and c.
+        `schema`, and `coefficients` with c_0, b_0 and k.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def correction_of(content: dict[str, Any]) -> Correction:
         (value["c_0"], 0.0, 1 - value["c_0"]),
         breadth=value["b_0"],
         window=value["k"],
-        fringe=(value["k_a"], value["c"]),
+        edges=True,
         source="boundary-element ensembles, persson/calibration.json",
         range=in_words(content["domain"]),
     )

@@ -21,12 +21,8 @@ The factor, of the contact fraction A, the wavenumber q and the breadth b of the
 
 With adhesion the corrections of the literature take the theory's own fixed point (adhesive.py).  For roughness in one
 direction that finds far too little: gamma_eff is below zero but for the last lines, while in fact every edge of contact
-is pulled out at once.  Hence, as an alternative,
-
-    fringe      1 - A_wet = (1 - A)^(1 + k_a x),  x = (<a> / sqrt tau) (V / tau)^c,  <a> = <sqrt(2 gamma q / E*)> / pi
-
-    with the tension a of a detached zone at full work of adhesion (adhesive.py), averaged over the slope variance:
-    edges move out in proportion to it and meet in the gaps, whose share falls as if they were placed at random.
+is pulled out at once.  A correction with `edges` takes the law of adhesive_edges.py in place of it, and the area of
+contact_slope.py without adhesion; energy and separation without adhesion remain those of the factor.
 
     yang_persson_2008   slower, S = 0.45 + 0.55 A^2
     wang_muser_2017     slower, S = 5/9 - 2/9 A^2 + 2/3 A^4, without and with adhesion
@@ -37,8 +33,8 @@ B. N. J. Persson, J. Mech. Phys. Solids 59 (2011) 2355; A. Wang, M. H. Mueser, T
 functions as in the code of Y. Xu and others (github.com/xylcsi/PerssonModelFudgeFactor). That the stress both
 diffuses more slowly and drifts at small stress: W. B. Dapp, N. Prodanov, M. H. Mueser, J. Phys.: Condens. Matter 26
 (2014) 355002. That the area falls with the breadth of the spectrum: V. A. Yastrebov, G. Anciaux, J.-F. Molinari, J.
-Mech. Phys. Solids 107 (2017) 469, arXiv:1704.05650. The linear drift, the breadth, the window and the fringe are
-derived or guessed here, and calibrated. Dimensionless, stresses in units of E*. Limits: published coefficients are
+Mech. Phys. Solids 107 (2017) 469, arXiv:1704.05650. The linear drift, the breadth and the window are derived or
+guessed here, and calibrated. Dimensionless, stresses in units of E*. Limits: published coefficients are
 for isotropic roughness.
 """
 
@@ -52,7 +48,6 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from persson.magnification import MagnificationMesh
-from persson.spectrum import Spectrum, slope_shares
 
 FloatArray = NDArray[np.float64]
 Form = Literal["slower", "total", "drift"]
@@ -115,8 +110,8 @@ class Correction:
         k > 0; None: no window.
     detached_width : float
         With adhesion: width of the detached zones in wavelengths, in (0, 1]; 1 in the plain theory.
-    fringe : tuple of two floats, optional
-        k_a > 0 and c of the adhesive fringe (`fringed`), in place of the fixed point of the theory with adhesion.
+    edges : bool
+        Area by contact_slope.py, and with adhesion by adhesive_edges.py in place of the fixed point of the theory.
     source, range : str
         Where it comes from and for what it was found.
 
@@ -132,7 +127,7 @@ class Correction:
     breadth: float | None = None
     window: float | None = None
     detached_width: float = 1.0
-    fringe: tuple[float, float] | None = None
+    edges: bool = False
     source: str = ""
     range: str = ""
 
@@ -151,8 +146,6 @@ class Correction:
             raise ValueError("form: 'total' has neither breadth nor window, which change from line to line")
         if not 0 < self.detached_width <= 1:
             raise ValueError(f"detached_width: {self.detached_width} must lie in (0, 1] (wavelengths)")
-        if self.fringe is not None and (not self.fringe[0] > 0 or self.form == "drift"):
-            raise ValueError(f"fringe: {self.fringe}; its first number must be > 0, and the form not 'drift'")
 
     def factor(self, area: FloatArray, scales: Scales | None = None) -> FloatArray:
         """S, of the shape that the contact fraction A and the scales (of cells, or one cell) broadcast to.
@@ -233,29 +226,6 @@ def diffused(correction: Correction, mesh: MagnificationMesh, loads: FloatArray)
         half = tau[cell] + steps[cell] / 2 * correction.factor(area_at(loads, tau[cell]), here)
         tau[cell + 1] = tau[cell] + steps[cell] * correction.factor(area_at(loads, half), here)
     return np.asarray(tau.T)
-
-
-def detachment_stress(spectrum: Spectrum, work_length: float) -> float:
-    """<a>: sqrt(2 gamma q / E*) / pi averaged over the slope variance, in units of E*; gamma / E* in m.
-
-    Examples
-    --------
-    >>> from persson.spectrum import DiscreteSpectrum
-    >>> round(detachment_stress(DiscreteSpectrum([2.0], [0.1]), 0.01) * np.pi, 12)
-    0.2
-    """
-    wavenumbers, share = slope_shares(spectrum)
-    return float(np.sqrt(2 * work_length) * (share @ np.sqrt(wavenumbers)) / np.pi)
-
-
-def fringed(correction: Correction, area: FloatArray, tau: FloatArray, variance: float, stress: float) -> FloatArray:
-    """A/A0 with adhesion from that without, of the shape of both arrays; `stress` is <a>, `variance` V of all lines."""
-    if correction.fringe is None:
-        raise ValueError(f"correction {correction.name!r} has no fringe")
-    strength, power = correction.fringe
-    x = stress / np.sqrt(tau) * (variance / tau) ** power
-    with np.errstate(divide="ignore"):  # contact that is complete stays so
-        return np.asarray(-np.expm1((1 + strength * x) * np.log1p(-area)))
 
 
 def area_at(load: FloatArray, tau: FloatArray) -> FloatArray:

@@ -132,7 +132,7 @@ def in_words(table: Mapping[str, Any]) -> str:
         + f" ({box['why']})"
         for box in table["forbidden"]
     ]
-    return f"Use it only for {inside}; but not for " + ", nor for ".join(boxes) + "."
+    return f"Use it only for {inside}" + "".join(f"; not for {box}" for box in boxes) + "."
 
 
 def interval(bounds: tuple[float | None, float | None]) -> str:

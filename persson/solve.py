@@ -21,6 +21,7 @@ from persson.corrected_variance import Correction
 from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.mathematics.area_factor import AREA_FACTORS
+from persson.mathematics.separation import adhesive_part, load_ladder
 from persson.nonadhesive import (
     NonadhesiveContact,
     dimensionless_load,
@@ -30,7 +31,6 @@ from persson.nonadhesive import (
     solve_nonadhesive,
     status_of,
 )
-from persson.separation import adhesive_part, load_ladder
 from persson.spectrum import Spectrum
 from persson.status import Status
 

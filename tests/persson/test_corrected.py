@@ -6,10 +6,10 @@ from scipy.integrate import solve_ivp
 from scipy.special import erf
 
 import persson
-from persson import corrected
+from persson import adhesive_edges, contact_slope, corrected
 from persson.adhesive import ROUTES
 from persson.corrected_data import CalibrationError, calibrated, calibration, correction_of
-from persson.corrected_variance import FORMS, LITERATURE, Correction, fringed, scales_of
+from persson.corrected_variance import FORMS, LITERATURE, Correction, scales_of
 from persson.magnification import magnification_mesh
 
 MATERIAL = {"youngs_modulus": 0.75, "poisson_ratio": 0.5}  # E* = 1 Pa
@@ -158,8 +158,6 @@ def test_adhesive_factor_of_one_is_the_plain_theory(form):
         ("window", {"window": 0.0}),
         ("'total'", {"form": "total", "window": 1.0}),
         ("detached_width", {"detached_width": 1.5}),
-        ("fringe", {"fringe": (0.0, 0.3)}),
-        ("fringe", {"fringe": (1.0, 0.3), "form": "drift"}),
     ],
 )
 def test_bad_correction_is_refused(words, given):
@@ -179,7 +177,7 @@ def test_calibrated_correction_is_the_default_and_lies_in_its_file():
     values = calibration()["coefficients"]
     found = corrected.solve(LINES, 0.01, with_separation=False, **MATERIAL)
     assert found.correction == calibrated()
-    assert found.correction.fringe == (values["k_a"], values["c"])
+    assert (found.correction.breadth, found.correction.window) == (values["b_0"], values["k"])
     assert found.correction.coefficients == (values["c_0"], 0.0, 1 - values["c_0"])
 
 
@@ -195,33 +193,44 @@ def test_calibration_of_another_schema_is_refused():
         correction_of(calibration() | {"schema": "linecontact-maps/1"})
 
 
-def test_fringe_is_its_formula():
-    tau, area = np.array([0.01]), np.array([0.2])
-    law = Correction("one", "slower", (0.5, 0.5), fringe=(2.0, 1.0))
-    found = fringed(law, area, tau, 0.02, 0.03)
-    assert found[0] == pytest.approx(1 - 0.8 ** (1 + 2 * (0.03 / 0.1) * 2), rel=1e-12)
+def test_area_of_the_calibrated_correction_is_that_of_its_laws():
+    dry, wet = (corrected.solve(LINES, 0.01, work_of_adhesion=work, **MATERIAL) for work in (None, WORK))
+    assert dry.contact_fraction == contact_slope.contact_area(LINES, 0.01, **MATERIAL).contact_fraction
+    edges = adhesive_edges.contact_area(LINES, 0.01, work_of_adhesion=WORK, **MATERIAL)
+    assert wet.contact_fraction == edges.contact_fraction
 
 
-def test_adhesion_enlarges_the_area_as_the_root_of_its_work_where_it_is_weak():
-    dry = corrected.contact_fractions(LINES, LOADS, calibrated())
-    one, four = (corrected.contact_fractions(LINES, LOADS, calibrated(), 1e-6 * f * WORK) - dry for f in (1, 4))
-    assert np.all(one > 0)
-    assert four / one == pytest.approx(2.0, rel=1e-2)
+def test_adhesion_that_vanishes_leaves_the_calibrated_correction():
+    dry, wet = (corrected.solve(LINES, 0.01, work_of_adhesion=w, **MATERIAL) for w in (None, 1e-12 * WORK))
+    for name in ("contact_fraction", "separation", "elastic_energy"):
+        assert getattr(wet, name) == pytest.approx(getattr(dry, name), rel=1.2e-6)  # 4e-7, as the root of the work
+    stress = np.linspace(0.001, 0.3, 50)
+    assert wet.pressure_distribution(stress) == pytest.approx(dry.pressure_distribution(stress), rel=1.7e-4)  # 6e-5
 
 
-def test_complete_contact_stays_complete_with_a_fringe():
-    load = 20 * LINES.slope_rms
-    found = corrected.solve(LINES, load, work_of_adhesion=WORK, with_separation=False, **MATERIAL)
-    assert found.contact_fraction == 1.0
-    assert found.status == "complete_contact"
+def test_work_of_the_load_is_the_change_of_all_energies():
+    """-p ds = d(U_el - w A), over a step of 2 % in the load."""
+    low, high = (corrected.solve(LINES, p, work_of_adhesion=WORK, **MATERIAL) for p in (0.0099, 0.0101))
+    gained = [state.elastic_energy - WORK * state.contact_fraction for state in (low, high)]
+    assert 0.01 * (low.separation - high.separation) == pytest.approx(gained[1] - gained[0], rel=1.5e-4)  # 4.5e-5
 
 
-def test_distribution_with_a_fringe_carries_the_area_and_reaches_into_tension():
-    found = corrected.solve(LINES, 0.01, work_of_adhesion=WORK, with_separation=False, **MATERIAL)
-    stress = np.linspace(-2 * found.barrier, 9 * LINES.slope_rms / 2 + 0.01, 20001)
+def test_complete_contact_by_adhesion_is_full_contact():
+    found = corrected.solve(LINES, 0.5 * LINES.slope_rms, work_of_adhesion=50 * WORK, **MATERIAL)
+    assert (found.status, found.contact_fraction, found.separation) == ("complete_contact", 1.0, 0.0)
+    assert found.elastic_energy == pytest.approx(LINES.full_contact_energy, rel=1e-12)
+    stress = np.linspace(-1, 1, 20001)
     density = found.pressure_distribution(stress)
-    assert np.trapezoid(density, stress) == pytest.approx(found.contact_fraction, rel=1e-5)
-    assert stress[density > 0][0] < 0
+    assert np.trapezoid(density, stress) == pytest.approx(1.0, abs=3e-6)  # 8e-7
+    assert np.trapezoid(density * stress, stress) == pytest.approx(0.5 * LINES.slope_rms, rel=3e-6)  # 8e-7
+    spread = np.trapezoid(density * (stress - 0.5 * LINES.slope_rms) ** 2, stress)
+    assert spread == pytest.approx(LINES.total_slope_variance / 4, rel=6e-6)  # 2e-6
+
+
+def test_separation_below_zero_is_named():
+    found = corrected.solve(LINES, 0.005, work_of_adhesion=60 * WORK, **MATERIAL)
+    assert found.separation < 0
+    assert found.status == "below_zero"
 
 
 def test_continuous_spectrum_is_served():

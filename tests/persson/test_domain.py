@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import persson
-from persson import corrected
+from persson import adhesive_edges, corrected
 from persson.corrected_data import calibration
 from persson.domain import groups_of, in_words, outside
 from validation.studies.theory_correction.theory_correction import DOMAIN
@@ -12,6 +12,7 @@ from validation.studies.theory_correction.theory_correction import DOMAIN
 MATERIAL = {"youngs_modulus": 0.75, "poisson_ratio": 0.5}  # E* = 1 Pa
 LINES = persson.DiscreteSpectrum.self_affine(2 * np.pi, 0.7, 5e-3, 60)
 TABLE = calibration()["domain"]
+EDGES = adhesive_edges.data()["domain"]
 
 
 def named(spectrum, load_over_slope, theta=0.0):
@@ -37,10 +38,16 @@ def test_inside_nothing_is_named(theta):
 
 
 OUTSIDE = {
-    "rms_slope": (scaled(10), 0.05, 0.0),
-    "load_over_slope": (LINES, 0.16, 0.0),
-    "bandwidth": (lines(range(20, 61)), 0.05, 0.0),
-    "lines": (lines([1, 3, 9, 27, 81]), 0.05, 0.0),
+    "rms_slope": (scaled(10), 0.05),
+    "load_over_slope": (LINES, 0.16),
+    "bandwidth": (lines(range(20, 61)), 0.05),
+    "lines": (lines([1, 3, 9, 27, 81]), 0.05),
+}
+WITH_ADHESION = {
+    "rms_slope": (scaled(10), 0.05, 0.03),
+    "load_over_slope": (LINES, 0.0079, 0.09),
+    "bandwidth": (persson.DiscreteSpectrum.self_affine(1.0, 0.5, 1e-3, 450), 0.05, 0.03),
+    "lines": (lines([1, 2, 4, 6, 9, 13, 19, 28, 40]), 0.1, 0.03),
     "theta": (LINES, 0.05, 0.101),
 }
 
@@ -50,23 +57,21 @@ def test_region_outside_is_named(name):
     assert [words.split()[0] for words in named(*OUTSIDE[name])] == [name]
 
 
-@pytest.mark.parametrize("fraction", [0.019, 0.51])
-def test_contact_fraction_outside_is_named(fraction):
-    said = outside(TABLE, groups_of(LINES, 0.05 * LINES.slope_rms, fraction))
+@pytest.mark.parametrize("name", WITH_ADHESION)
+def test_region_outside_with_adhesion_is_named(name):
+    assert [words.split()[0] for words in named(*WITH_ADHESION[name])] == [name]
+
+
+@pytest.mark.parametrize(("table", "fraction"), [(TABLE, 0.019), (TABLE, 0.51), (EDGES, 0.049), (EDGES, 0.61)])
+def test_contact_fraction_outside_is_named(table, fraction):
+    said = outside(table, groups_of(LINES, 0.05 * LINES.slope_rms, fraction))
     assert [words.split()[0] for words in said] == ["contact_fraction"]
 
 
 def test_every_interval_has_its_test():
     assert {*OUTSIDE, "contact_fraction"} == set(TABLE["between"])
-    assert len(TABLE["forbidden"]) == 1
-
-
-@pytest.mark.parametrize(
-    ("load", "theta", "seen"), [(0.019, 0.051, True), (0.019, 0.049, False), (0.021, 0.051, False)]
-)
-def test_strong_adhesion_at_small_loads_is_forbidden(load, theta, seen):
-    said = named(LINES, load, theta)
-    assert any(TABLE["forbidden"][0]["why"] in words for words in said) == seen
+    assert {*WITH_ADHESION, "contact_fraction"} == set(EDGES["between"])
+    assert TABLE["forbidden"] == EDGES["forbidden"] == []
 
 
 @pytest.mark.parametrize("wavenumber", [1e-6, 1e6], ids=["long", "short"])
@@ -87,8 +92,9 @@ def test_continuous_spectrum_has_the_bandwidth_of_its_power_law():
 
 def test_page_has_the_domain_of_the_package():
     assert TABLE == DOMAIN
-    words = in_words(TABLE)
-    assert "2.5 to 102" in words and TABLE["forbidden"][0]["why"] in words
+    assert "2.5 to 102" in in_words(TABLE)
+    boxed = TABLE | {"forbidden": [{"lines": [4, 10], "why": "too few"}]}
+    assert in_words(boxed).endswith("4 to 10 (too few).")
 
 
 @pytest.mark.parametrize(
@@ -107,8 +113,14 @@ def test_extremes_are_refused_by_name(words, spectrum, load, work):
         corrected.solve(spectrum, load, work_of_adhesion=work, **MATERIAL)
 
 
-@pytest.mark.parametrize("work", [None, 1e-50, 1e50])
-@pytest.mark.parametrize("load", [1e-50, 1e50])
+def test_least_load_with_next_to_no_adhesion_is_refused_by_name():
+    with pytest.raises(ValueError, match="mean_pressure: 1e-50"):
+        corrected.solve(LINES, 1e-50, work_of_adhesion=1e-50, **MATERIAL)
+
+
+@pytest.mark.parametrize(
+    ("load", "work"), [(1e-50, None), (1e-50, 1e50), (1e50, None), (1e50, 1e-50), (1e50, 1e50), (1e-4, 1e-50)]
+)
 def test_what_is_not_refused_is_answered(load, work):
     found = corrected.solve(LINES, load, work_of_adhesion=work, **MATERIAL)
     assert 0 <= found.contact_fraction <= 1

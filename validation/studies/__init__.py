@@ -13,13 +13,14 @@ STUDIES: dict[str, str] = {
     "maps": "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness",
     "maps-coarse": "the same maps on coarser axes, in minutes",
     "faults": "would the suite notice: faults put into the running code, what catches them, how small they may be",
+    "adhesive-edges": "area with adhesion from the edges of the contact: pairs of ensembles, coefficients, hold-out",
     "contact-slope": "area without adhesion from the slope over the contact: ensembles, coefficients, hold-out",
     "theory-correction": "the correction of Persson's area calibrated, judged on a hold-out, and put on a page",
 }
 
 OF_A_SCENE = "scene"  # the study of one scene, in own_scene/: it takes a scene file and options of its own
 
-ON_EXECUTORS = ("maps", "maps-coarse", "contact-slope", "theory-correction")
+ON_EXECUTORS = ("maps", "maps-coarse", "adhesive-edges", "contact-slope", "theory-correction")
 IN_PROCESSES = ("stability",)  # one at a time unless asked otherwise, so that seconds compare
 IN_FOLDERS = ("work-precision", "faults", "theory-correction")
 

@@ -1,14 +1,14 @@
-"""The calibration: five coefficients of persson's corrected theory by least squares on the fit ensembles.
+"""The calibration: three coefficients of persson's corrected theory by least squares on the fit ensembles.
 
-First c_0, b_0 and k (persson/corrected_variance.py) on the groups without adhesion, then k_a and c of the fringe on
-those with it, the first three held: residuals ln(A_theory / A_bem) over the relative standard error of the mean, with a
-floor for what the closure itself may miss.  Standard errors by a jackknife over the Hurst exponents: each is left out
-in turn, which counts the error of the closure as well as the noise, realisations of different H sharing their phases.
+c_0, b_0 and k (persson/corrected_variance.py), without adhesion: residuals ln(A_theory / A_bem) over the relative
+standard error of the mean, with a floor for what the closure itself may miss.  Standard errors by a jackknife over the
+Hurst exponents: each is left out in turn, which counts the error of the closure as well as the noise, realisations of
+different H sharing their phases.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,17 +16,17 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from persson.corrected import contact_fractions
-from persson.corrected_variance import Correction, area_at, detachment_stress, diffused, fringed
+from persson.corrected_variance import Correction, area_at, diffused
 from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.studies.theory_correction.data import Observed, relative_errors
-from validation.studies.theory_correction.members import MODULUS, Group
+from validation.studies.theory_correction.members import Group
 
-NAMES = ("c_0", "b_0", "k", "k_a", "c")
-START = (0.8, 1.0, 1.5, 2.0, 0.3)
-LOWEST, HIGHEST = (0.1, 0.0, 0.05, 0.05, -2.0), (0.999, 5.0, 20.0, 20.0, 2.0)
+NAMES = ("c_0", "b_0", "k")
+START = (0.8, 1.0, 1.5)
+LOWEST, HIGHEST = (0.1, 0.0, 0.05), (0.999, 5.0, 20.0)
 FLOOR = 0.015  # relative error of the closure that the weights allow for
 STEP = 1e-3  # of the difference quotients
 GROWTH = 0.04  # of the mesh: 3e-5 of the area
@@ -55,16 +55,13 @@ def correction_from(values: ArrayLike) -> Correction:
     >>> correction_from(START).window
     1.5
     """
-    first, breadth, window, strength, power = np.asarray(values, dtype=np.float64).tolist()
-    return Correction(
-        "calibrated", "slower", (first, 0.0, 1 - first), breadth=breadth, window=window, fringe=(strength, power)
-    )
+    first, breadth, window = np.asarray(values, dtype=np.float64).tolist()
+    return Correction("calibrated", "slower", (first, 0.0, 1 - first), breadth=breadth, window=window, edges=True)
 
 
 def areas_of(group: Group, correction: Correction) -> FloatArray:
-    """A/A0 of a correction at the loads of a group, (n_loads,)."""
-    work = 0.0 if group.work_of_adhesion is None else group.work_of_adhesion / MODULUS
-    return contact_fractions(lines_of(group), group.loads, correction, work)
+    """A/A0 by the factor of a correction, without adhesion, at the loads of a group, (n_loads,)."""
+    return contact_fractions(lines_of(group), group.loads, correction)
 
 
 def calibrate(ensembles: Sequence[Observed]) -> Calibration:
@@ -78,85 +75,54 @@ def calibrate(ensembles: Sequence[Observed]) -> Calibration:
     Raises
     ------
     ValueError
-        A group of the hold-out, no group without or with adhesion, fewer than two Hurst exponents.
+        A group of the hold-out or with adhesion, fewer than two Hurst exponents.
     ArithmeticError
         The least squares do not converge.
     """
-    held = [one.group.name for one in ensembles if one.group.part != "fit"]
+    held = [one.group.name for one in ensembles if one.group.part != "fit" or one.group.theta > 0]
     if held:
-        raise ValueError(f"held out, not to be fitted: {', '.join(held)}")
+        raise ValueError(f"held out or with adhesion, not to be fitted: {', '.join(held)}")
     hursts = sorted({one.group.hurst for one in ensembles})
-    if len(hursts) < 2 or len({one.group.theta > 0 for one in ensembles}) < 2:
-        raise ValueError("ensembles: at least two Hurst exponents are needed, and groups without and with adhesion")
+    if len(hursts) < 2:
+        raise ValueError(f"ensembles: at least two Hurst exponents are needed, not {hursts}")
     errors = relative_errors(ensembles)
     best = fitted(ensembles, errors, START)
     without = np.array([fitted([o for o in ensembles if o.group.hurst != h], errors, best) for h in hursts])
     count = len(hursts)
     spread = np.sqrt((count - 1) / count * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
-    parts = {"without adhesion": False, "with adhesion": True}
-    chi_square, rms = {}, {}
-    for name, adhesive in parts.items():
-        misses = [_misses(one, best) for one in ensembles if (one.group.theta > 0) == adhesive]
-        weighted = [
-            _weighted(one, errors, areas_of(one.group, correction_from(best)))
-            for one in ensembles
-            if (one.group.theta > 0) == adhesive
-        ]
-        chi_square[name] = float(np.mean(np.concatenate(weighted) ** 2))
-        rms[name] = float(np.sqrt(np.mean(np.concatenate(misses) ** 2)))
+    misses = np.concatenate([_misses(one, best) for one in ensembles])
+    areas = [areas_of(one.group, correction_from(best)) for one in ensembles]
+    weighted = np.concatenate([_weighted(one, errors, area) for one, area in zip(ensembles, areas, strict=True)])
     return Calibration(
         dict(zip(NAMES, map(float, best), strict=True)),
         dict(zip(NAMES, map(float, spread), strict=True)),
-        chi_square,
-        rms,
+        {"without adhesion": float(np.mean(weighted**2))},
+        {"without adhesion": float(np.sqrt(np.mean(misses**2)))},
     )
 
 
 def fitted(ensembles: Sequence[Observed], errors: Mapping[str, FloatArray], start: ArrayLike) -> FloatArray:
-    """The five coefficients, those without adhesion first, (5,).
+    """The three coefficients, (3,).
 
     Parameters
     ----------
     ensembles : sequence of Observed
     errors : mapping of str to (n_loads,) array
         Relative standard errors by name of group.
-    start : (5,) array
+    start : (3,) array
     """
-    values = np.array(start, dtype=np.float64)
-    dry = [(one, _mesh(one.group)) for one in ensembles if one.group.theta == 0]
+    meshed = [(one, _mesh(one.group)) for one in ensembles]
 
-    def dry_residual(trial: FloatArray) -> FloatArray:
-        correction = correction_from(np.concatenate([trial, values[3:]]))
+    def residual(trial: FloatArray) -> FloatArray:
+        correction = correction_from(trial)
         return np.concatenate(
             [
                 _weighted(one, errors, area_at(_loads(one), diffused(correction, mesh, _loads(one))[:, -1]))
-                for one, mesh in dry
+                for one, mesh in meshed
             ]
         )
 
-    values[:3] = _least_squares(dry_residual, values[:3], slice(0, 3))
-    correction = correction_from(values)
-    wet = [
-        (one, diffused(correction, _mesh(one.group), _loads(one))[:, -1], lines_of(one.group))
-        for one in ensembles
-        if one.group.theta > 0
-    ]
-
-    def wet_residual(trial: FloatArray) -> FloatArray:
-        given = correction_from(np.concatenate([values[:3], trial]))
-        found = []
-        for one, tau, lines in wet:
-            stress = detachment_stress(lines, (one.group.work_of_adhesion or 0.0) / MODULUS)
-            area = fringed(given, area_at(_loads(one), tau), tau, lines.total_slope_variance / 4, stress)
-            found.append(_weighted(one, errors, area))
-        return np.concatenate(found)
-
-    values[3:] = _least_squares(wet_residual, values[3:], slice(3, 5))
-    return values
-
-
-def _least_squares(residual: Callable[[FloatArray], FloatArray], start: FloatArray, part: slice) -> FloatArray:
-    found = least_squares(residual, start, bounds=(LOWEST[part], HIGHEST[part]), diff_step=STEP, xtol=1e-5, ftol=1e-7)
+    found = least_squares(residual, start, bounds=(LOWEST, HIGHEST), diff_step=STEP, xtol=1e-5, ftol=1e-7)
     if not found.success:
         raise ArithmeticError(f"calibration: {found.message}")
     return np.asarray(found.x)

@@ -13,16 +13,16 @@ from typing import Any
 
 import numpy as np
 
+from persson import adhesive_edges
 from persson.contact_slope import contact_fractions, data
-from persson.corrected import spread_of
-from persson.corrected_variance import Correction, area_at, detachment_stress, fringed
 from persson.domain import in_words
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Table, Tolerance
+from validation.studies.adhesive_edges import areas_of
 from validation.studies.theory_correction.figures import chosen, figures_of, known
 from validation.studies.theory_correction.fit import lines_of
 from validation.studies.theory_correction.judge import CALIBRATED, PLAIN, Judged, rms
-from validation.studies.theory_correction.members import MODULUS, RMS_SLOPE, Group
+from validation.studies.theory_correction.members import RMS_SLOPE, Group
 
 CASE = "theory-correction"
 BELOW, ABOVE = 0.002, 0.006  # E*, at the common rms slope: bounds of the ranges of loads
@@ -40,16 +40,17 @@ EQUATIONS = (
     "persson.DiscreteSpectrum.self_affine(2 pi / longest wavelength, H, h_rms, bandwidth) or the measured lines. "
     r"Or read $A / A_0$ in the tables from $p / (E^\ast h'_{\text{rms}})$, $H$, bandwidth and "
     r"$\theta = \gamma / (E^\ast \sum_m q_m h_m^2 / 8)$, and its uncertainty in those of the hold-out. "
-    r"Law: $A = \operatorname{erf}(p / (E^\ast \sqrt{2 \tau}))$, $\tau = \int S \, dV$, "
+    "Area without adhesion by the slope over the contact (persson.contact_slope.contact_area, the same number). "
+    r"With adhesion: $p = p_d(A) - T$, $1 / T = 1 / T_1 + c m / p_d$, "
+    r"$T_1 = \sqrt{E^\ast \gamma \, n \tan(\pi A / 2)}$, with $p_d(A)$ the load of the same area without adhesion, "
+    r"$n = \frac{q_0}{\pi} + n_{\text{rough}}$ edges per length, "
+    r"$n_{\text{rough}} = k (1 - \sum_m w_m^2) \frac{2 A}{\pi} \int q \, d(-\ln A_q)$, $m = n_{\text{rough}} / n$. "
+    r"Energy and separation without adhesion: $\tau = \int S \, dV$, "
     r"$S = [g + (1 - g) A^2] [1 - e^{-k n A / (1 - A)}]$, $g = c_0 b / (b + b_0)$, "
-    r"$b = \ln q - \langle \ln q \rangle$, $n = q / q_1$; with adhesion "
-    r"$1 - A_{\text{wet}} = (1 - A)^{1 + k_a x}$, $x = (\langle a \rangle / \sqrt{\tau}) (V / \tau)^c$, "
-    r"$\langle a \rangle = \frac{1}{\pi} \langle \sqrt{2 \gamma q / E^\ast} \rangle$. "
-    "Without adhesion persson.contact_slope.contact_area is the better area, for narrow bands and few lines too. "
-    "Must not be used for: roughness in two directions or isotropic roughness; finite layers; unloading, pull-off and "
-    "zero or negative loads (the law has no area at p = 0, adhesion has). Below the smallest contact fraction single "
-    "realisations scatter by tens of per cent about any mean. Tension: the true distribution falls as the inverse cube "
-    "of the tension at the edges, that of the law ends. "
+    r"$b = \ln q - \langle \ln q \rangle$, $n = q / q_1$; their changes by adhesion from the enthalpy. "
+    "At zero and negative loads, down to the pull-off, persson.adhesive_edges.contact_area. "
+    "Must not be used for: roughness in two directions or isotropic roughness; finite layers; unloading, which keeps "
+    "more contact. Below the smallest contact fraction single realisations scatter by tens of per cent about any mean. "
 )
 
 GUARD = (
@@ -57,17 +58,13 @@ GUARD = (
 )
 
 
-def outcome(
-    calibration: Mapping[str, Any], correction: Correction, judged: Sequence[Judged], planned: int, short: bool
-) -> Outcome:
+def outcome(calibration: Mapping[str, Any], judged: Sequence[Judged], planned: int, short: bool) -> Outcome:
     """Rows, figures and tables of the page.
 
     Parameters
     ----------
     calibration : mapping
         Content of the data file.
-    correction : Correction
-        That which it describes.
     judged : sequence of Judged
         The hold-out.
     planned : int
@@ -79,7 +76,8 @@ def outcome(
     tables = (
         _areas_without_adhesion(),
         _uncertainties_without_adhesion(),
-        _areas(correction),
+        _areas(),
+        _uncertainties_with_adhesion(),
         _uncertainties(judged),
         _aims(judged),
         _coefficients(calibration),
@@ -146,12 +144,12 @@ def _rows(judged: Sequence[Judged], short: bool) -> list[Row]:
 
 # measured on the full hold-out, and what is accepted of another run of it
 TOLERATED: dict[str, tuple[float, float]] = {
-    "area without": (0.058, 0.09),
-    "area with": (0.118, 0.2),
+    "area without": (0.047, 0.09),
+    "area with": (0.117, 0.2),
     "separation without": (0.111, 0.2),
-    "separation with": (0.128, 0.2),
-    "distribution without": (0.082, 0.13),
-    "distribution with": (0.24, 0.4),
+    "separation with": (0.125, 0.2),
+    "distribution without": (0.072, 0.13),
+    "distribution with": (0.125, 0.25),
 }
 
 
@@ -196,20 +194,29 @@ def _uncertainties_without_adhesion() -> Table:
     )
 
 
-def _areas(correction: Correction) -> Table:
-    loads = np.array(SHOWN_LOADS) * RMS_SLOPE
+def _uncertainties_with_adhesion() -> Table:
+    stored = adhesive_edges.data()
+    return Table(
+        caption="With adhesion, how certain: rms relative error on the hold-out of pairs, of the area, and of the area "
+        "where that without adhesion is given; the noise of the ensembles in both. "
+        f"{in_words(stored['domain'])} `outside` of the answer names what a case does not keep to.",
+        columns=["spectra", "loads", "area, rms", "noise of it", "area for given area without adhesion, rms",
+                 "noise of it"],
+        rows=[[name, one["loads"], one["area"], one["area_noise"], one["ratio"], one["ratio_noise"]]
+              for name, one in stored["hold_out"]["rms"].items()],
+    )  # fmt: skip
+
+
+def _areas() -> Table:
+    loads = np.array(SHOWN_LOADS)
     rows: list[list[str | float | int | None]] = []
     for hurst, bandwidth in product(SHOWN_HURSTS, SHOWN_BANDWIDTHS):
         for theta in SHOWN_THETAS:
-            group = Group("fit", "self-affine", hurst, bandwidth, theta, 1)
-            lines = lines_of(group)
-            tau = spread_of(lines, loads, correction)
-            stress = detachment_stress(lines, (group.work_of_adhesion or 0.0) / MODULUS)
-            area = fringed(correction, area_at(loads, tau), tau, lines.total_slope_variance / 4, stress)
-            rows.append([theta, hurst, bandwidth, *(round(float(value), 4) for value in area)])
+            lines = lines_of(Group("fit", "self-affine", hurst, bandwidth, theta, 1))
+            rows.append([theta, hurst, bandwidth, *(round(float(a), 4) for a in areas_of(lines, loads, theta))])
     rows.sort(key=lambda row: [float(value or 0) for value in row[:3]])
     return Table(
-        caption="With adhesion, what to expect: A/A0 by the calibrated correction, for p/(E* h'_rms) as in the "
+        caption="With adhesion, what to expect: A/A0 by the edges of the contact, for p/(E* h'_rms) as in the "
         "heads of the columns; self-affine, no roll-off, bandwidth = longest over shortest wavelength, "
         "theta = gamma / (E* sum q_m h_m^2 / 8).",
         columns=["theta", "H", "bandwidth", *(f"{load:g}" for load in SHOWN_LOADS)],

@@ -1,0 +1,238 @@
+"""Area with adhesion from the edges of the contact: pairs of ensembles, the two coefficients, and the hold-out.
+
+The plan is the data file of the theory (persson/adhesive_edges.json): spectra, loads, works of adhesion (theta, over
+the elastic energy of full contact), realisations and seed root, of the fit and of the hold-out.  Every realisation is
+solved without and with adhesion on the same phases, which are independent between groups (contact_slope.py).  What is
+compared is the mean area with adhesion; the theory takes that without adhesion from the same realisations (its law
+p_d(A) is moved onto it, at every load), so that what both share cancels, and for the area alone from contact_slope.py.
+Errors are those of a jackknife over the realisations (`left_out`: those that the solver did not finish).  The fit
+minimises ln(A_theory / A_ensemble) over the error and `FLOOR`; the hold-out enters no fit.  Writes adhesive-edges.json.
+Limits: half-space, loading; an hour of one core.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from persson.adhesive_edges import EdgeLaw, data
+from persson.contact_slope import contact_fractions
+from persson.domain import groups_of, outside
+from persson.spectrum import DiscreteSpectrum
+from validation.harness.arrays import FloatArray
+from validation.harness.ensemble import Member, read_member, run_ensemble
+from validation.harness.executors import Opener, local_processes
+from validation.harness.provenance import provenance
+from validation.harness.runner import Note
+from validation.studies import contact_slope
+from validation.studies.contact_slope import MODULUS, RMS_SLOPE, lines_of, name_of, rms
+from validation.studies.store import text_table, write_json
+
+SCHEMA = "linecontact-adhesive-edges-study/1"
+FILE = "adhesive-edges.json"
+FLOOR, QUICK = 0.02, 2
+SAME_LOAD, DEEPEST = 1e-7, 1e-4  # of E*; separation in rms heights, before which the load stops the path
+
+Group = Mapping[str, Any]
+
+
+def member(group: Group, loads: FloatArray, root: int, k: int, theta: float) -> Member:
+    """Realisation k of a seed root, at loads over E* h'_rms, with adhesion theta or (0) without."""
+    dry = contact_slope.member(group, loads, root, k)
+    if theta == 0:
+        return Member(f"{dry.name}-t0", dry.scene)
+    lines, targets = lines_of(group), dry.scene["loading"]["targets"]
+    loading = {
+        "control": "separation",
+        "targets": [DEEPEST * lines.h_rms],
+        "at_mean_pressures": targets[:-1],
+        "stop_at_mean_pressure": targets[-1],
+    }
+    adhesion = {"work_of_adhesion": theta * MODULUS * lines.full_contact_energy}
+    return Member(f"{dry.name}-t{theta:g}", {**dry.scene, "loading": loading, "adhesion": adhesion})
+
+
+def summary_of(dry: FloatArray, wet: FloatArray) -> dict[str, list[float | None]]:
+    """Mean areas without and with adhesion, and errors by a jackknife, from arrays (n_realisations, n_loads).
+
+    The errors are relative: of the ratio of the means, and of the mean with adhesion.  A load at which a realisation
+    has no state, being in complete contact, has None.
+    """
+    left_out = [
+        np.stack(
+            [np.log(np.delete(wet, i, 0).mean(0) / np.delete(dry, i, 0).mean(0)), np.log(np.delete(wet, i, 0).mean(0))]
+        )
+        for i in range(len(wet))
+    ]
+    spread = np.sqrt((len(wet) - 1) * np.var(left_out, axis=0))
+    rows = {"dry": dry.mean(0), "wet": wet.mean(0), "ratio_error": spread[0], "wet_error": spread[1]}
+    return {name: [round(float(v), 5) if np.isfinite(v) else None for v in row] for name, row in rows.items()}
+
+
+def areas_of(
+    lines: DiscreteSpectrum, loads: FloatArray, theta: float, coefficients: Mapping[str, float] | None = None
+) -> FloatArray:
+    """A/A0 with adhesion at loads over E* h'_rms, (n_loads,)."""
+    law = EdgeLaw(lines, theta * lines.full_contact_energy, coefficients)
+    return np.array([law.at(float(load))[1] for load in loads * lines.slope_rms])
+
+
+def paired_areas(
+    lines: DiscreteSpectrum,
+    loads: FloatArray,
+    dry: FloatArray,
+    theta: float,
+    coefficients: Mapping[str, float] | None = None,
+) -> FloatArray:
+    """The same with p_d(A) moved, in ln p, onto the areas `dry` (n_loads,) of the ensemble without adhesion."""
+    law = EdgeLaw(lines, theta * lines.full_contact_energy, coefficients)
+    pressed = loads * lines.slope_rms
+    grid = np.geomspace(0.2 * pressed[0], 5 * pressed[-1], 2000)
+    area = contact_fractions(lines, grid)[0]
+    at_dry = np.exp(np.interp(np.log(dry), np.log(area), np.log(grid)))
+    moved = grid * np.exp(np.interp(np.log(area), np.log(dry), np.log(pressed / at_dry)))
+    inside = area < 1 - 1e-9
+    moved, area = moved[inside], area[inside]
+    load = moved - law.tension(moved, area)
+    top = int(np.argmax(load)) + 1
+    return np.interp(pressed, np.maximum.accumulate(load[:top]), area[:top])
+
+
+def misses(
+    part: Mapping[str, Any], coefficients: Mapping[str, float] | None, paired: bool, inside: bool = True
+) -> FloatArray:
+    """ln(A_theory / A_ensemble) and its error, (2, n), of a part of the data file; of its domain alone if `inside`."""
+    found = []
+    domain = data()["domain"]
+    loads = np.array(part["loads_over_E*h'"])
+    for group in part["groups"]:
+        lines = lines_of(group)
+        for theta, one in zip(part["thetas"], group["areas"], strict=True):
+            dry, wet = (np.array(one[name], dtype=np.float64) for name in ("dry", "wet"))
+            theory = (
+                paired_areas(lines, loads, dry, theta, coefficients)
+                if paired
+                else areas_of(lines, loads, theta, coefficients)
+            )
+            kept = wet > domain["between"]["contact_fraction"][0]
+            if inside:
+                work = theta * lines.full_contact_energy
+                cases = (groups_of(lines, load * RMS_SLOPE, area, work) for load, area in zip(loads, wet, strict=True))
+                kept &= np.array([not outside(domain, case) for case in cases])
+            error = np.array(one["ratio_error" if paired else "wet_error"], dtype=np.float64)
+            found.append(np.stack([np.log(theory / wet), error])[:, kept])
+    return np.concatenate(found, axis=1)
+
+
+def fitted(part: Mapping[str, Any]) -> dict[str, float]:
+    """The two coefficients by least squares on the pairs, from those of the package.
+
+    Raises
+    ------
+    ArithmeticError
+        The least squares do not converge.
+    """
+    start = data()["coefficients"]
+
+    def residual(values: FloatArray) -> FloatArray:
+        miss, error = misses(part, dict(zip(start, values.tolist(), strict=True)), paired=True)
+        return np.asarray(miss / np.hypot(error, FLOOR))
+
+    answer = least_squares(residual, list(start.values()), diff_step=1e-2, xtol=1e-4, ftol=1e-6)
+    if not answer.success:
+        raise ArithmeticError(f"adhesive edges: {answer.message}")
+    return dict(zip(start, map(float, answer.x), strict=True))
+
+
+def run(
+    folder: Path, quick: bool, report: Callable[[Note], None], jobs: int = 1, opener: Opener = local_processes
+) -> int:
+    """Run the study; 1 when a realisation failed.
+
+    Parameters
+    ----------
+    folder : Path
+        Gets members and adhesive-edges.json; a second run continues where the first ended.
+    quick : bool
+        Two realisations of one group in each part: shows that everything runs.
+    report : callable
+    jobs : int
+        Local processes.
+    opener : callable
+        Opens the executor (executors.py).
+    """
+    parts = {}
+    for name in ("fit", "hold_out"):
+        made = ensembles_of(data()[name], folder / name, quick, report, jobs, opener)
+        if made is None:
+            return 1
+        parts[name] = made
+    coefficients = fitted(parts["fit"])
+    packaged = data()["coefficients"]
+    kinds = {"ratio": True, "area": False}
+    errors = {name: misses(parts["hold_out"], packaged, paired) for name, paired in kinds.items()}
+    content = {
+        "schema": SCHEMA,
+        "coefficients": coefficients,
+        **parts,
+        "hold_out_rms": {name: {"error": rms(miss), "noise": rms(noise)} for name, (miss, noise) in errors.items()},
+        "provenance": provenance(),
+    }
+    write_json(folder / FILE, content)
+    print(
+        text_table(["coefficient", "found", "in the package"], [[n, v, packaged[n]] for n, v in coefficients.items()])
+    )
+    for name, (miss, noise) in errors.items():
+        print(f"hold-out, {name} of the areas: rms {rms(miss):.4f}, noise {rms(noise):.4f}, {len(miss)} loads")
+    return 0
+
+
+def ensembles_of(
+    plan: Mapping[str, Any],
+    folder: Path,
+    quick: bool,
+    report: Callable[[Note], None],
+    jobs: int,
+    opener: Opener,
+) -> dict[str, Any] | None:
+    """A part of the data file with areas of its own; None when a realisation failed."""
+    loads, root = np.array(plan["loads_over_E*h'"]), plan["seed_root"]
+    groups = plan["groups"][:1] if quick else plan["groups"]
+    thetas = (0.0, *plan["thetas"])
+    members = {
+        (name_of(group), theta): [
+            member(group, loads, root, k, theta)
+            for k in range(min(group["realisations"], QUICK) if quick else group["realisations"])
+            if k not in group.get("left_out", ())
+        ]
+        for group in groups
+        for theta in thetas
+    }
+    done = run_ensemble([one for some in members.values() for one in some], folder, jobs, report, opener)
+    for name, why in done.failed.items():
+        report(Note(f"FAILED {name}: {why}"))
+    if done.failed:
+        return None
+    found = []
+    for group in groups:
+        areas = {
+            theta: np.array([_areas(read_member(one, folder), loads) for one in members[name_of(group), theta]])
+            for theta in thetas
+        }
+        each = [summary_of(areas[0.0], areas[theta]) for theta in plan["thetas"]]
+        found.append({**group, "areas": each})
+    return {**plan, "groups": found}
+
+
+def _areas(result: Any, loads: FloatArray) -> list[float]:
+    """A/A0 at each load; nan where there is no state."""
+    there = {}
+    for state in result.targets:
+        nearest = int(np.argmin(np.abs(loads * RMS_SLOPE - state.mean_pressure / MODULUS)))
+        if abs(loads[nearest] * RMS_SLOPE - state.mean_pressure / MODULUS) < SAME_LOAD:
+            there[nearest] = state.contact_fraction
+    return [there.get(place, np.nan) for place in range(loads.size)]
