@@ -46,17 +46,9 @@ WITH_RANDOM = "stability"  # the study that takes random scenes
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; its exit code.
+    """Run one command, by default that of `sys.argv`; its exit code.
 
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Those of the command line without the name of the program; default `sys.argv`.
-
-    Returns
-    -------
-    int
-        0 done, 1 something failed, 2 bad input, 130 interrupted.
+    0 done, 1 something failed, 2 bad input, 130 interrupted.
     """
     parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
     add_commands(parser.add_subparsers(required=True, metavar="COMMAND"))
@@ -95,17 +87,7 @@ def perform(options: argparse.Namespace) -> int:
 
 
 def read_report(folder: Path) -> Report:
-    """The report of a folder.
-
-    Parameters
-    ----------
-    folder : Path
-
-    Raises
-    ------
-    ReportError
-        Missing, not JSON, of another schema, or incomplete.
-    """
+    """The report of a folder; ReportError where it is missing, not JSON, of another schema, or incomplete."""
     path = folder / REPORT_FILE
     try:
         content = json.loads(path.read_text("utf-8"))
@@ -329,14 +311,9 @@ def _command(options: argparse.Namespace) -> str:
 
 
 def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], run_name: str = "run") -> None:
-    """Add ours to the commands of a program, which hands what it parsed to `options.perform`.
+    """Add ours to the commands of a program (`add_subparsers`), which hands what it parsed to `options.perform`.
 
-    Parameters
-    ----------
-    commands
-        As `add_subparsers` returns it.
-    run_name : str
-        What running the cases is called there.
+    `run_name` is what running the cases is called there.
     """
     cores = os.cpu_count() or 1
 

@@ -36,78 +36,43 @@ ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressur
 
 @dataclass(frozen=True)
 class Demands:
-    """What a state must reach to be ok.
+    """What a state must reach to be ok."""
 
-    Parameters
-    ----------
-    closure : float
-        max|G/w - 1|, or without adhesion max|K| over that of a flat punch with the load of the patch.
-    interpenetration : float
-        Largest depth, in rms heights; states.py allows a thousandth of accuracy.tolerance where that is more.
-    contact_residual : float
-        max|u - (h - h_max + Delta)| on a patch, over the variation of h on that patch.
-    truncation : float
-        Last three coefficients of a patch over its largest.
-    hessian_asymmetry : float
-        max|H - H^T| over max|H|.
-    mean_gap_error : float
-        |mean gap - separation| in rms heights.
-    """
-
+    # max|G/w - 1|, or without adhesion max|K| over that of a flat punch with the load of the patch
     closure: float = 1e-8
+    # largest depth, in rms heights; states.py allows a thousandth of accuracy.tolerance where that is more
     interpenetration: float = 1e-10
-    contact_residual: float = 1e-8
-    truncation: float = 1e-8
-    hessian_asymmetry: float = 1e-8
-    mean_gap_error: float = 1e-10
+    contact_residual: float = 1e-8  # max|u - (h - h_max + Delta)| on a patch, over the variation of h on that patch
+    truncation: float = 1e-8  # last three coefficients of a patch over its largest
+    hessian_asymmetry: float = 1e-8  # max|H - H^T| over max|H|
+    mean_gap_error: float = 1e-10  # |mean gap - separation| in rms heights
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """The verdict on one state, dimensionless; each figure is explained in `Demands`.
-
-    Attributes
-    ----------
-    min_gap : float
-        Smallest gap at the points tried, which come close to the edges but exclude them (there it vanishes).
-    min_eigenvalue, hessian_asymmetry : float or None
-        Handed in by the solver; None without adhesion.
-    ok : bool
-        No reason against the state was found.
-    reasons : tuple of str
-        Each demand that is not met, with figure, limit and place.
-    """
+    """The verdict on one state, dimensionless; each figure is explained in `Demands`."""
 
     closure: float
-    min_gap: float
-    min_eigenvalue: float | None
+    min_gap: float  # smallest at the points tried, which come close to the edges but exclude them (there it vanishes)
+    min_eigenvalue: float | None  # handed in by the solver, as the asymmetry; None without adhesion
     truncation: float
     hessian_asymmetry: float | None
     contact_residual: float
     mean_gap_error: float
-    ok: bool
-    reasons: tuple[str, ...]
+    ok: bool  # no reason against the state was found
+    reasons: tuple[str, ...]  # each demand that is not met, with figure, limit and place
 
 
 @dataclass(frozen=True, eq=False)
 class AdhesiveEdges:
-    """What the solver hands in of a state with adhesion.
+    """What the solver hands in of a state with adhesion."""
 
-    Attributes
-    ----------
-    work : (2 L,) array
-        w at all left edges, then all right ones.
-    min_eigenvalue : float or None
-        Of the Hessian of the potential under control, scaled; a state without it is not ok.
-    hessian_asymmetry : float or None
-        Of the Hessian of the energy at fixed penetration; a state without it is not ok.
-    intensity_rounding : (2 L,) array or None
-        Accuracy of K in double precision: an edge is not asked for more than three times that.
-    """
-
-    work: FloatArray
+    work: FloatArray  # w at all left edges, then all right ones, (2 L,)
+    # of the Hessian of the potential under control, scaled; a state without it is not ok
     min_eigenvalue: float | None = None
+    # of the Hessian of the energy at fixed penetration; a state without it is not ok
     hessian_asymmetry: float | None = None
+    # accuracy of K in double precision, (2 L,): an edge is not asked for more than three times that
     intensity_rounding: FloatArray | None = None
 
     def attainable(self, closure: float) -> FloatArray | float:
@@ -133,27 +98,10 @@ def certify(
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
-    """Check a state with at least one patch and one gap.
+    """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
-    Parameters
-    ----------
-    profile : Profile
-        Dimensionless (period 2 pi, unit rms height).
-    pressure : PatchPressure
-        Edges and series, dimensionless.
-    penetration : float
-        Delta, dimensionless.
-    adhesion : AdhesiveEdges or None
-        None without adhesion.
-    compliance_ratio : callable, optional
-        Compliance of a layer over that of the half-space for orders m >= 1 (n,), tending to 1.
-    demands : Demands, optional
-        Limits.
-
-    Raises
-    ------
-    ValueError
-        No patch, or overlapping patches.
+    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to
+    1. ValueError where there is no patch, or patches overlap.
 
     Examples
     --------

@@ -35,47 +35,25 @@ from bem.geometry.profile import Profile
 
 @dataclass(frozen=True, eq=False)
 class SmoothKernel:
-    """An even, smooth, 2 pi-periodic addition S(x) to the kernel log|2 sin(x/2)|.
+    """An even, smooth, 2 pi-periodic addition S(x) to the kernel log|2 sin(x/2)|."""
 
-    Parameters
-    ----------
-    value, derivative : callables
-        S and dS/dx, elementwise on arrays of any shape.
-    """
-
-    value: Callable[[FloatArray], FloatArray]
-    derivative: Callable[[FloatArray], FloatArray]
+    value: Callable[[FloatArray], FloatArray]  # S, elementwise on arrays of any shape
+    derivative: Callable[[FloatArray], FloatArray]  # dS/dx, likewise
 
 
 @dataclass(frozen=True, eq=False)
 class DenseState:
-    """Elastic state of given patches, dimensionless; edge arrays list all left edges, then all right ones.
+    """Elastic state of given patches, dimensionless; edge arrays list all left edges, then all right ones."""
 
-    Attributes
-    ----------
-    pressure : PatchPressure
-        Chebyshev series of the pressure.
-    penetration : float
-        Delta.
-    stress_intensity, stress_intensity_rate : (2 L,) arrays
-        K and dK/dDelta.
-    stress_intensity_jacobian : (2 L, 2 L) array
-        dK_e / d(outward motion of edge f) at [e, f].
-    load, load_rate, elastic_energy : float
-        int sigma dx, its derivative by Delta, and U_el.
-    load_jacobian : (2 L,) array
-        dload / d(outward motion of an edge).
-    """
-
-    pressure: PatchPressure
-    penetration: float
-    stress_intensity: FloatArray
-    stress_intensity_rate: FloatArray
-    stress_intensity_jacobian: FloatArray
-    load: float
-    load_rate: float
-    load_jacobian: FloatArray
-    elastic_energy: float
+    pressure: PatchPressure  # Chebyshev series of the pressure
+    penetration: float  # Delta
+    stress_intensity: FloatArray  # K, (2 L,)
+    stress_intensity_rate: FloatArray  # dK/dDelta, (2 L,)
+    stress_intensity_jacobian: FloatArray  # dK_e / d(outward motion of edge f) at [e, f], (2 L, 2 L)
+    load: float  # int sigma dx
+    load_rate: float  # its derivative by Delta
+    load_jacobian: FloatArray  # dload / d(outward motion of an edge), (2 L,)
+    elastic_energy: float  # U_el
 
     @property
     def elastic_hessian(self) -> FloatArray:

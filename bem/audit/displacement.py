@@ -62,25 +62,13 @@ class Pairs:
 
 @dataclass(frozen=True, eq=False)
 class Boxes:
-    """The circle in equal boxes: images of patches near each, and the rest of the field as Chebyshev series.
+    """The circle in equal boxes: images of patches near each, and the rest of the field as Chebyshev series."""
 
-    Attributes
-    ----------
-    half : float
-        Half their width.
-    start : (n_boxes + 1,) int array
-        Where the near images of each begin.
-    patch, center : (n_near,) arrays
-        Near images, box by box.
-    series : (n_terms, n_boxes) array
-        int log|2 sin| sigma dx' less log|x - x'| of the near images.
-    """
-
-    half: float
-    start: IntArray
-    patch: IntArray
+    half: float  # half their width
+    start: IntArray  # where the near images of each begin, (n_boxes + 1,)
+    patch: IntArray  # near images, box by box, (n_near,), as their centers
     center: FloatArray
-    series: FloatArray
+    series: FloatArray  # int log|2 sin| sigma dx' less log|x - x'| of the near images, (n_terms, n_boxes)
 
     def of(self, x: FloatArray) -> IntArray:
         """Box of each point of [0, 2 pi], (n,)."""
@@ -103,19 +91,9 @@ class Boxes:
 
 
 class DisplacementField:
-    """Mean-free displacement of a pressure at points inside and outside its patches.
+    """Mean-free displacement of a dimensionless pressure at points inside and outside its patches.
 
-    Parameters
-    ----------
-    pressure : PatchPressure
-        Dimensionless.
-    compliance_ratio : callable, optional
-        Compliance of a layer over that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.
-
-    Raises
-    ------
-    ValueError
-        The ratio is not 1 to rounding within 65536 modes.
+    The ratio is as of `certify`; ValueError where it is not 1 to rounding within 65536 modes.
 
     Examples
     --------
@@ -194,13 +172,9 @@ class DisplacementField:
         return total
 
     def _outside(self, patch: IntArray, distance: FloatArray, excess: FloatArray) -> FloatArray:
-        """int log|x - x'| sigma dx' of patches at points outside them, (n,).
+        """int log|x - x'| sigma dx' of patches (n,) at points outside them, (n,).
 
-        Parameters
-        ----------
-        patch : (n,) int array
-        distance, excess : (n,) arrays
-            From its center, and how much of it lies beyond its edge.
+        Given are the distance of each from its center, (n,), and its excess, how much of it lies beyond its edge.
         """
         beyond = excess / self.radius[patch]
         zeta = np.copysign(1 / (1 + beyond + np.sqrt(beyond * (2 + beyond))), distance)

@@ -45,20 +45,12 @@ HIGHEST = 1 << 16  # modes of a layer
 
 @dataclass(frozen=True, eq=False)
 class OpenGaps:
-    """Gaps in order on the circle and what opens in them, dimensionless.
+    """Gaps in order on the circle and what opens in them, dimensionless."""
 
-    Parameters
-    ----------
-    anchor, shift, half_width : (G,) arrays
-        A point near each gap, its center less that point, and half its width.
-    opening : tuple of G arrays (n_i,)
-        g_n.
-    """
-
-    anchor: FloatArray
-    shift: FloatArray
-    half_width: FloatArray
-    opening: tuple[FloatArray, ...]
+    anchor: FloatArray  # a point near each gap, (G,)
+    shift: FloatArray  # its center less that point, (G,)
+    half_width: FloatArray  # half its width, (G,)
+    opening: tuple[FloatArray, ...]  # g_n, (n_i,) for each
 
     @property
     def center(self) -> FloatArray:
@@ -74,20 +66,12 @@ class OpenGaps:
 
 @dataclass(frozen=True)
 class Levels:
-    """The numbers of a state besides its gaps, dimensionless.
+    """The numbers of a state besides its gaps, dimensionless."""
 
-    Attributes
-    ----------
-    deficit, mean_pressure : float
-        What the mean pressure lacks to that of complete contact without tension, and itself.
-    separation, penetration : float
-        s and Delta.
-    """
-
-    deficit: float
+    deficit: float  # what the mean pressure lacks to that of complete contact without tension
     mean_pressure: float
-    separation: float
-    penetration: float
+    separation: float  # s
+    penetration: float  # Delta
 
 
 def certify_gaps(
@@ -98,24 +82,10 @@ def certify_gaps(
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
-    """Check a state without adhesion that has at least one gap and one patch.
+    """Check a dimensionless state without adhesion that has at least one gap and one patch.
 
-    Parameters
-    ----------
-    profile : Profile
-        Dimensionless (period 2 pi, unit rms height).
-    gaps : OpenGaps
-    levels : Levels
-    compliance_ratio : callable, optional
-        Compliance of a layer over that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.
-    demands : Demands, optional
-        `interpenetration` is taken relative to the largest opening of a gap, `contact_residual` to the largest tension
-        that it holds back.
-
-    Raises
-    ------
-    ValueError
-        No gap, or gaps that overlap.
+    The ratio is as of `certify`. Of the demands, `interpenetration` is taken relative to the largest opening of a gap,
+    `contact_residual` to the largest tension that it holds back. ValueError where there is no gap, or gaps overlap.
     """
     demands = Demands() if demands is None else demands
     if gaps.anchor.size == 0 or not (np.all(gaps.half_width > 0) and np.all(gaps.contact_after > 0)):

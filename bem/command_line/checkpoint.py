@@ -29,12 +29,7 @@ class OutputFolderError(ValueError):
 
 
 def usable(folder: Path) -> None:
-    """Refuse what exists and is not a folder.
-
-    Raises
-    ------
-    OutputFolderError
-    """
+    """Refuse what exists and is not a folder, by an OutputFolderError."""
     if folder.exists() and not folder.is_dir():
         raise OutputFolderError(f"{folder}: exists and is not a folder; choose another one")
 
@@ -42,10 +37,7 @@ def usable(folder: Path) -> None:
 def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> Result | None:
     """The result of an existing folder to continue from, None to begin; nothing is written.
 
-    Raises
-    ------
-    OutputFolderError
-        Neither resume nor overwrite is asked for; its result is corrupt or that of another scene.
+    OutputFolderError where neither resume nor overwrite is asked for; its result is corrupt or that of another scene.
     """
     if overwrite:
         return None
@@ -73,16 +65,9 @@ def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> 
 
 
 class Checkpoint:
-    """Writes the states found so far, as an interrupted result.
+    """Writes the states found so far, as an interrupted result; those of the result that the run resumes come first.
 
-    Parameters
-    ----------
-    scene : Scene
-    folder : Path
-    stored : Result, optional
-        The result the run resumes; its states come first.
-    clock : callable
-        Seconds.
+    The clock counts seconds.
     """
 
     def __init__(

@@ -58,15 +58,7 @@ def described(report: Progress) -> str:
 
 
 class Forecast:
-    """Seconds that a run has still to go: those predicted, by the pace so far.
-
-    Parameters
-    ----------
-    cost : Cost
-        Predicted.
-    clock : callable
-        Seconds.
-    """
+    """Seconds that a run has still to go, by a clock of seconds: those predicted, by the pace so far."""
 
     def __init__(self, cost: Cost, clock: Callable[[], float] = time.monotonic) -> None:
         self.cost, self.clock, self.begun = cost, clock, clock()

@@ -30,14 +30,9 @@ class FolderInUseError(FolderError):
 
 @contextmanager
 def locked(folder: Path) -> Iterator[bool]:
-    """Within this context no other process writes to the folder; yields whether the folder is new.
+    """Within this context no other process writes to the folder, made if need be; yields whether it is new.
 
     A new folder that stays empty is removed.
-
-    Parameters
-    ----------
-    folder : Path
-        Made if need be.
 
     Raises
     ------

@@ -29,19 +29,11 @@ BLOCK = 256  # edges at a time
 
 @dataclass(frozen=True, eq=False)
 class ContactSlopes:
-    """Slope variances over the contact, dimensionless; zeros without contact.
+    """Slope variances over the contact, dimensionless; zeros without contact."""
 
-    Attributes
-    ----------
-    orders : (n_harmonics,) array
-        m, ascending.
-    own, kept : (n_harmonics,) arrays
-        <h'_m^2> and <h'_m h'>.
-    """
-
-    orders: FloatArray
-    own: FloatArray
-    kept: FloatArray
+    orders: FloatArray  # m, ascending, (n_harmonics,)
+    own: FloatArray  # <h'_m^2>, (n_harmonics,)
+    kept: FloatArray  # <h'_m h'>, (n_harmonics,)
 
     @property
     def rms(self) -> float:
@@ -50,12 +42,7 @@ class ContactSlopes:
 
 
 def contact_slopes(profile: Profile, left: FloatArray, right: FloatArray) -> ContactSlopes:
-    """Slopes of a profile over patches from left to right, (n_patches,) each; none: no contact.
-
-    Parameters
-    ----------
-    profile : Profile
-        Dimensionless.
+    """Slopes of a dimensionless profile over patches from left to right, (n_patches,) each; none: no contact.
 
     Examples
     --------

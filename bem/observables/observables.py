@@ -56,18 +56,9 @@ class Posed(Protocol):
 def contact_fields(
     wanted: Collection[str], problem: Posed, pressure: PatchPressure, penetration: float, index: int
 ) -> Fields:
-    """Arrays of a state with patches and gaps, or without any patch (separated).
+    """Arrays of a state with patches and gaps, or without any patch (separated), under names that end in `index`.
 
-    Parameters
-    ----------
-    wanted : collection of names of [output]
-    problem : Posed
-    pressure : PatchPressure
-        Dimensionless.
-    penetration : float
-        Delta, dimensionless.
-    index : int
-        k of the names.
+    `wanted` are names of [output]; pressure and penetration Delta are dimensionless.
     """
     fields: Fields = {}
     if "shapes" in wanted:
@@ -93,17 +84,9 @@ def contact_fields(
 def complete_contact_fields(
     wanted: Collection[str], problem: Posed, complete: CompleteContact, load: float, index: int
 ) -> Fields:
-    """Arrays of complete contact under a dimensionless load; widths are empty, there being no edge.
+    """Arrays of complete contact under a dimensionless load per period; widths are empty, there being no edge.
 
-    Parameters
-    ----------
-    wanted : collection of names of [output]
-    problem : Posed
-    complete : CompleteContact
-    load : float
-        Dimensionless, per period.
-    index : int
-        k of the names.
+    The others as of `contact_fields`.
     """
     fields: Fields = {}
     mean = load / (2 * np.pi)

@@ -39,28 +39,14 @@ LINEAR_SHARE = 0.1  # levels are equidistant up to this share of the highest pre
 
 @dataclass(frozen=True, eq=False)
 class PressureDistribution:
-    """Density of the pressure on a grid of bins, per nominal length, dimensionless.
+    """Density of the pressure on a grid of bins, per nominal length, dimensionless."""
 
-    Attributes
-    ----------
-    levels : (n_bins + 1,) array
-        Bounds of the bins, increasing.
-    density : (n_bins,) array
-        Mean P over each bin.
-    below, above : float
-        Shares of the period in contact at pressures outside the grid.
-    outside_contact : float
-        Share of the period outside contact, the weight of the delta function at zero.
-    tail_coefficient : float
-        A of P -> A |sigma|^-3; zero without adhesion and in complete contact.
-    """
-
-    levels: FloatArray
-    density: FloatArray
-    below: float
-    above: float
-    outside_contact: float
-    tail_coefficient: float
+    levels: FloatArray  # bounds of the bins, increasing, (n_bins + 1,)
+    density: FloatArray  # mean P over each bin, (n_bins,)
+    below: float  # share of the period in contact at pressures below the grid
+    above: float  # and above it
+    outside_contact: float  # share of the period outside contact, the weight of the delta function at zero
+    tail_coefficient: float  # A of P -> A |sigma|^-3; zero without adhesion and in complete contact
 
     @property
     def pressures(self) -> FloatArray:
@@ -74,31 +60,18 @@ class PressureDistribution:
 
 @dataclass(frozen=True, eq=False)
 class Branches:
-    """Pieces of the period on which the pressure is monotone, in a coordinate tau that makes crossings smooth.
+    """Pieces of the period on which the pressure is monotone, in a coordinate tau that makes crossings smooth."""
 
-    Attributes
-    ----------
-    start, stop : (n,) arrays
-        tau of the ends.
-    first, last : (n,) arrays
-        Pressure at the ends, possibly infinite.
-    extrema : (n_extrema,) array
-        Local extrema of the pressure.
-    numerator : callable
-        (tau (m,), rows (m,)) to N and dN/dtau; sigma = N / D.
-    denominator : callable
-        (tau (m,), rows (m,)) to D and dD/dtau.
-    length : callable
-        (tau1 (m,), tau2 (m,), rows (m,)) to the length between them, dimensionless, >= 0.
-    """
-
-    start: FloatArray
+    start: FloatArray  # tau of the ends, (n,), as `stop`
     stop: FloatArray
-    first: FloatArray
+    first: FloatArray  # pressure at the ends, (n,), as `last`, possibly infinite
     last: FloatArray
-    extrema: FloatArray
+    extrema: FloatArray  # local extrema of the pressure, (n_extrema,)
+    # (tau (m,), rows (m,)) to N and dN/dtau; sigma = N / D
     numerator: Callable[[FloatArray, IntArray], tuple[FloatArray, FloatArray]]
+    # (tau (m,), rows (m,)) to D and dD/dtau
     denominator: Callable[[FloatArray, IntArray], tuple[FloatArray, FloatArray]]
+    # (tau1 (m,), tau2 (m,), rows (m,)) to the length between them, dimensionless, >= 0
     length: Callable[[FloatArray, FloatArray, IntArray], FloatArray]
 
 
@@ -107,19 +80,8 @@ def pressure_distribution(
 ) -> PressureDistribution:
     """Distribution of the pressure of a state with patches (none: all of the period is outside contact).
 
-    Parameters
-    ----------
-    pressure : PatchPressure
-        Dimensionless.
-    levels : (n_bins + 1,) array, optional
-        Bounds of the bins, increasing; default `pressure_levels` with `bins` bins.
-    bins : int
-        Number of bins of the default levels.
-
-    Raises
-    ------
-    ArithmeticError
-        A crossing was not located.
+    The pressure is dimensionless; levels are bounds of the bins, increasing, (n_bins + 1,), by default
+    `pressure_levels` with `bins` bins. ArithmeticError where a crossing was not located.
 
     Examples
     --------

@@ -28,22 +28,13 @@ OUTSIDE = -1
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """Fields along the period, dimensionless; all (n_points,).
+    """Fields along the period, dimensionless; all (n_points,)."""
 
-    Attributes
-    ----------
-    x : positions in [0, 2 pi), increasing
-    displacement : mean-free interface displacement u
-    gap : u - (h - h_max + Delta), zero in contact
-    pressure : sigma, nan outside contact
-    patch : index of the patch, -1 outside contact
-    """
-
-    x: FloatArray
-    displacement: FloatArray
-    gap: FloatArray
-    pressure: FloatArray
-    patch: IntArray
+    x: FloatArray  # positions in [0, 2 pi), increasing
+    displacement: FloatArray  # mean-free interface displacement u
+    gap: FloatArray  # u - (h - h_max + Delta), zero in contact
+    pressure: FloatArray  # sigma, nan outside contact
+    patch: IntArray  # index of the patch, -1 outside contact
 
 
 def shape(
@@ -52,23 +43,10 @@ def shape(
     penetration: float,
     compliance_ratio: ComplianceRatio | None = None,
 ) -> Shape:
-    """Fields of a state with patches and gaps.
+    """Fields of a dimensionless state with patches and gaps.
 
-    Parameters
-    ----------
-    profile : Profile
-        Dimensionless.
-    pressure : PatchPressure
-        Dimensionless, at least one patch.
-    penetration : float
-        Delta, dimensionless.
-    compliance_ratio : callable, optional
-        Compliance of a layer over that of the half-space for orders m >= 1, (n,) to (n,).
-
-    Raises
-    ------
-    ValueError
-        No patch: `separated_shape` and `complete_contact_shape` hold then.
+    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,). ValueError
+    without a patch: `separated_shape` and `complete_contact_shape` hold then.
     """
     if pressure.left.size == 0:
         raise ValueError("pressure: without patches use separated_shape or complete_contact_shape")

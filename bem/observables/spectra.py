@@ -34,20 +34,12 @@ LEAST_ORDERS = 128
 
 @dataclass(frozen=True, eq=False)
 class Spectra:
-    """Two-sided spectra per line, dimensionless.
+    """Two-sided spectra per line, dimensionless."""
 
-    Attributes
-    ----------
-    orders : (n_orders,) array
-        m = 1..n_orders; the wavenumber is m q0.
-    profile, displacement, pressure : (n_orders,) arrays
-        C_h, C_u and C_sigma.
-    """
-
-    orders: FloatArray
-    profile: FloatArray
-    displacement: FloatArray
-    pressure: FloatArray
+    orders: FloatArray  # m = 1..n_orders; the wavenumber is m q0; (n_orders,)
+    profile: FloatArray  # C_h, (n_orders,)
+    displacement: FloatArray  # C_u, (n_orders,)
+    pressure: FloatArray  # C_sigma, (n_orders,)
 
 
 def spectral_orders(profile: Profile) -> int:
@@ -61,18 +53,10 @@ def spectra(
     highest: int | None = None,
     compliance_ratio: ComplianceRatio | None = None,
 ) -> Spectra:
-    """C_h, C_u and C_sigma of a state with patches (none: separated).
+    """C_h, C_u and C_sigma of a dimensionless state with patches (none: separated).
 
-    Parameters
-    ----------
-    profile : Profile
-        Dimensionless.
-    pressure : PatchPressure
-        Dimensionless.
-    highest : int, optional
-        Highest order; default `spectral_orders`.
-    compliance_ratio : callable, optional
-        Compliance of a layer over that of the half-space for orders m >= 1, (n,) to (n,).
+    `highest` is the highest order, by default `spectral_orders`; the ratio is that of the compliance of a layer to that
+    of the half-space for orders m >= 1, (n,) to (n,).
 
     Examples
     --------
@@ -114,15 +98,7 @@ def profile_spectrum(profile: Profile, highest: int) -> FloatArray:
 
 
 def pressure_modes(pressure: PatchPressure, highest: int) -> ComplexArray:
-    """sigma_m = (1/2 pi) int sigma exp(-i m x) dx for m = 0..highest, (highest + 1,).
-
-    Parameters
-    ----------
-    pressure : PatchPressure
-        Dimensionless.
-    highest : int
-        Highest order, >= 0.
-    """
+    """sigma_m = (1/2 pi) int sigma exp(-i m x) dx of a dimensionless pressure, m = 0..highest, (highest + 1,)."""
     step = int(np.ceil(np.sqrt(highest + 1)))
     total = np.zeros((step, step), dtype=np.complex128)
     for x, charge in _blocks(pressure, highest):

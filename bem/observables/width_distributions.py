@@ -16,21 +16,11 @@ from bem.geometry.arrays import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class WidthDistribution:
-    """Cumulative distribution of widths.
+    """Cumulative distribution of widths."""
 
-    Attributes
-    ----------
-    widths : (n,) array
-        Sorted, increasing.
-    number_share : (n,) array
-        Share of the patches at most so wide; the last is 1.
-    length_share : (n,) array
-        Share of the total length in patches at most so wide; the last is 1.
-    """
-
-    widths: FloatArray
-    number_share: FloatArray
-    length_share: FloatArray
+    widths: FloatArray  # sorted, increasing, (n,)
+    number_share: FloatArray  # of the patches at most so wide; the last is 1; (n,)
+    length_share: FloatArray  # of the total length in patches at most so wide; the last is 1; (n,)
 
 
 def width_distribution(widths: FloatArray) -> WidthDistribution:

@@ -27,24 +27,12 @@ NEEDED = 'python -m pip install "linecontact[instruments]"'
 
 @dataclass(frozen=True, eq=False)
 class InstrumentScan:
-    """A line scan or a map.
+    """A line scan or a map."""
 
-    Parameters
-    ----------
-    x : (n,) array or None
-        Positions in units of the file; None where it states no length.
-    heights : (n,) or (n_rows, n) array
-        In units of the file; NaN where missing.
-    unit : str, optional
-        That the file states, of positions and heights alike.
-    facts : dict
-        How it was read: plain values.
-    """
-
-    x: FloatArray | None
-    heights: FloatArray
-    unit: str | None
-    facts: dict[str, Any]
+    x: FloatArray | None  # positions in units of the file, (n,); None where it states no length
+    heights: FloatArray  # in units of the file, (n,) or (n_rows, n); NaN where missing
+    unit: str | None  # that the file states, of positions and heights alike
+    facts: dict[str, Any]  # how it was read: plain values
 
 
 def is_instrument_file(content: bytes) -> bool:
@@ -61,19 +49,10 @@ def is_instrument_file(content: bytes) -> bool:
 
 
 def read_instrument(content: bytes, channel: int | None) -> InstrumentScan:
-    """Read a channel of heights.
+    """Read a channel of heights, counted from 0 among these, from the bytes of a file.
 
-    Parameters
-    ----------
-    content : bytes
-        Of the file.
-    channel : int, optional
-        From 0, among the channels of heights; needed where there is more than one.
-
-    Raises
-    ------
-    ScanFileError
-        The library is not installed, knows no such format, or finds no or more than one channel of heights.
+    ScanFileError where the library is not installed, knows no such format, or finds no channel of heights, or more than
+    one and none is given.
     """
     try:
         library = import_module(LIBRARY)

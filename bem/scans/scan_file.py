@@ -27,25 +27,13 @@ SCAN_KEYS = ("unit_x", "unit_h", "decimal", "columns", "spacing", "row", "channe
 
 @dataclass(frozen=True, eq=False)
 class RawScan:
-    """A line as measured.
+    """A line as measured."""
 
-    Parameters
-    ----------
-    x, h : (n,) arrays
-        Positions and heights, m; missing heights are NaN.
-    lines : (n,) int array, optional
-        Line of the file of each sample; None where there are no lines.
-    facts : dict
-        How it was read: plain values.
-    sha256 : str
-        Of the file's bytes.
-    """
-
-    x: FloatArray
-    h: FloatArray
-    lines: NDArray[np.int64] | None
-    facts: dict[str, Any]
-    sha256: str
+    x: FloatArray  # positions, m, (n,)
+    h: FloatArray  # heights, m, (n,); NaN where missing
+    lines: NDArray[np.int64] | None  # line of the file of each sample, (n,); None where there are no lines
+    facts: dict[str, Any]  # how it was read: plain values
+    sha256: str  # of the file's bytes
 
     def place(self, sample: int) -> str:
         """Where a sample (from 0) is to be found."""
@@ -64,16 +52,9 @@ class _Columns(NamedTuple):
 def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
     """Read a scan.
 
-    Parameters
-    ----------
-    path : Path
-    values : mapping
-        Of [profile]: unit_x, unit_h, decimal, spacing, columns, row, channel, as far as they are given.
-
-    Raises
-    ------
-    ScanFileError
-        The file cannot be read or holds no such scan, a unit is missing or contradicts the file, a position is missing.
+    `values` are those of [profile]: unit_x, unit_h, decimal, spacing, columns, row, channel, as far as they are given.
+    ScanFileError where the file cannot be read or holds no such scan, a unit is missing or contradicts the file, or a
+    position is missing.
     """
     try:
         content = path.read_bytes()

@@ -56,17 +56,6 @@ Step = dict[str, Any]
 class Scan:
     """Uniform samples of a period, and how they came about.
 
-    Parameters
-    ----------
-    x, h : (n,) arrays
-        Positions and heights, m.
-    sha256 : str
-        Of the file's bytes.
-    measured : tuple of two (n_measured,) arrays
-        Positions and heights as read, m; missing heights are NaN.
-    steps : tuple of dict
-        What was done, step by step, as plain values.
-
     Examples
     --------
     >>> x = np.array([0.0, 0.5, 1.0])
@@ -75,11 +64,11 @@ class Scan:
     (0.5, 1.5, 1)
     """
 
-    x: FloatArray
-    h: FloatArray
-    sha256: str
-    measured: Line
-    steps: tuple[Step, ...]
+    x: FloatArray  # positions, m, (n,)
+    h: FloatArray  # heights, m, (n,)
+    sha256: str  # of the file's bytes
+    measured: Line  # positions and heights as read, m, (n_measured,) each; missing heights are NaN
+    steps: tuple[Step, ...]  # what was done, step by step, as plain values
 
     @property
     def spacing(self) -> float:
@@ -159,16 +148,8 @@ def _thinned(x: FloatArray, h: FloatArray) -> Line:
 def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     """Samples of a period.
 
-    Parameters
-    ----------
-    raw : RawScan
-    values : mapping
-        Of [profile]: missing, outliers, detrend, periodic, unequal_spacing, as far as they are given.
-
-    Raises
-    ------
-    ScanFileError
-        Positions that do not increase or are unequal, missing samples, fewer than three.
+    `values` are those of [profile]: missing, outliers, detrend, periodic, unequal_spacing, as far as they are given.
+    ScanFileError for positions that do not increase or are unequal, missing samples, fewer than three.
     """
     asked = DEFAULTS | {key: values[key] for key in DEFAULTS if key in values}
     _increasing(raw)

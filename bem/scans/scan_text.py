@@ -86,40 +86,20 @@ READINGS = tuple(Reading(delimiter, mark) for mark in ".," for delimiter in DELI
 
 @dataclass(frozen=True, eq=False)
 class TextTable:
-    """A table read from text.
+    """A table read from text."""
 
-    Parameters
-    ----------
-    values : (n_rows, n_columns) array
-        NaN where the file has none.
-    lines : (n_rows,) int array
-        Line of each row, from 1.
-    header : tuple of (int, str)
-        Lines before the first row that are not empty, with their numbers; comment signs removed.
-    encoding : str
-    reading : Reading
-    """
-
-    values: FloatArray
-    lines: NDArray[np.int64]
+    values: FloatArray  # (n_rows, n_columns); NaN where the file has none
+    lines: NDArray[np.int64]  # line of each row, from 1, (n_rows,)
+    # lines before the first row that are not empty, with their numbers; comment signs removed
     header: tuple[tuple[int, str], ...]
     encoding: str
     reading: Reading
 
 
 def read_table(content: bytes, decimal: str | None = None) -> TextTable:
-    """The table in the bytes of a text file.
+    """The table in the bytes of a text file; the decimal mark, "." or ",", where it does not follow from these alone.
 
-    Parameters
-    ----------
-    content : bytes
-    decimal : "." or ",", optional
-        The decimal mark, where it does not follow from the file alone.
-
-    Raises
-    ------
-    ScanFileError
-        Two readings fit, no table, or lines that are no rows, with their numbers.
+    ScanFileError for two readings that fit, no table, or lines that are no rows, with their numbers.
 
     Examples
     --------

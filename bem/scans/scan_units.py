@@ -61,11 +61,7 @@ def unit_of(word: str) -> str | None:
 def statements(table: TextTable, columns: tuple[int | None, int] | None) -> tuple[Statement, ...]:
     """All units that the header of a table states.
 
-    Parameters
-    ----------
-    table : TextTable
-    columns : (int or None, int), optional
-        Those of x (None: there is none) and h, from 0; None where columns have no headings, as in a map.
+    `columns` are those of x (None: there is none) and h, from 0; None where columns have no headings, as in a map.
     """
     found = [item for number, line in table.header for item in _said(number, line)]
     if columns is None:
@@ -85,16 +81,7 @@ def statements(table: TextTable, columns: tuple[int | None, int] | None) -> tupl
 def resolved(
     values: Mapping[str, Any], stated: Sequence[Statement], axes: str = "xh"
 ) -> tuple[dict[str, str], list[Refusal]]:
-    """The unit of each axis, and what is wrong with them.
-
-    Parameters
-    ----------
-    values : mapping
-        Of [profile]: unit_x and unit_h, if given.
-    stated : sequence of Statement
-    axes : str
-        Those that need a unit.
-    """
+    """The unit of each of the axes that need one, and what is wrong with them; `values` are those of [profile]."""
     units: dict[str, str] = {}
     refusals: list[Refusal] = []
     for axis in axes:

@@ -9,10 +9,7 @@ from pathlib import Path
 def write_atomically(path: Path, content: str | bytes) -> None:
     """Write a file under a temporary name, flush it to disk and rename it.
 
-    Raises
-    ------
-    OSError
-        The disk is full, or the folder is not there; the old file is left as it was, and nothing beside it.
+    OSError where the disk is full, or the folder is not there; the old file is left as it was, and nothing beside it.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:

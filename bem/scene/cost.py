@@ -45,24 +45,13 @@ MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cu
 
 @dataclass(frozen=True)
 class Leg:
-    """The way to a target.
+    """The way to a target."""
 
-    Parameters
-    ----------
-    start, stop : float
-        What is controlled, at its ends, m or Pa.
-    plane : float
-        The separation at its end, m.
-    increments : float
-    crests : int
-        That touch or part.
-    """
-
-    start: float
-    stop: float
-    plane: float
+    start: float  # what is controlled, m or Pa, where it begins
+    stop: float  # and where it ends
+    plane: float  # the separation at its end, m
     increments: float
-    crests: int
+    crests: int  # that touch or part
 
     @property
     def evaluations(self) -> float:
@@ -72,26 +61,13 @@ class Leg:
 
 @dataclass(frozen=True)
 class Cost:
-    """Of a scene.
+    """Of a scene."""
 
-    Parameters
-    ----------
-    legs : tuple of Leg
-        One for each target.
-    bare : float
-        Evaluations that the targets would take without adhesion.
-    evaluations : float
-    milliseconds : float
-        Of one evaluation, on the machine of the constants.
-    layer_share : float
-        Of these, what the layer adds.
-    """
-
-    legs: tuple[Leg, ...]
-    bare: float
+    legs: tuple[Leg, ...]  # one for each target
+    bare: float  # evaluations that the targets would take without adhesion
     evaluations: float
-    milliseconds: float
-    layer_share: float
+    milliseconds: float  # of one evaluation, on the machine of the constants
+    layer_share: float  # of these, what the layer adds
 
     @property
     def seconds(self) -> float:
@@ -109,12 +85,7 @@ class Cost:
 
 
 def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
-    """The predicted cost of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-    kernels : {"compiled", "NumPy"}
+    """The predicted cost of a scene with these kernels, "compiled" or "NumPy".
 
     Examples
     --------

@@ -20,14 +20,7 @@ BRANCHES = {"loading": "o-", "unloading": "s--"}
 
 
 def curves(states: Sequence[Any], quantities: Sequence[str] = tuple(CURVES)) -> Figure:
-    """Mean pressure against each of some quantities.
-
-    Parameters
-    ----------
-    states : sequence of State
-    quantities : sequence of str
-        Of `CURVES`.
-    """
+    """Mean pressure against each of some quantities of `CURVES`."""
     figure = Figure(figsize=(6.4 * len(quantities), 4.8), layout="constrained")
     for place, quantity in enumerate(quantities, 1):
         label, factor = CURVES[quantity]

@@ -102,16 +102,8 @@ def loading_mistakes(
 ) -> Iterator[Mistake]:
     """How the path is given, signs of separations, what the control and the initial state need.
 
-    Parameters
-    ----------
-    values, given
-        Of [loading].
-    tables
-        Names of the tables present.
-    shapes
-        Values of output.shapes.
-    period
-        profile.period, if known.
+    `values` and `given` are of [loading], `tables` are the names of the tables present, `shapes` the values of
+    output.shapes; `period` is profile.period, if known.
     """
     yield from _path_mistakes(values, given)
     control = values.get("control")

@@ -21,16 +21,9 @@ class StoredState:
 
 
 def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[StoredState | None, list[Mistake]]:
-    """The state loading.initial names, if it names one, or what is wrong with it.
+    """The state that a valid loading.initial names, if it is a table {result, state}, or what is wrong with it.
 
-    Parameters
-    ----------
-    initial
-        Valid loading.initial; only a table {result, state} names a state.
-    control
-        loading.control: the state must provide this quantity.
-    base_dir : Path
-        Folder relative names start from.
+    The state must provide the quantity of loading.control; relative names start from `base_dir`.
     """
     if not isinstance(initial, Mapping):
         return None, []

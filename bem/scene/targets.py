@@ -59,16 +59,9 @@ def found(value: float, targets: Sequence[float]) -> float | None:
 def merged(
     targets: Sequence[float], extra: Iterable[float], begin: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Targets with the extra ones inserted at every crossing, in the order of travel.
+    """All targets, the extra ones inserted at every crossing, in the order of travel; and extras the path never meets.
 
     Values never met that lie beyond the last target, in the direction of the last leg, continue the path.
-
-    Returns
-    -------
-    path : tuple of float
-        All targets in order.
-    missed : tuple of float
-        Extra values the path never meets.
 
     Examples
     --------

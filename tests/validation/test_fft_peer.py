@@ -44,8 +44,8 @@ def test_a_case_without_its_package_is_not_run_and_says_why(monkeypatch):
 
 
 def test_a_grid_that_does_not_resolve_the_profile_is_refused():
-    with pytest.raises(ValueError, match="do not resolve"):
-        fft_solver._samples(np.array([1, 8]), np.ones(2), np.zeros(2), 16)
+    with pytest.raises(NotImplementedError, match="do not resolve"):
+        fft_solver.on_grid(1.0, (np.array([1, 8]), np.ones(2), np.zeros(2)), 16)
 
 
 @pytest.mark.skipif(find_spec("ContactMechanics") is None, reason="needs the extra peers")

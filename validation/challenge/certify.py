@@ -39,26 +39,16 @@ DEFAULT_ROUTES = AS_FINE
 
 
 def certified(name: str, second: bool = True) -> Key:
-    """The answers to a problem, made anew.
+    """The answers to a problem, made anew; `second`: by the second routes as well, without which there are no checks.
 
-    Parameters
-    ----------
-    name : str
-    second : bool
-        Whether by the second routes as well; without them there are no checks.
-
-    Raises
-    ------
-    ChallengeError
-        There is no such problem.
-    ArithmeticError
-        A route does not converge.
+    ChallengeError where there is no such problem, ArithmeticError where a route does not converge.
     """
     if name not in poses():
         raise ChallengeError(f"problem {name!r}: one of {', '.join(poses())} is needed")
     problem = with_arrays(tomllib.loads(toml_of(poses()[name])))
     result = solve_scene(boundary_elements.tables(problem, 1e-12))
-    ours = {key: _array(value) for key, value in boundary_elements.answers(problem, result).items()}
+    answered = boundary_elements.answers(problem, result)
+    ours = {key: np.atleast_1d(np.asarray(value, dtype=np.float64)) for key, value in answered.items()}
     if name in CLOSED:
         closed = closed_answers(problem)
         beside: Checks = {key: (Check(SOLVER, _difference(ours[key], closed[key])),) for key in ours}
@@ -124,7 +114,3 @@ def _named(route: str, spread: dict[str, FloatArray], key: str) -> str:
 
 def _difference(values: FloatArray, answers: FloatArray) -> tuple[float, ...]:
     return tuple(float(f"{one:.2g}") for one in np.abs(values - answers))
-
-
-def _array(value: Any) -> FloatArray:
-    return np.atleast_1d(np.asarray(value, dtype=np.float64))

@@ -7,6 +7,7 @@ import json
 import sys
 import tomllib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -126,15 +127,7 @@ def _standings(options: argparse.Namespace) -> int:
 
 
 def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) -> None:
-    """Add ours to the commands of a program.
-
-    Parameters
-    ----------
-    commands
-        As `add_subparsers` returns it.
-    perform : callable
-        Runs what was parsed.
-    """
+    """Add ours to the commands of a program (`add_subparsers`); `perform` runs what was parsed."""
     actions = commands.add_parser("challenge", help="problems with certified answers: judge a solver by them")
     actions = actions.add_subparsers(required=True, metavar="ACTION")
 
@@ -180,24 +173,18 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     again.set_defaults(command=_standings, perform=perform)
 
 
-def _digits(text: str) -> float:
+def _positive(most: float, needed: str, text: str) -> float:
     try:
-        digits = float(text)
+        number = float(text)
     except ValueError:
-        digits = 0.0
-    if not 0 < digits <= MOST_DIGITS:
-        raise argparse.ArgumentTypeError(f"{text!r}: a number of digits > 0 and <= {MOST_DIGITS:g} is needed")
-    return digits
+        number = 0.0
+    if not 0 < number <= most:
+        raise argparse.ArgumentTypeError(f"{text!r}: {needed} is needed")
+    return number
 
 
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not 0 < seconds < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text!r}: a number of seconds > 0 is needed")
-    return seconds
+_digits = partial(_positive, MOST_DIGITS, f"a number of digits > 0 and <= {MOST_DIGITS:g}")
+_seconds = partial(_positive, sys.float_info.max, "a number of seconds > 0")
 
 
 def _count(text: str) -> int:

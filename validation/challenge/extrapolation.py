@@ -19,15 +19,7 @@ WHOLE = ("patches",)  # counts, of which the finest grid's stands
 
 
 def extrapolated(problem: Mapping[str, Any], grids: Sequence[Returned]) -> Returned:
-    """The answers to a problem that grids tend to; as the finest where it has none.
-
-    Parameters
-    ----------
-    problem : mapping
-        Content of problem.toml.
-    grids : sequence of Returned
-        Coarsest first.
-    """
+    """The answers to a problem that grids, coarsest first, tend to; as the finest where it has none."""
     fine, coarse = grids[-1], grids[-2]
     if fine.status != "answered" or coarse.status != "answered":
         return fine if fine.status != "answered" else coarse

@@ -11,7 +11,7 @@ import hashlib
 import importlib.util
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatch
@@ -30,7 +30,7 @@ from validation.challenge.submission import read_submission
 from validation.harness.execution import Ended, run_in_processes
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance, versions
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.report.challenge.challenge_page import render_challenge
 from validation.studies.answers import FOLDER, Answers
 from validation.studies.store import plain
@@ -72,10 +72,7 @@ class Judgement:
 def chosen(only: str | None) -> tuple[Problem, ...]:
     """Problems whose name matches a pattern, or one of several between commas; all without one.
 
-    Raises
-    ------
-    ChallengeError
-        A pattern matches none.
+    ChallengeError where a pattern matches none.
     """
     patterns = ["*"] if only is None else only.split(",")
     for pattern in patterns:
@@ -89,24 +86,13 @@ def solved(
     problems: Sequence[Problem],
     limit: float,
     folder: Path,
-    report: Callable[[Note], None],
+    report: Listener,
     workers: tuple[int, Opener] | None = None,
 ) -> Iterator[Returned]:
-    """What a solver returns for each problem; from `folder` where it is kept there.
+    """What a solver, "package.module:function", returns for each problem; from `folder` where it is kept there.
 
-    Parameters
-    ----------
-    spec : str
-        "package.module:function".
-    limit : float
-        Seconds for each problem.
-    workers : int and opener, optional
-        How many problems at a time, and where; default one after the other, on this machine.
-
-    Raises
-    ------
-    ChallengeError
-        The solver cannot be imported.
+    `limit` is in seconds for each problem; `workers` says how many at a time, and where: by default one after the
+    other, on this machine. ChallengeError where the solver cannot be imported.
     """
     look_up(spec)
     store, source = Answers(folder / FOLDER, _key(), report), _digest(spec)
@@ -133,16 +119,12 @@ def _returned(
         return
     jobs, opener = workers
     names_of = {text: name for name, text in texts.items()}
-    with closing(run_in_processes(partial(_limited, spec, limit), texts.values(), jobs, opener=opener)) as events:
+    with closing(run_in_processes(partial(returned, spec, limit=limit), texts.values(), jobs, opener=opener)) as events:
         for event in events:
             if isinstance(event, Ended):
                 answer = event.answer
                 died = Returned("crashed", f"{type(answer).__name__}: {answer}")
                 yield names_of[event.item], answer if isinstance(answer, Returned) else died
-
-
-def _limited(spec: str, limit: float, text: str) -> Returned:
-    return returned(spec, text, limit)
 
 
 def submitted(path: Path, problems: Sequence[Problem]) -> Iterator[Returned]:
@@ -161,10 +143,7 @@ def judge(solver: str, problems: Sequence[Problem], found: Iterator[Returned], d
 def earlier(baseline: Path, problems: Sequence[Problem]) -> tuple[Judged, ...]:
     """The problems of a baseline, challenge.json of an earlier judgement.
 
-    Raises
-    ------
-    ChallengeError
-        It is none, or holds none of the problems.
+    ChallengeError where it is none, or holds none of the problems.
     """
     try:
         content = json.loads(baseline.read_text("utf-8"))

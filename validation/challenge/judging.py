@@ -27,23 +27,16 @@ LOST = 0.5  # digits by which a quantity may fall behind a baseline: rounding mo
 class Row:
     """A quantity of a problem, judged.
 
-    Parameters
-    ----------
-    status : str
-        "right", "wrong", "missing", "not a number", "wrong shape", "not offered", "crashed" or "timed out".
-    digits, error, over_uncertainty : float or None
-        None where no value came; the last one also where the uncertainty is zero.
-    answered, asked : int
-        Number of values.
+    A status is "right", "wrong", "missing", "not a number", "wrong shape", "not offered", "crashed" or "timed out".
     """
 
     quantity: str
     status: str
     message: str
-    digits: float | None
+    digits: float | None  # None, as the next two, where no value came
     error: float | None
-    over_uncertainty: float | None
-    answered: int
+    over_uncertainty: float | None  # None also where the uncertainty is zero
+    answered: int  # number of values; likewise `asked`
     asked: int
 
 
@@ -71,15 +64,7 @@ class Judged:
 
 
 def judged(key: Key, returned: Returned, digits: float) -> Judged:
-    """What a solver returned for a problem, against its key.
-
-    Parameters
-    ----------
-    key : Key
-    returned : Returned
-    digits : float
-        That an answer needs to be right.
-    """
+    """What a solver returned for a problem, against its key; `digits` are those that an answer needs to be right."""
     answered = returned.status == "answered"
     if answered:
         rows = tuple(_row(name, one, returned.answers.get(name), digits) for name, one in key.answers.items())

@@ -56,37 +56,22 @@ MEANINGS: dict[str, tuple[str, str]] = {
 
 @dataclass(frozen=True)
 class Pose:
-    """A problem before it is written down.
-
-    Parameters
-    ----------
-    name, title, difficulty, hard_part : str
-    harmonics : three arrays (n,)
-        Orders, amplitudes in m, phases.
-    control : str
-        "mean_pressure", "separation" or "penetration".
-    targets : tuple of float
-        Pa or m, visited in this order from surfaces apart.
-    asked : tuple
-        Names of MEANINGS, or (name, {"target": which, from 1, "points" or "orders": at which}).
-    level : str
-        The level at which a test makes the answers again.
-    """
+    """A problem before it is written down."""
 
     name: str
     title: str
     difficulty: str
     hard_part: str
-    harmonics: Harmonics
-    control: str
-    targets: tuple[float, ...]
-    asked: tuple[Any, ...]
+    harmonics: Harmonics  # orders, amplitudes in m, phases, (n,) each
+    control: str  # "mean_pressure", "separation" or "penetration"
+    targets: tuple[float, ...]  # Pa or m, visited in this order from surfaces apart
+    asked: tuple[Any, ...]  # names of MEANINGS, or (name, {"target": which, from 1, "points" or "orders": at which})
     youngs_modulus: float = 1e6
     poisson_ratio: float = 0.5
     thickness: float | None = None
     work_of_adhesion: float | None = None
     slope_term: bool = False
-    level: str = "quick"
+    level: str = "quick"  # the level at which a test makes the answers again
 
 
 def self_affine(hurst: float, harmonics: int, seed: int, rms: float = 50e-6) -> Harmonics:

@@ -19,6 +19,7 @@ from validation.challenge.answers import Key, key_of
 from validation.challenge.posing import LEAST_SAMPLES, MEANINGS, PERIOD, Harmonics, Pose, poses
 from validation.harness.arrays import FloatArray
 from validation.harness.registry import CaseError
+from validation.references.fft_solver import on_grid
 
 FOLDER = Path(__file__).parent / "problems"
 PROBLEM_FILE = "problem.toml"
@@ -48,12 +49,7 @@ def names() -> tuple[str, ...]:
 
 
 def problem(name: str) -> Problem:
-    """A shipped problem.
-
-    Raises
-    ------
-    ChallengeError
-        There is none of this name.
+    """A shipped problem; ChallengeError where there is none of this name.
 
     Examples
     --------
@@ -69,11 +65,8 @@ def problem(name: str) -> Problem:
 
 def heights(harmonics: Harmonics) -> FloatArray:
     """At x = k period / n, n the least power of two that is more than twice the highest order, (n,) in m."""
-    orders, amplitudes, phases = harmonics
-    count = max(LEAST_SAMPLES, 2 ** int(np.ceil(np.log2(2 * orders.max() + 1))))
-    modes = np.zeros(count // 2 + 1, dtype=np.complex128)
-    modes[orders] = amplitudes * np.exp(1j * phases) * count / 2
-    return np.asarray(np.fft.irfft(modes, count), dtype=np.float64)
+    count = max(LEAST_SAMPLES, 2 ** int(np.ceil(np.log2(2 * harmonics[0].max() + 1))))
+    return on_grid(PERIOD, harmonics, count)[0]
 
 
 def toml_of(pose: Pose) -> str:

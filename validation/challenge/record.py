@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
@@ -20,7 +20,7 @@ from validation.challenge.problem import ChallengeError, Problem
 from validation.challenge.solving import Returned
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.report.challenge.challenge_figures import drawn_standings
 from validation.report.challenge.challenge_page import overall_curves
 from validation.report.figures import save
@@ -32,22 +32,11 @@ TITLE = "All problems: geometric means over the problems that a solver answers"
 MACHINE, TOLD = ("system", "processor", "cores"), ("date", "commit", "python", "numpy", "scipy", "kernels")
 
 
-def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[[Note], None]) -> Path:
+def record(folder: Path, solvers: Sequence[str], limit: float, report: Listener) -> Path:
     """Run entrants and write standings.json; those not run, or not installed, keep their entries.
 
-    Parameters
-    ----------
-    folder : Path
-        What was finished there is taken.
-    solvers : sequence of str
-        Names of SOLVERS; empty for all that are installed.
-    limit : float
-        Seconds of each problem.
-
-    Raises
-    ------
-    ChallengeError
-        A solver does not exist, or is named and not installed.
+    What was finished in `folder` is taken. `solvers` are names of SOLVERS, empty for all that are installed; `limit` is
+    in seconds for each problem. ChallengeError where a solver does not exist, or is named and not installed.
     """
     for name in solvers:
         if name not in SOLVERS:
@@ -67,7 +56,7 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[
         entries = [entry for entry in before["entries"] if entry["solver"] not in replaced] + made
         facts = provenance()
         spent = sum(entry["cpu_seconds"] or 0.0 for entry in made if entry["solver"] == entrant.name)
-        told = {name: facts[name] for name in TOLD} | _versions(entrant)
+        told = {name: facts[name] for name in TOLD} | {name: metadata.version(name) for name in entrant.needs}
         run = ", ".join(f"{name} {value}" for name, value in told.items()) + f"; {spent:.0f} CPU seconds in all"
         ran = before["run_on"] | {name: facts[name] for name in MACHINE} | {entrant.name: run}
         order = {name: index for index, name in enumerate(SOLVERS)}
@@ -79,7 +68,7 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Callable[
 
 
 def _entries(
-    entrant: Entrant, problems: Sequence[Problem], limit: float, folder: Path, report: Callable[[Note], None]
+    entrant: Entrant, problems: Sequence[Problem], limit: float, folder: Path, report: Listener
 ) -> list[dict[str, Any]]:
     """An entry for each setting and problem."""
     made, by_problem = [], dict[str, list[Returned]]()
@@ -123,8 +112,3 @@ def estimated(one: Problem, quantity: str, finest: Returned, limit: Returned) ->
 
 def _rounded(value: float | None) -> float | None:
     return None if value is None else float(f"{value:.3g}")
-
-
-def _versions(entrant: Entrant) -> dict[str, str]:
-    """Of the packages that an entrant needs."""
-    return {name: metadata.version(name) for name in entrant.needs}

@@ -27,33 +27,18 @@ LOOK_UP = 120.0  # s for the import of a solver
 
 @dataclass(frozen=True)
 class Returned:
-    """What a solver returned for a problem.
+    """What a solver returned for a problem."""
 
-    Parameters
-    ----------
-    status : str
-        "answered", "not offered", "crashed" or "timed out".
-    answers : dict
-        As they came, not yet judged.
-    seconds, cpu_seconds : float or None
-        Of the call alone, without the start of the process and the import of the solver.
-    """
-
-    status: str
+    status: str  # "answered", "not offered", "crashed" or "timed out"
     message: str = ""
-    answers: dict[str, Any] = field(default_factory=dict)
+    answers: dict[str, Any] = field(default_factory=dict)  # as they came, not yet judged
+    # and `cpu_seconds`: of the call alone, without the start of the process and the import of the solver
     seconds: float | None = None
     cpu_seconds: float | None = None
 
 
 def look_up(spec: str) -> None:
-    """Make sure that a solver can be imported.
-
-    Raises
-    ------
-    ChallengeError
-        It cannot, with the last line of what was printed.
-    """
+    """Make sure that a solver can be imported; else ChallengeError with the last line of what was printed."""
     module, _, name = spec.partition(":")
     if not module or not name:
         raise ChallengeError(f"solver {spec!r}: package.module:function is needed")

@@ -22,23 +22,12 @@ HOME = "validation.challenge.entrants"
 
 @dataclass(frozen=True)
 class Entrant:
-    """A solver of the standings.
-
-    Parameters
-    ----------
-    name : str
-    settings : tuple of (setting, "module:function")
-        Coarsest first.
-    needs : tuple of str
-        Modules that must be installed, of an extra.
-    grids : bool
-        Whether its settings are grids, each twice as fine as the one before.
-    """
+    """A solver of the standings."""
 
     name: str
-    settings: tuple[tuple[str, str], ...]
-    needs: tuple[str, ...] = ()
-    grids: bool = False
+    settings: tuple[tuple[str, str], ...]  # (setting, "module:function"), coarsest first
+    needs: tuple[str, ...] = ()  # modules that must be installed, of an extra
+    grids: bool = False  # whether its settings are grids, each twice as fine as the one before
 
     @property
     def missing(self) -> tuple[str, ...]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +20,8 @@ Submitted = dict[str, dict[str, Any]]
 def read_submission(path: Path) -> Submitted:
     """Answers by problem and quantity, not yet judged.
 
-    Raises
-    ------
-    ChallengeError
-        The file is neither, a line is not complete, or a problem does not exist; with the line or the name.
+    ChallengeError, with the line or the name, where the file is neither, a line is not complete, or a problem does not
+    exist.
     """
     try:
         text = path.read_text("utf-8-sig")  # spreadsheets begin a file with a byte order mark
@@ -52,11 +49,10 @@ def _of_json(path: Path, text: str) -> Submitted:
         content = {content["problem"]: content.get("answers")}
     if not isinstance(content, dict) or not all(isinstance(given, dict) for given in content.values()):
         raise ChallengeError(f"submission {path}: {{problem: {{quantity: number or list}}}} is needed")
-    return {name: {key: _value(given) for key, given in answers.items()} for name, answers in content.items()}
-
-
-def _value(given: Any) -> Any:
-    return given.get("value") if isinstance(given, Mapping) else given
+    return {
+        name: {key: given.get("value") if isinstance(given, dict) else given for key, given in answers.items()}
+        for name, answers in content.items()
+    }
 
 
 def _of_csv(path: Path, text: str) -> Submitted:

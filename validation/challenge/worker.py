@@ -36,13 +36,7 @@ def main(spec: str, file: Path) -> None:
 
 
 def solver_of(spec: str) -> Callable[[dict[str, Any]], Any]:
-    """The function that `package.module:function` names.
-
-    Raises
-    ------
-    ValueError
-        It names none.
-    """
+    """The function that `package.module:function` names; ValueError where it names none."""
     module, _, name = spec.partition(":")
     solver: Any = import_module(module)
     for part in name.split("."):

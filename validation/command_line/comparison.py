@@ -84,12 +84,8 @@ class Comparison:
 def compare(a: Path, b: Path) -> Comparison:
     """Compare the results or the reports of two folders.
 
-    Raises
-    ------
-    ReportError
-        They are not of one kind, or have nothing in common.
-    CorruptResultError
-        A result that cannot be trusted.
+    ReportError where they are not of one kind or have nothing in common, CorruptResultError where a result cannot be
+    trusted.
     """
     kinds = [_kind(folder) for folder in (a, b)]
     if kinds[0] != kinds[1]:
@@ -106,10 +102,7 @@ def compare(a: Path, b: Path) -> Comparison:
 def folders_of(given: Sequence[Path]) -> list[Path]:
     """The folders that are meant: those given, or of a single one that holds no report the folders in it that do.
 
-    Raises
-    ------
-    ReportError
-        Fewer than two.
+    ReportError where they are fewer than two.
     """
     found = list(given)
     if len(found) == 1 and not any((found[0] / file).exists() for file in (REPORT_FILE, RESULT_FILE)):
@@ -123,13 +116,7 @@ def folders_of(given: Sequence[Path]) -> list[Path]:
 
 
 def read_reports(folders: Iterable[Path]) -> list[Report]:
-    """The reports of folders.
-
-    Raises
-    ------
-    ReportError
-        One holds none, or one that was changed after it was written.
-    """
+    """The reports of folders; ReportError where one holds none, or one that was changed after it was written."""
     reports = []
     for folder in folders:
         reports.append(read_report(folder))
@@ -146,13 +133,7 @@ def _kind(folder: Path) -> str:
 
 
 def compare_results(a: Result, b: Result) -> Comparison:
-    """Compare states at common targets, and events.
-
-    Raises
-    ------
-    ReportError
-        Another control, or no target in common.
-    """
+    """Compare states at common targets, and events; ReportError for another control, or no target in common."""
     control, other = (result.scene["loading"]["control"] for result in (a, b))
     if control != other:
         raise ReportError(f"not comparable: loading.control is {control!r} and {other!r}")
@@ -178,13 +159,7 @@ def compare_results(a: Result, b: Result) -> Comparison:
 
 
 def compare_reports(a: Report, b: Report) -> Comparison:
-    """Compare the quantities of common cases, and the verdicts.
-
-    Raises
-    ------
-    ReportError
-        No case in common.
-    """
+    """Compare the quantities of common cases, and the verdicts; ReportError where no case is in common."""
     left, right = ({case.id: case for case in report.cases} for report in (a, b))
     both = [name for name in left if name in right]
     if not both:

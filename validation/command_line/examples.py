@@ -35,23 +35,9 @@ def listed() -> list[str]:
 
 
 def write_example(name: str, folder: Path) -> list[Path]:
-    """Write an example into a folder: a scene and its data, or the folder of one's own cases.
+    """Write one of `NAMES`, a scene and its data or the folder of one's own cases; the files, scene or cases first.
 
-    Parameters
-    ----------
-    name : str
-        One of `NAMES`.
-    folder : Path
-
-    Returns
-    -------
-    list of Path
-        What was written, the scene or the cases first.
-
-    Raises
-    ------
-    FileExistsError
-        One of the files is there already; nothing is written.
+    FileExistsError where one of the files is there already; then nothing is written.
     """
     names = [f"{OWN}/{file}" for file in OWN_FILES] if name == OWN else [f"{name}.toml", *DATA[name]]
     files = {folder / file: FOLDER.joinpath(file).read_bytes() for file in names}

@@ -26,13 +26,7 @@ SHELLS = ("bash", "zsh", "tcsh")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; its exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Those of the command line without the name of the program; default `sys.argv`.
-    """
+    """Run one command, by default that of `sys.argv`; its exit code."""
     options = _parser().parse_args(arguments)
     perform: Callable[[argparse.Namespace], int] = options.perform
     return perform(options)

@@ -46,43 +46,23 @@ BARRIER, LOAD = 0.5, 1.0  # in standard deviations of the last stress variance, 
 
 @dataclass(frozen=True)
 class Curve:
-    """Errors of one quantity against what is refined.
-
-    Parameters
-    ----------
-    id, code, quantity, knob : str
-    sizes, errors : tuples of float
-        The error relative to its natural scale.
-    law : {"algebraic", "geometric"}
-    predicted : float
-        Order, or factor per unit of size.
-    low, high : float
-        Bounds of the fitted rate, on both sides.
-    why : str
-        Where the prediction comes from.
-    kind, reference : str
-        What the errors are measured against.
-    floor : float
-        Error known to remain: of the reference, or of what is not refined.
-    samples : tuple of floats
-        What the errors are the spread of, where they are one.
-    """
+    """Errors of one quantity against what is refined."""
 
     id: str
     code: str
     quantity: str
     knob: str
     sizes: tuple[float, ...]
-    errors: tuple[float, ...]
+    errors: tuple[float, ...]  # relative to the natural scale of the quantity
     law: Law
-    predicted: float
-    low: float
+    predicted: float  # order, or factor per unit of size
+    low: float  # and `high`: bounds of the fitted rate, on both sides
     high: float
-    why: str
-    kind: ReferenceKind
+    why: str  # where the prediction comes from
+    kind: ReferenceKind  # and `reference`: what the errors are measured against
     reference: str
-    floor: float = 0.0
-    samples: tuple[float, ...] = ()
+    floor: float = 0.0  # error known to remain: of the reference, or of what is not refined
+    samples: tuple[float, ...] = ()  # what the errors are the spread of, where they are one
 
     @cached_property
     def rate(self) -> Rate:
@@ -106,7 +86,8 @@ def bem_curves(fraction: float, sizes: Sequence[int]) -> tuple[Curve, Curve]:
     states = [evaluate_dense(profile.scaled(), -edge, edge, depth, np.array([n])) for n in sizes]
     exact, scale = float(WAVE.mean_pressure(psi)), WAVE.full_contact_pressure
     intensity = tuple(float(np.max(np.abs(state.stress_intensity / critical - 1))) for state in states)
-    load = tuple(abs(state.load * scales.force / WAVE.wavelength - exact) / scale for state in states)
+    # errors of exactly zero, which happen at rounding, as the rounding unit
+    load = tuple(max(abs(state.load * scales.force / WAVE.wavelength - exact) / scale, 2.0**-53) for state in states)
     reach = 1 + 2 * (1 - fraction) / fraction
     rho = reach + np.sqrt(reach**2 - 1)
     at = tuple(float(n) for n in sizes)
@@ -116,7 +97,7 @@ def bem_curves(fraction: float, sizes: Sequence[int]) -> tuple[Curve, Curve]:
     return (
         Curve(f"bem-intensity-{fraction:g}", "bem", "stress intensity", "nodes per patch", at, intensity,
               "geometric", rho, 0.95 * rho, 1.08 * rho, why, "exact", source),
-        Curve(f"bem-load-{fraction:g}", "bem", "mean pressure over p*", "nodes per patch", at, _positive(load),
+        Curve(f"bem-load-{fraction:g}", "bem", "mean pressure over p*", "nodes per patch", at, load,
               "geometric", rho**2, 0.92 * rho**2, 1.15 * rho**2, why + ", squared", "exact", source),
     )  # fmt: skip
 
@@ -259,8 +240,3 @@ def _fem(order: int, cells: int, graded: bool) -> Evaluation:
     local, edges = np.array([[0.25, 0.75]]), np.array([[-0.25, 0.25]])
     mesh = LayerMesh(triangles, triangles.p, local, edges, seam=0.5, depth=depth)
     return evaluate(problem, mesh, Resolution(order, cells, 4), control)
-
-
-def _positive(errors: Sequence[float]) -> tuple[float, ...]:
-    """Errors of exactly zero, which happen at rounding, as the rounding unit."""
-    return tuple(max(error, 2.0**-53) for error in errors)

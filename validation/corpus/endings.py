@@ -17,12 +17,13 @@ case that converged and is not correct is the worst kind, and counted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, get_args
+from typing import Any, Literal, get_args
 
 from validation.corpus.hard import hard_case_run, hard_fem_cases, hard_persson_cases
 from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_scenes import HardCase
 from validation.corpus.hard.hard_cases import HARD_CASES
 from validation.corpus.random import random_trial
 from validation.harness.schema import Table
@@ -121,25 +122,10 @@ def table_of(rows: Sequence[Row]) -> Table:
     )
 
 
-class _Hard(Protocol):
-    """A case whatever its code."""
-
-    @property
-    def id(self) -> str:
-        """Its name, unique within the cases of its code."""
-        ...
-
-    @property
-    def reason(self) -> str:
-        """What makes it hard."""
-        ...
-
-    def expectation(self, full: bool) -> tuple[str, ...]:
-        """The statuses that are right, of the full form or of the reduced one."""
-        ...
+_Hard = HardCase | hard_fem_cases.FemCase | hard_persson_cases.PerssonCase | random_trial.RandomCase
 
 
-def _corpora() -> dict[Code, dict[str, _Hard]]:
+def _corpora() -> dict[Code, Mapping[str, _Hard]]:
     """The cases of every code by their names."""
     corpora: dict[Code, Sequence[_Hard]] = {
         "bem": HARD_CASES,

@@ -29,26 +29,13 @@ class RateError(ValueError):
 
 @dataclass(frozen=True)
 class Rate:
-    """What was fitted.
-
-    Parameters
-    ----------
-    law : {"algebraic", "geometric"}
-    value : float
-        Order, or factor by which the error falls for each unit of size; larger is faster in both.
-    pairwise : tuple of float
-        The same between neighbours of all points, one fewer than the points.
-    used : tuple of int
-        Indices of the points fitted.
-    plateau : float
-        The error below which nothing falls.
-    """
+    """What was fitted."""
 
     law: Law
-    value: float
-    pairwise: tuple[float, ...]
-    used: tuple[int, ...]
-    plateau: float
+    value: float  # order, or factor by which the error falls for each unit of size; larger is faster in both
+    pairwise: tuple[float, ...]  # the same between neighbours of all points, one fewer than the points
+    used: tuple[int, ...]  # indices of the points fitted
+    plateau: float  # the error below which nothing falls
 
 
 def algebraic(sizes: Sequence[float], errors: Sequence[float], plateau: float = 0.0) -> Rate:
@@ -91,13 +78,7 @@ def geometric(sizes: Sequence[float], errors: Sequence[float]) -> Rate:
 
 
 def _arrays(sizes: Sequence[float], errors: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Sizes and errors as arrays.
-
-    Raises
-    ------
-    RateError
-        Sizes that do not increase, errors that are not finite and positive.
-    """
+    """Sizes and errors as arrays; RateError where sizes do not increase, or errors are not finite and positive."""
     size, error = np.asarray(sizes, dtype=np.float64), np.asarray(errors, dtype=np.float64)
     if size.shape != error.shape or size.size < FEWEST or np.any(np.diff(size) <= 0):
         raise RateError(f"{size.size} sizes and {error.size} errors: at least {FEWEST} of each, sizes increasing")

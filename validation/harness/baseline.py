@@ -75,20 +75,7 @@ class Baseline(BaseModel):
 
 
 def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
-    """The baseline of a case, None when it does not exist.
-
-    Parameters
-    ----------
-    case : str
-        Its id.
-    folder : Path
-        Of the baselines.
-
-    Raises
-    ------
-    BaselineError
-        The file is malformed or belongs to another case.
-    """
+    """The baseline of a case, None when it does not exist; BaselineError where it is malformed or of another case."""
     path = folder / f"{case}.json"
     if not path.exists():
         return None
@@ -102,50 +89,22 @@ def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
 
 
 def orphans(cases: Iterable[str], folder: Path = FOLDER) -> list[str]:
-    """Baselines that belong to no case of the registry, one sentence each.
-
-    Parameters
-    ----------
-    cases : iterable of str
-        Ids of the registry.
-    folder : Path
-        Of the baselines.
-    """
+    """Baselines in a folder that belong to none of these cases, those of the registry: one sentence each."""
     known = set(cases)
     return [f"{path.name}: no case of this name" for path in sorted(folder.glob("*.json")) if path.stem not in known]
 
 
 def expected_seconds(cases: Iterable[str], folder: Path = FOLDER) -> dict[str, float]:
-    """Seconds that cases took when their baselines were made.
+    """Seconds that cases took when their baselines were made; those without one are left out.
 
-    Parameters
-    ----------
-    cases : iterable of str
-        Ids; those without a baseline are left out.
-    folder : Path
-        Of the baselines.
-
-    Raises
-    ------
-    BaselineError
-        A baseline is malformed.
+    BaselineError where one is malformed.
     """
     known = [found for case in cases if (found := read_baseline(case, folder)) is not None]
     return {found.case: q.value for found in known for q in found.quantities if q.name == "seconds"}
 
 
 def quantities_of(record: CaseRecord) -> list[Quantity]:
-    """What a record pins, under names that differ.
-
-    Parameters
-    ----------
-    record : CaseRecord
-
-    Returns
-    -------
-    list of Quantity
-        Values of rows that are pinned, counts, and the seconds.
-    """
+    """What a record pins, under names that differ: values of rows that are pinned, counts, and the seconds."""
     pinned = [quantity for row in record.rows if row.pinned != "unconverged" for quantity in _of_row(row)]
     pinned += [
         Quantity(name=name, value=count, unit="", kind="count", rtol=COUNT_BAND, atol=0, basis="required")
@@ -164,19 +123,7 @@ def quantities_of(record: CaseRecord) -> list[Quantity]:
 
 
 def differences(record: CaseRecord, folder: Path = FOLDER) -> list[str]:
-    """What left its baseline, one sentence each; empty when nothing did.
-
-    Parameters
-    ----------
-    record : CaseRecord
-    folder : Path
-        Of the baselines.
-
-    Raises
-    ------
-    BaselineError
-        The baseline is malformed.
-    """
+    """What left its baseline, one sentence each, empty when nothing did; BaselineError where that is malformed."""
     baseline = read_baseline(record.id, folder)
     if record.status == "not run":
         return []  # an extra is absent: the report counts the case and states the reason
@@ -201,23 +148,11 @@ def differences(record: CaseRecord, folder: Path = FOLDER) -> list[str]:
 
 
 def update(record: CaseRecord, reason: str, folder: Path = FOLDER, own: bool = False) -> list[str]:
-    """Write the baseline of one case; the lines to print, old -> new.
+    """Write the baseline of one case of a run from committed sources; the lines to print, old -> new.
 
-    Parameters
-    ----------
-    record : CaseRecord
-        Of a run from committed sources.
-    reason : str
-        Why the numbers changed.
-    folder : Path
-        Of the baselines.
-    own : bool
-        Whether they are kept outside the package: its sources need not be those of a commit.
-
-    Raises
-    ------
-    BaselineError
-        No reason, a case that failed, a value that is not a number, sources that are not those of a commit.
+    `reason` says why the numbers changed, `own` that they are kept outside the package: its sources need not be those
+    of a commit. BaselineError for no reason, a case that failed, a value that is not a number, sources that are not
+    those of a commit.
     """
     if not own and ((tree := working_tree()) is None or tree[1]):
         raise BaselineError("the sources have changes that are not committed, or no commit is known: commit first")
@@ -231,7 +166,7 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER, own: bool = F
     if bad:
         raise BaselineError(f"{record.id}: not a number: {', '.join(bad)}")
     before = read_baseline(record.id, folder)
-    old = {} if before is None else {quantity.name: quantity.value for quantity in before.quantities}
+    old = {} if before is None else {quantity.name: f"{quantity.value:.10g}" for quantity in before.quantities}
     facts = provenance()
     baseline = Baseline(
         case=record.id,
@@ -247,23 +182,13 @@ def update(record: CaseRecord, reason: str, folder: Path = FOLDER, own: bool = F
     )
     folder.mkdir(parents=True, exist_ok=True)
     write_atomically(folder / f"{record.id}.json", json.dumps(baseline.model_dump(), indent=1) + "\n")
-    return [f"{record.id}: {q.name}: {_shown(old.get(q.name))} -> {q.value:.10g}" for q in quantities]
+    return [f"{record.id}: {q.name}: {old.get(q.name, 'none')} -> {q.value:.10g}" for q in quantities]
 
 
 def refuse_other_sources(facts: Mapping[str, Any], own_digest: str | None = None) -> None:
-    """Refuse the provenance of a report that other sources than the present ones made.
+    """Refuse the provenance of a report that other sources than the present ones made, by a BaselineError.
 
-    Parameters
-    ----------
-    facts : mapping
-        `Report.provenance`.
-    own_digest : str, optional
-        Of the files of cases outside the package.
-
-    Raises
-    ------
-    BaselineError
-        The digests differ, or the report is of other cases.
+    `own_digest` is of the files of cases outside the package; a report of other cases than these is refused as well.
     """
     if facts.get(OWN_DIGEST) is not None and own_digest is None:
         raise BaselineError("the report is of cases outside the package: --cases has to name them")
@@ -272,19 +197,7 @@ def refuse_other_sources(facts: Mapping[str, Any], own_digest: str | None = None
 
 
 def changes(records: Iterable[CaseRecord], folder: Path = FOLDER) -> list[str]:
-    """Differences of all records.
-
-    Parameters
-    ----------
-    records : iterable of CaseRecord
-    folder : Path
-        Of the baselines.
-
-    Raises
-    ------
-    BaselineError
-        A baseline is malformed.
-    """
+    """Differences of all records; BaselineError where a baseline is malformed."""
     return [line for record in records for line in differences(record, folder)]
 
 
@@ -328,7 +241,3 @@ def _tolerances(row: Row) -> tuple[float, float, Literal["measured", "required",
     if row.tolerance is None:
         return BANDED, 0.0, "provisional"
     return 0.0, 2 * combined_tolerance(row) * row.scale, row.tolerance.basis
-
-
-def _shown(value: Any) -> str:
-    return "none" if value is None else f"{value:.10g}"

@@ -14,59 +14,26 @@ from validation.harness.schema import Figure, Level, Row, Table
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a case found.
+    """What a case found."""
 
-    Parameters
-    ----------
-    rows : tuple of Row
-        The comparisons, at least one unless `skipped` says why not.
-    figures, tables : tuples
-        Data of figures and tables.
-    counts : dict of str to int
-        What the answer cost in unknowns, evaluations, factorisations: gated by baselines in a 20 % band.
-    skipped : str
-        The reason why the case could not run here, such as an optional package that is absent.
-    """
-
-    rows: tuple[Row, ...] = ()
+    rows: tuple[Row, ...] = ()  # the comparisons, at least one unless `skipped` says why not
     figures: tuple[Figure, ...] = ()
     tables: tuple[Table, ...] = ()
+    # what the answer cost in unknowns, evaluations, factorisations: gated by baselines in a 20 % band
     counts: dict[str, int] = field(default_factory=dict)
-    skipped: str = ""
+    skipped: str = ""  # the reason why the case could not run here, such as an optional package that is absent
 
 
 @dataclass(frozen=True)
 class Case:
-    """A case of the registry.
+    """A case of the registry."""
 
-    Parameters
-    ----------
-    id : str
-        Lower case words joined by hyphens; names the files of the case.
-    group : str
-        Heading under which it is reported.
-    level : {"quick", "standard", "full"}
-        The lowest level at which it runs.
-    question : str
-        What is asked, in one sentence.
-    equations : str
-        The equations that answer it.
-    sources : tuple of str
-        Keys of validation/report/bibliography.json.
-    compute : callable
-        Returns the `Outcome`.
-    effects : tuple of str
-        Effects of the solver that are active.
-    scene : str
-        The scene, verbatim.
-    """
-
-    id: str
-    group: str
-    level: Level
-    question: str
-    equations: str
-    sources: tuple[str, ...]
+    id: str  # lower case words joined by hyphens; names the files of the case
+    group: str  # heading under which it is reported
+    level: Level  # the lowest one at which it runs
+    question: str  # what is asked, in one sentence
+    equations: str  # those that answer it
+    sources: tuple[str, ...]  # keys of validation/report/bibliography.json
     compute: Callable[[], Outcome]
-    effects: tuple[str, ...] = ()
-    scene: str = ""
+    effects: tuple[str, ...] = ()  # of the solver, that are active
+    scene: str = ""  # verbatim

@@ -16,15 +16,7 @@ from validation.harness.schema import Row
 def error_of(row: Row) -> float:
     """Error of a row, or its largest ratio when it has a band (the one farthest from the middle of the band).
 
-    Parameters
-    ----------
-    row : Row
-        n values expected and computed, in the unit of the row.
-
-    Returns
-    -------
-    float
-        Dimensionless; nan where a value is missing or no number.
+    Dimensionless; nan where a value is missing or no number.
 
     Examples
     --------
@@ -34,7 +26,7 @@ def error_of(row: Row) -> float:
     >>> error_of(row)
     0.5
     """
-    expected, computed = _numbers(row.expected), _numbers(row.computed)
+    expected, computed = (np.array(values, dtype=np.float64) for values in (row.expected, row.computed))  # None is nan
     if row.band is None:
         with np.errstate(invalid="ignore"):
             return float(np.max(np.abs(computed - expected)) / row.scale)
@@ -48,14 +40,7 @@ def error_of(row: Row) -> float:
 def combined_tolerance(row: Row) -> float:
     """What the error may be: the tolerance, but never finer than the uncertainties of both sides.
 
-    Parameters
-    ----------
-    row : Row
-
-    Returns
-    -------
-    float
-        max(tolerance, 2 (u + u_ref) / scale), dimensionless; nan for rows with a band.
+    max(tolerance, 2 (u + u_ref) / scale), dimensionless; nan for rows with a band.
     """
     if row.tolerance is None:
         return math.nan
@@ -63,27 +48,12 @@ def combined_tolerance(row: Row) -> float:
 
 
 def error_over_tolerance(row: Row) -> float:
-    """Error divided by what it may be.
-
-    Parameters
-    ----------
-    row : Row
-
-    Returns
-    -------
-    float
-        1 is the limit; nan for rows with a band, or without a number.
-    """
+    """Error divided by what it may be: 1 is the limit; nan for rows with a band, or without a number."""
     return error_of(row) / combined_tolerance(row)
 
 
 def fitted_order(size: Sequence[float], error: Sequence[float]) -> float:
-    """Exponent p of error ~ size^p by least squares on logarithms.
-
-    Parameters
-    ----------
-    size, error : (n,) sequences
-        Positive, in any unit; n >= 2.
+    """Exponent p of error ~ size^p by least squares on logarithms of n >= 2 positive sizes and errors, in any unit.
 
     Examples
     --------
@@ -94,16 +64,7 @@ def fitted_order(size: Sequence[float], error: Sequence[float]) -> float:
 
 
 def pairwise_orders(size: Sequence[float], error: Sequence[float]) -> list[float]:
-    """Exponents between neighbours.
-
-    Parameters
-    ----------
-    size, error : (n,) sequences
-        Positive, in any unit, sizes distinct.
-
-    Returns
-    -------
-    list of n - 1 floats
+    """The n - 1 exponents between neighbours of n positive sizes, which are distinct, and errors, in any unit.
 
     Examples
     --------
@@ -112,7 +73,3 @@ def pairwise_orders(size: Sequence[float], error: Sequence[float]) -> list[float
     """
     x, y = np.log(np.asarray(size)), np.log(np.asarray(error))
     return [float(value) for value in np.diff(y) / np.diff(x)]
-
-
-def _numbers(values: Sequence[float | None]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    return np.array([math.nan if value is None else value for value in values], dtype=np.float64)

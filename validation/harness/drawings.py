@@ -10,16 +10,7 @@ Values = Iterable[float | None]
 
 
 def trace(label: str, x: Values, y: Values, style: str = "line", hue: int | None = None) -> Series:
-    """A curve; a value that is None is left out.
-
-    Parameters
-    ----------
-    label : str
-    x, y : iterables of n floats or None
-        Lists, arrays, generators.
-    style, hue
-        As of `Series`.
-    """
+    """A curve through lists, arrays or generators of n numbers, None left out; style and hue as of `Series`."""
     numbers = {"x": _numbers(x), "y": _numbers(y)}
     return Series.model_validate({"label": label, **numbers, "style": style, "hue": hue})
 
@@ -60,15 +51,7 @@ def loglog(xlabel: str, ylabel: str, *series: Series) -> Panel:
 
 
 def drawn(name: str, caption: str, solution: Panel, error: Panel | None = None) -> Figure:
-    """A figure: a solution and, where there is one, its signed error below.
-
-    Parameters
-    ----------
-    name : str
-        Unique in the report.
-    caption : str
-    solution, error : Panel
-    """
+    """A figure, its name unique in the report: a solution and, where there is one, its signed error below."""
     return Figure(id=name, caption=caption, solution=solution, error=error)
 
 

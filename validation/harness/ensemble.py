@@ -13,7 +13,7 @@ A member depends on its scene alone, not on the number of workers: phases come f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -29,9 +29,7 @@ from bem.scene.scene import parse_scene
 from validation.harness.execution import Ended, Running, run_in_processes
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
-
-Report = Callable[[Note], None]
+from validation.harness.runner import Listener, Note
 
 
 class OtherSceneError(ValueError):
@@ -40,37 +38,20 @@ class OtherSceneError(ValueError):
 
 @dataclass(frozen=True)
 class Member:
-    """One solution of an ensemble.
+    """One solution of an ensemble."""
 
-    Parameters
-    ----------
-    name : str
-        Of its folder.
-    scene : mapping
-        Content of a scene file, table by table, SI units.
-    """
-
-    name: str
-    scene: Mapping[str, Any]
+    name: str  # of its folder
+    scene: Mapping[str, Any]  # content of a scene file, table by table, SI units
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run of an ensemble left behind: names of members.
+    """What a run of an ensemble left behind: names of members."""
 
-    Parameters
-    ----------
-    found, computed : tuples of str
-        Stored before, and now.
-    damaged : tuple of str
-        Stored before but not to be trusted, with the reason; computed again.
-    failed : dict of str to str
-        Kind and text of the exception that came in place of a result.
-    """
-
-    found: tuple[str, ...]
-    computed: tuple[str, ...]
-    damaged: tuple[str, ...] = ()
+    found: tuple[str, ...]  # stored before
+    computed: tuple[str, ...]  # stored now
+    damaged: tuple[str, ...] = ()  # stored before but not to be trusted, with the reason; computed again
+    # kind and text of the exception that came in place of a result
     failed: dict[str, str] = field(default_factory=dict)
 
 
@@ -89,22 +70,10 @@ def run_ensemble(
     members: Iterable[Member],
     folder: Path,
     jobs: int,
-    report: Report,
+    report: Listener,
     opener: Opener = local_processes,
 ) -> Outcome:
-    """Compute and store what is missing.
-
-    Parameters
-    ----------
-    members : iterable of Member
-        With distinct names; started in this order.
-    folder : Path
-    jobs : int
-        Local processes.
-    report : callable
-        Gets a `Note` for every step.
-    opener : callable
-        Opens the executor (executors.py).
+    """Compute and store what is missing, of members with distinct names, which are started in this order.
 
     Raises
     ------
@@ -151,14 +120,8 @@ def run_ensemble(
 def read_member(member: Member, folder: Path) -> Result:
     """The stored result of a member.
 
-    Raises
-    ------
-    FileNotFoundError
-        Not there.
-    CorruptResultError
-        Damaged.
-    OtherSceneError
-        That of another scene.
+    FileNotFoundError where it is not there, CorruptResultError where it is damaged, OtherSceneError where it is that of
+    another scene.
     """
     return _read(folder / member.name, digest(parse_scene(member.scene).resolved()))
 
@@ -183,7 +146,7 @@ def _read(folder: Path, scene_sha256: str) -> Result:
 
 
 def _sorted_out(
-    planned: tuple[Member, ...], wanted: Mapping[str, str], folder: Path, report: Report
+    planned: tuple[Member, ...], wanted: Mapping[str, str], folder: Path, report: Listener
 ) -> tuple[list[str], list[str], list[Member]]:
     """Names of the members that are there, of those that cannot be trusted, and the members to compute."""
     found: list[str] = []

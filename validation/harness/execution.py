@@ -60,25 +60,11 @@ def run_in_processes(
     pulse: float = PULSE,
     opener: Opener = local_processes,
 ) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
-    """Events of all items, which start in the order given and end in any.
+    """Events of all items, which start in the order given and end in any; `Running` ones every `pulse` seconds.
 
-    Parameters
-    ----------
-    function : callable
-        Importable by name, or a `functools.partial` of such a function.
-    items : iterable
-        What can be pickled.
-    jobs : int
-        Workers at a time, at least 1.
-    pulse : float
-        Seconds between `Running` events.
-    opener : callable
-        Opens the executor (executors.py); one with workers of its own ignores `jobs`.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        Workers are ended first; answers of events already given are the caller's.
+    The function is importable by name, or a `functools.partial` of such a one; items can be pickled. An opener
+    (executors.py) with workers of its own ignores `jobs`, the workers at a time. KeyboardInterrupt is raised after
+    workers are ended; answers of events already given are the caller's.
     """
     waiting, suspects = deque(items), list[Item]()
     while waiting:
@@ -94,13 +80,7 @@ def run_in_processes(
 def run_alone(
     function: Callable[[Item], Answer], item: Item
 ) -> Generator[Started[Item] | Ended[Item, Answer] | Running[Item], None, None]:
-    """Events of one item in a process of its own, so that its memory and time are its own.
-
-    Parameters
-    ----------
-    function, item
-        As of `run_in_processes`, for one item.
-    """
+    """Events of one item in a process of its own, so that its memory and time are its own."""
     yield from _one_pool(function, deque([item]), 1, PULSE, local_processes)
 
 
@@ -109,15 +89,8 @@ def run_in_turn(
 ) -> Generator[tuple[Started[Item] | Ended[Item, Answer] | Running[Item], float], None, None]:
     """Events of items one after another in one process, each with the seconds of its item so far.
 
-    An item that reaches its limit ends with `TimeoutError`; it and one whose process dies cost the others nothing but
-    the start of another process.
-
-    Parameters
-    ----------
-    function, items, pulse
-        As of `run_in_processes`.
-    limit : callable
-        Seconds that an item may take, looked at every pulse.
+    An item that reaches its limit, in seconds and looked at every pulse, ends with `TimeoutError`; it and one whose
+    process dies cost the others nothing but the start of another process.
     """
     waiting = list(items)
     while waiting:
@@ -138,19 +111,9 @@ def run_in_turn(
 def run_each_alone(
     function: Callable[[Item], Answer], items: Iterable[Item], jobs: int
 ) -> Generator[Started[Item] | Ended[Item, Answer], None, None]:
-    """Events of all items, each in a new process of its own, up to `jobs` at a time.
+    """Events of all items, each in a new process of its own, up to `jobs` at a time; an interrupt ends these first.
 
     For functions that change the code they run in, whose traces the next item must not find.
-
-    Parameters
-    ----------
-    function, items, jobs
-        As of `run_in_processes`.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        Workers are ended first.
     """
     waiting = deque(items)
     with ExitStack() as stack:

@@ -50,10 +50,7 @@ Opener = Callable[[int], AbstractContextManager[Workers]]
 def opener_of(spec: str) -> Opener:
     """The function that opens the executor of this text, given the number of local processes.
 
-    Raises
-    ------
-    ExecutorError
-        Neither `local` nor `dask://host:port`.
+    ExecutorError where it is neither `local` nor `dask://host:port`.
 
     Examples
     --------

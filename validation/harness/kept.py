@@ -26,39 +26,13 @@ class DamagedError(ValueError):
 
 
 def keep(path: Path, form: type[Answer], answer: Answer, key: str) -> None:
-    """Write an answer.
-
-    Parameters
-    ----------
-    path : Path
-    form : type
-        Of the answer.
-    answer : object of this form
-    key : str
-        Of what made it: sources, versions and whatever else decides it.
-
-    Raises
-    ------
-    OSError
-        As of `write_atomically`.
-    """
+    """Write an answer of this form, with the key of what made it: sources, versions and whatever else decides it."""
     plain = json.loads(json.dumps(TypeAdapter(form).dump_python(answer)))
     write_atomically(path, json.dumps({"key": key, "sha256": _digest(plain), "answer": plain}, indent=1) + "\n")
 
 
 def kept(path: Path, form: type[Answer], key: str) -> Answer | None:
-    """The answer of a file; None where it is not there or has another key.
-
-    Parameters
-    ----------
-    path, form, key
-        As of `keep`.
-
-    Raises
-    ------
-    DamagedError
-        The file was changed or cut off.
-    """
+    """The answer of a file, None where it is not there or has another key; DamagedError where it was changed or cut."""
     try:
         content = json.loads(path.read_text("utf-8"))
         if content["key"] != key:

@@ -25,25 +25,13 @@ class CaseError(ValueError):
 
 
 def registry(modules: Iterable[str] | None = None) -> tuple[Case, ...]:
-    """The cases of these modules, all by default, in the order of the report.
-
-    Raises
-    ------
-    CaseError
-        An incomplete case, or two of one name.
-    """
+    """The cases of these modules, all by default, in the order of the report; CaseError as of `checked`."""
     names = import_module(CASES).MODULES if modules is None else modules
     return checked(case for name in names for case in import_module(name).CASES)
 
 
 def checked(found: Iterable[Case]) -> tuple[Case, ...]:
-    """The cases, each complete and of a name of its own.
-
-    Raises
-    ------
-    CaseError
-        An incomplete case, or two of one name.
-    """
+    """The cases; CaseError where one is incomplete, or two have one name."""
     cases = tuple(found)
     for case in cases:
         _check(case)
@@ -58,12 +46,7 @@ def select(cases: Iterable[Case], level: str, pattern: str | None = None) -> tup
     """Cases of a level and those below it, or of all levels those that a pattern names.
 
     A pattern that is the name of a case chooses that case only; any other those in whose name or group it occurs, or
-    whose name or group it matches as a shell pattern.
-
-    Raises
-    ------
-    CaseError
-        Unknown level, or nothing matches.
+    whose name or group it matches as a shell pattern. CaseError for an unknown level, or where nothing matches.
     """
     if level not in LEVELS:
         raise CaseError(f"level {level!r}: one of {', '.join(LEVELS)} is allowed")

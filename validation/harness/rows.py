@@ -26,20 +26,10 @@ def compared(
     pinned: Pinned = "converged",
     uncertainty: float = 0.0,
 ) -> Row:
-    """A comparison with a tolerance.
+    """A comparison with a tolerance of the scaled error, beside the error measured; None where there is no value.
 
-    Parameters
-    ----------
-    quantity, unit, reference, norm, pinned, uncertainty
-        As of `Row`.
-    expected, computed : iterables of n floats
-        Lists, arrays, generators; None where there is no value.
-    tolerance, measured : float
-        Of the scaled error, and the error measured.
-    scale : float, optional
-        Default: the largest value expected, or 1 where the norm is absolute.
-    basis : str
-        Of the tolerance, as of `Tolerance`.
+    The scale is by default the largest value expected, or 1 where the norm is absolute; the basis is that of the
+    tolerance, the rest as of `Row`.
     """
     known = [None if value is None else float(value) for value in expected]
     if scale is None:
@@ -66,15 +56,6 @@ def counted(
     tolerance: float = 0.5,
     message: str = "",
 ) -> Row:
-    """A comparison of counts, or of yes (1) and no (0), which baselines pin exactly.
-
-    Parameters
-    ----------
-    quantity, reference, message
-        As of `Row`.
-    expected, computed : sequences of n floats
-    tolerance : float
-        Absolute; default half a count.
-    """
+    """A comparison of counts, or of yes (1) and no (0), which baselines pin exactly; within half a count by default."""
     row = compared(quantity, "", reference, expected, computed, tolerance, 0.0, "absolute", basis="required")
     return row.model_copy(update={"pinned": "exact", "message": message})

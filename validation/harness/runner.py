@@ -37,14 +37,14 @@ class Note:
     text: str
 
 
-Report = Callable[[Note], None]
+Listener = Callable[[Note], None]
 
 
 def run_cases(
     cases: Iterable[Case],
     folder: Path,
     jobs: int,
-    report: Report,
+    report: Listener,
     expected: Mapping[str, float] | None = None,
     opener: Opener = local_processes,
     anew: bool = False,
@@ -53,13 +53,8 @@ def run_cases(
 
     Parameters
     ----------
-    cases : iterable of Case
     folder : Path
         Records go to folder/cases.
-    jobs : int
-        Worker processes.
-    report : callable
-        Gets a `Note` for every step.
     expected : mapping of str to float
         Seconds that cases are expected to take, by id; what earlier runs in this folder took is preferred.
     opener : callable
@@ -102,7 +97,7 @@ def _computed(
     store: Path,
     code: str,
     jobs: int,
-    report: Report,
+    report: Listener,
     planned: int,
     seconds: Mapping[str, float],
     opener: Opener,
@@ -196,16 +191,7 @@ def _kept(solved: Solved, case: Case, store: Path, code: str) -> CaseRecord:
 
 
 def record_of(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
-    """What is reported of a case that ran.
-
-    Parameters
-    ----------
-    case : Case
-    outcome : Outcome
-        What it found, or why it was skipped.
-    seconds : float
-        What it took.
-    """
+    """What is reported of a case that ran: what it found, or why it was skipped."""
     return CaseRecord(
         id=case.id,
         group=case.group,
@@ -227,16 +213,7 @@ def record_of(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
 
 
 def failed_record(case: Case, message: str, seconds: float) -> CaseRecord:
-    """What is reported of a case that crashed: its message in place of rows.
-
-    Parameters
-    ----------
-    case : Case
-    message : str
-        Kind and text of the exception.
-    seconds : float
-        Until it crashed.
-    """
+    """What is reported of a case that crashed: kind and text of the exception in place of rows."""
     record = record_of(case, Outcome(rows=()), seconds)
     return record.model_copy(update={"status": "error", "message": message})
 
@@ -246,7 +223,7 @@ def _key(case: Case, code: str) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
-def _stored(case: Case, store: Path, code: str, report: Report) -> CaseRecord | None:
+def _stored(case: Case, store: Path, code: str, report: Listener) -> CaseRecord | None:
     """The stored record of a case if the same code made it and it did not crash."""
     try:
         record = kept(store / f"{case.id}.json", CaseRecord, _key(case, code))

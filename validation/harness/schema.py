@@ -196,10 +196,6 @@ class Report(_Strict):
 def with_checksum(report: Report) -> Report:
     """The report with the checksum of its content.
 
-    Parameters
-    ----------
-    report : Report
-
     Examples
     --------
     >>> report = Report(level="quick", command="run", planned=0, provenance={}, cases=[])
@@ -210,12 +206,7 @@ def with_checksum(report: Report) -> Report:
 
 
 def is_intact(report: Report) -> bool:
-    """Whether the checksum of a report is that of its content.
-
-    Parameters
-    ----------
-    report : Report
-    """
+    """Whether the checksum of a report is that of its content."""
     return report.checksum == _checksum(report)
 
 

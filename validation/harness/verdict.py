@@ -20,17 +20,7 @@ GATING: frozenset[Verdict] = frozenset({"changed", "deviates", "not converged", 
 
 
 def verdict_of(row: Row) -> Verdict:
-    """The verdict of a row.
-
-    Parameters
-    ----------
-    row : Row
-
-    Returns
-    -------
-    Verdict
-        Its status where it did not run, else what its numbers say.
-    """
+    """The verdict of a row: its status where it did not run, else what its numbers say."""
     if row.status != "run":
         return row.status
     error = error_of(row)
@@ -42,34 +32,14 @@ def verdict_of(row: Row) -> Verdict:
 
 
 def case_verdicts(case: CaseRecord) -> list[Verdict]:
-    """Verdicts of a case: those of its rows, or its own when it has none.
-
-    Parameters
-    ----------
-    case : CaseRecord
-
-    Returns
-    -------
-    list of Verdict
-        At least one: a case that compares nothing is an error.
-    """
+    """Verdicts of a case: those of its rows, or its own; one that compares nothing is an error."""
     if case.status != "run":
         return [case.status]
     return [verdict_of(row) for row in case.rows] or ["error"]
 
 
 def counts(cases: Iterable[CaseRecord]) -> dict[Verdict, int]:
-    """How often each verdict was given.
-
-    Parameters
-    ----------
-    cases : iterable of CaseRecord
-
-    Returns
-    -------
-    dict of Verdict to int
-        All verdicts, also those never given.
-    """
+    """How often each verdict was given, also those never given."""
     found = [verdict for case in cases for verdict in case_verdicts(case)]
     return {verdict: found.count(verdict) for verdict in VERDICTS}
 
@@ -86,11 +56,6 @@ def counted(count: int, word: str, many: str | None = None) -> str:
 
 
 def fails(report: Report) -> bool:
-    """Whether anything gating failed, or fewer or more cases are reported than were planned.
-
-    Parameters
-    ----------
-    report : Report
-    """
+    """Whether anything gating failed, or fewer or more cases are reported than were planned."""
     given = counts(report.cases)
     return len(report.cases) != report.planned or any(given[verdict] for verdict in GATING)

@@ -26,15 +26,6 @@ from validation.harness.arrays import FloatArray
 class Sinusoid:
     """Adhesive contact of a half-space with one sinusoid.
 
-    Parameters
-    ----------
-    amplitude, wavelength : float
-        D and wavelength, m.
-    youngs_modulus, poisson_ratio : float
-        Pa, dimensionless.
-    alpha : float
-        Johnson's parameter; 0 without adhesion.
-
     Examples
     --------
     >>> wave = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.0)
@@ -42,11 +33,11 @@ class Sinusoid:
     1.0
     """
 
-    amplitude: float
-    wavelength: float
-    youngs_modulus: float
+    amplitude: float  # D, m
+    wavelength: float  # m
+    youngs_modulus: float  # Pa
     poisson_ratio: float
-    alpha: float
+    alpha: float  # Johnson's parameter; 0 without adhesion
 
     @property
     def modulus(self) -> float:
@@ -87,6 +78,22 @@ class Sinusoid:
         grid = np.linspace(1e-3, 1.2, 400)
         start = grid[int(np.argmin(self.penetration(grid)))]
         return float(brentq(slope, start / 1.05, start * 1.05, xtol=1e-12))
+
+
+def layer_compliance(q: ArrayLike, thickness: float, youngs_modulus: float, poisson_ratio: float) -> FloatArray:
+    """c(q) in m/Pa: displacement of the frictionless face of a bonded layer per pressure of a wave, rad/m, any shape.
+
+    As printed by G. Carbone, L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684: fine for q d of order one.
+
+    Examples
+    --------
+    >>> round(float(layer_compliance(1.0, 20.0, 1.0, 0.0)), 12)  # a half-space: 2 / (E* q)
+    2.0
+    """
+    wavenumber, nu = np.asarray(q, dtype=np.float64), poisson_ratio
+    y = 2 * wavenumber * thickness
+    bracket = ((3 - 4 * nu) * np.sinh(y) - y) / ((3 - 4 * nu) * np.cosh(y) + y**2 / 2 + 5 - 12 * nu + 8 * nu**2)
+    return np.asarray(2 * (1 - nu**2) / (youngs_modulus * wavenumber) * bracket)
 
 
 def full_contact_amplitudes(orders: ArrayLike, amplitudes: ArrayLike, wavelength: float, modulus: float) -> FloatArray:

@@ -28,7 +28,7 @@ from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray, IntArray
 from validation.references.adapters import taken
-from validation.references.posed_contacts import Found, MethodError, Posed, overlap
+from validation.references.posed_contacts import Found, MethodError, Posed, answer_of, overlap
 
 STEPS, FAR_STEPS = 8, 60
 FARTHEST = 0.3  # of the edge scale, where Newton starts far away
@@ -73,19 +73,8 @@ class Interface:
 def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, float]:
     """Every scalar of a state with edges, in its unit, by dense algebra.
 
-    Parameters
-    ----------
-    scene : Scene
-    state : State
-    refinement : int
-        Times the nodes that dense algebra needs; 2 doubles the resolution.
-
-    Raises
-    ------
-    NoReferenceError
-        Newton did not converge.
-    ValueError
-        The scene has a table that dense algebra does not provide.
+    `refinement` multiplies the nodes that dense algebra needs; 2 doubles the resolution. NoReferenceError where Newton
+    did not converge, ValueError for a table of the scene that dense algebra does not provide.
     """
     raw, _, layered, adhesive = taken(scene, "dense algebra", "solid", "profile", "layer", "adhesion")
     surface = scene.surface()
@@ -205,10 +194,7 @@ def _limited(step: FloatArray, stress_intensity: FloatArray, edge_scale: FloatAr
 def solve_dense(posed: Posed, nodes: int) -> Found:
     """Contact at the penetration of a scene with this many nodes on every patch.
 
-    Raises
-    ------
-    MethodError
-        Newton does not converge, or the scene has the slope term.
+    MethodError where Newton does not converge, or the scene has the slope term.
     """
     if posed.slope_term:
         raise MethodError("the slope term is not in this route")
@@ -234,11 +220,7 @@ def solve_dense(posed: Posed, nodes: int) -> Found:
     contact = ContactState(profile, solid, np.stack([left, right], axis=1) * scales.length, posed.penetration, layer)
     at = np.array([posed.trough])
     gap = contact.displacement(at) - (profile.height(at) - profile.max_height + posed.penetration)
-    answer = {
-        "contact_fraction": float(np.sum(right - left)) / (2 * np.pi),
-        "mean_pressure": state.load * scales.force / posed.period,
-        "elastic_energy": state.elastic_energy * scales.energy_per_area,
-        "gap": float(gap[0]),
-    }
+    fraction, pressure = float(np.sum(right - left)) / (2 * np.pi), state.load * scales.force / posed.period
+    answer = answer_of(fraction, pressure, state.elastic_energy * scales.energy_per_area, float(gap[0]))
     counts = {"evaluations": evaluations, "patches": len(start)}
     return Found(answer, int(count.sum()), counts, ready - begun, solved - ready, time.perf_counter() - solved)

@@ -21,10 +21,7 @@ from validation.references.adapters import taken
 def fem_arguments(posed: Scene) -> dict[str, Any]:
     """Arguments of `fem_reference.solve` for the last target of a scene with a layer.
 
-    Raises
-    ------
-    ValueError
-        The scene has no layer, or a table or control that the finite elements do not know.
+    ValueError without a layer, and for a table or control that the finite elements do not know.
     """
     solid, _, layer, adhesion = taken(posed, "the finite element reference", "solid", "profile", "layer", "adhesion")
     if layer is None:
@@ -46,23 +43,14 @@ def fem_arguments(posed: Scene) -> dict[str, Any]:
 
 
 def solve_fem(posed: Scene, resolution: Resolution, patches: int = 1, edges: ArrayLike | None = None) -> Result:
-    """The reference's own state of a scene: its own edges, or prescribed ones (n_patches, 2) in m.
-
-    Raises
-    ------
-    ValueError
-        See `fem_arguments`.
-    """
+    """The reference's own state of a scene (`fem_arguments`): its own edges, or prescribed ones (n_patches, 2) in m."""
     return fem_reference.solve(**fem_arguments(posed), patches=patches, edges=edges, resolution=resolution)
 
 
 def contact_state(posed: Scene, edges: ArrayLike, penetration: float) -> bem.ContactState:
     """The boundary elements' elastic state of a scene at edges (n_patches, 2) and penetration, both in m.
 
-    Raises
-    ------
-    ValueError
-        The scene has a table that `bem.ContactState` does not know.
+    ValueError for a table that `bem.ContactState` does not know.
     """
     solid, _, layer, _ = taken(posed, "bem.ContactState", "solid", "profile", "layer", "adhesion")
     return bem.ContactState(

@@ -15,7 +15,7 @@ from importlib import import_module
 from importlib.util import find_spec
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray
@@ -26,7 +26,7 @@ LARGEST_OVERLAP = 1e-12  # m
 ITERATIONS = 50_000
 
 
-class NotConvergedError(RuntimeError):
+class NotConvergedError(ArithmeticError):
     """The FFT solver gave up."""
 
 
@@ -57,39 +57,35 @@ def missing() -> str:
 
 
 def grid_contact(scene: Scene, mean_pressure: float, points: int) -> GridContact:
-    """Contact without adhesion of the profile of a scene with a half-space.
+    """Contact of the profile of a scene at a mean pressure in Pa, on more points than twice the highest harmonic.
 
-    Parameters
-    ----------
-    scene : Scene
-        Half-space without adhesion.
-    mean_pressure : float
-        Pa.
-    points : int
-        Of the grid, more than twice the highest harmonic.
-
-    Raises
-    ------
-    NotConvergedError
-        After `ITERATIONS` iterations.
-    ValueError
-        The scene has adhesion, a layer, or anything else that these grids do not know.
+    NotConvergedError after `ITERATIONS` iterations; ValueError where the scene has adhesion, a layer, or anything else
+    that these grids do not know.
     """
     taken(scene, "the solver on a grid", "solid", "profile")
-    substrates, systems = import_module("ContactMechanics"), import_module("ContactMechanics.Systems")
     surface = scene.surface()
     modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
-    height = _samples(surface.orders, surface.amplitudes, surface.phases, points)
-    line = import_module("SurfaceTopography").UniformLineScan(height, surface.period, periodic=True)
-    half_space = substrates.PeriodicFFTElasticHalfSpace((points,), modulus, (surface.period,))
-    system = systems.NonSmoothContactSystem(substrate=half_space, surface=line)
-    found = system.minimize_proxy(
-        external_force=mean_pressure * surface.period, pentol=LARGEST_OVERLAP, maxiter=ITERATIONS
+    height, _ = on_grid(surface.period, (surface.orders, surface.amplitudes, surface.phases), points)
+    gap, contact, iterations = pressed(height, surface.period, modulus, mean_pressure)
+    return GridContact(points, float(np.mean(gap)), float(np.mean(contact)), iterations)
+
+
+def pressed(
+    height: FloatArray, period: float, modulus: float, mean_pressure: float
+) -> tuple[FloatArray, NDArray[np.bool_], int]:
+    """Gaps in m, where contact is, (n,) each, and iterations, of heights (n,) in m under a mean pressure in Pa.
+
+    NotConvergedError after `ITERATIONS` iterations.
+    """
+    substrates, systems = import_module("ContactMechanics"), import_module("ContactMechanics.Systems")
+    line = import_module("SurfaceTopography").UniformLineScan(height, period, periodic=True)
+    half_space = substrates.PeriodicFFTElasticHalfSpace(height.shape, modulus, (period,))
+    found = systems.NonSmoothContactSystem(substrate=half_space, surface=line).minimize_proxy(
+        external_force=mean_pressure * period, pentol=LARGEST_OVERLAP, maxiter=ITERATIONS
     )
     if not found.success:
-        raise NotConvergedError(f"{points} points at {mean_pressure:g} Pa: {found.message}")
-    gap = found.x - height - found.offset
-    return GridContact(points, float(np.mean(gap)), float(np.mean(found.jac > 0)), int(found.nit))
+        raise NotConvergedError(f"{height.size} points at {mean_pressure:g} Pa: {found.message}")
+    return found.x - height - found.offset, found.jac > 0, int(found.nit)
 
 
 def extrapolated(grids: list[GridContact]) -> Extrapolated:
@@ -112,10 +108,17 @@ def extrapolated(grids: list[GridContact]) -> Extrapolated:
     )
 
 
-def _samples(orders: NDArray[np.int64], amplitudes: FloatArray, phases: FloatArray, points: int) -> FloatArray:
-    """Heights at x = k period / points."""
+def on_grid(
+    period: float, harmonics: tuple[ArrayLike, ArrayLike, ArrayLike], points: int
+) -> tuple[FloatArray, FloatArray]:
+    """Heights and slopes at x = k period / points, (points,) each, from orders, amplitudes in m and phases.
+
+    NotImplementedError where the points do not resolve them.
+    """
+    orders, amplitudes, phases = map(np.asarray, harmonics)
     if points <= 2 * int(orders.max()):
-        raise ValueError(f"points: {points} do not resolve {int(orders.max())} harmonics")
+        raise NotImplementedError(f"{points} points do not resolve {int(orders.max())} harmonics")
     modes = np.zeros(points // 2 + 1, dtype=np.complex128)
     modes[orders] = amplitudes * np.exp(1j * phases) * points / 2
-    return np.asarray(np.fft.irfft(modes, points), dtype=np.float64)
+    slopes = 1j * 2 * np.pi / period * np.arange(modes.size) * modes
+    return np.fft.irfft(modes, points), np.fft.irfft(slopes, points)

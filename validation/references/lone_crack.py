@@ -37,15 +37,8 @@ POINTS = 200  # within the gap, at the cosines of equally spaced angles
 def crack(surface: Profile, modulus: float, work: float, left: float, right: float) -> tuple[float, float]:
     """Mean pressure (Pa) and separation (m) at which the gap from `left` to `right` (m) is in equilibrium.
 
-    Parameters
-    ----------
-    surface : Profile
-    modulus : float
-        E* = E / (1 - nu^2), Pa.
-    work : float
-        Work of adhesion of flat surfaces, J/m^2; along a slope it is larger by sqrt(1 + h'^2).
-    left, right : float
-        Where the gap begins and ends.
+    The modulus is E*, Pa, the work of adhesion that of flat surfaces, J/m^2; along a slope it is larger by sqrt(1 +
+    h'^2).
     """
     period, half_width, middle = surface.period, (right - left) / 2, (left + right) / 2
     wave_numbers = 2 * np.pi / period * surface.orders
@@ -85,14 +78,7 @@ def valleys(pressure: Profile) -> tuple[NDArray[np.float64], NDArray[np.float64]
 def closing(pressure: Profile, modulus: float, separation: float) -> tuple[float, NDArray[np.float64]]:
     """Without adhesion, mean pressure (Pa) and widths (m) of equally deep last gaps at a separation (m).
 
-    Parameters
-    ----------
-    pressure : Profile
-        Pressure of complete contact less its mean, Pa.
-    modulus : float
-        E*, Pa.
-    separation : float
-        s.
+    `pressure` is that of complete contact less its mean, Pa, the modulus E*, Pa.
     """
     value, curvature = valleys(pressure)
     tension = np.sqrt(separation * pressure.period * modulus / (2 * np.pi * np.sum(1 / curvature)))

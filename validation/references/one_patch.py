@@ -40,15 +40,6 @@ LEAST_POINTS = 40
 class OnePatch:
     """Equilibria of one patch about the middle of a symmetric profile.
 
-    Parameters
-    ----------
-    period, modulus : float
-        m; E* = E / (1 - nu^2), Pa.
-    harmonics : tuple of M floats
-        h_1, ..., h_M, m.
-    work : float
-        Work of adhesion, J/m^2; 0 without adhesion.
-
     Examples
     --------
     Westergaard, half of the period in contact: p = pi E* h_1 / (2 period), Delta = h_1 (1 + ln 2) / 2.
@@ -60,10 +51,10 @@ class OnePatch:
     True
     """
 
-    period: float
-    modulus: float
-    harmonics: tuple[float, ...]
-    work: float
+    period: float  # m
+    modulus: float  # E* = E / (1 - nu^2), Pa
+    harmonics: tuple[float, ...]  # h_1, ..., h_M, m
+    work: float  # of adhesion, J/m^2; 0 without adhesion
 
     def mean_pressure(self, angle: ArrayLike) -> FloatArray:
         """Mean pressure in Pa at a = pi times the contact fraction, in (0, pi), same shape."""

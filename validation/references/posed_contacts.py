@@ -37,36 +37,22 @@ Answer = dict[str, float]
 
 @dataclass(frozen=True)
 class Posed:
-    """A contact in raw data, SI.
-
-    Parameters
-    ----------
-    orders, amplitudes, phases : tuples
-        Harmonics, m and rad.
-    thickness : float or None
-        Of the bonded layer; None for a half-space.
-    penetration : float
-        Delta, m.
-    patches : int
-        Contacts a closure from crests looks for.
-    trough : float
-        Position at which the gap is compared, m.
-    """
+    """A contact in raw data, SI."""
 
     id: str
     title: str
     youngs_modulus: float
     poisson_ratio: float
     period: float
-    orders: tuple[int, ...]
+    orders: tuple[int, ...]  # harmonics, with amplitudes in m and phases
     amplitudes: tuple[float, ...]
     phases: tuple[float, ...]
     work_of_adhesion: float
     slope_term: bool
-    thickness: float | None
-    penetration: float
-    patches: int
-    trough: float
+    thickness: float | None  # of the bonded layer; None for a half-space
+    penetration: float  # Delta, m
+    patches: int  # contacts a closure from crests looks for
+    trough: float  # position at which the gap is compared, m
 
     @property
     def scales(self) -> Answer:
@@ -76,8 +62,7 @@ class Posed:
         height = float(np.sqrt(np.sum(amplitudes**2) / 2))
         slope = float(np.sqrt(np.sum((2 * np.pi / self.period * orders * amplitudes) ** 2) / 2))
         pressure = modulus * slope / np.sqrt(2)
-        values = (1.0, pressure, pressure * height, height)
-        return dict(zip(QUANTITIES, values, strict=True))
+        return answer_of(1.0, pressure, pressure * height, height)
 
     def surface(self) -> Surface:
         """As the paper's method takes it."""
@@ -98,29 +83,20 @@ class MethodError(ArithmeticError):
 
 @dataclass(frozen=True)
 class Found:
-    """What a method found at a setting, and what it cost.
+    """What a method found at a setting, and what it cost."""
 
-    Parameters
-    ----------
-    answer : dict
-        By the names of QUANTITIES.
-    unknowns : int
-        Of its largest linear system.
-    counts : dict of str to int
-        Evaluations, iterations: what gates could be put on.
-    setup, solve, post : float
-        Wall seconds of posing, solving and evaluating the answer.
-    details : dict of str to float
-        What else is to be said of the setting.
-    """
+    answer: Answer  # by the names of QUANTITIES
+    unknowns: int  # of its largest linear system
+    counts: dict[str, int]  # evaluations, iterations: what gates could be put on
+    setup: float  # wall seconds of posing
+    solve: float  # of solving
+    post: float  # of evaluating the answer
+    details: dict[str, float] = field(default_factory=dict)  # what else is to be said of the setting
 
-    answer: Answer
-    unknowns: int
-    counts: dict[str, int]
-    setup: float
-    solve: float
-    post: float
-    details: dict[str, float] = field(default_factory=dict)
+
+def answer_of(contact_fraction: float, mean_pressure: float, elastic_energy: float, gap: float) -> Answer:
+    """The four quantities by their names."""
+    return dict(zip(QUANTITIES, (contact_fraction, mean_pressure, elastic_energy, gap), strict=True))
 
 
 def scenes() -> dict[str, Posed]:
@@ -179,8 +155,7 @@ def exact_sinusoid(posed: Posed) -> Answer:
     energy -= np.pi * wave.modulus * lift**2 / (2 * length * np.log(share))
     angle = np.arccosh(1 / np.sqrt(share))
     gap = 2 * length / (np.pi * wave.modulus) * (full * (np.sqrt(1 - share) - share * angle) + tension * angle)
-    values = (psi * 2 / np.pi, float(wave.mean_pressure(psi)), float(energy), float(gap))
-    return dict(zip(QUANTITIES, values, strict=True))
+    return answer_of(psi * 2 / np.pi, float(wave.mean_pressure(psi)), float(energy), float(gap))
 
 
 def overlap(posed: Posed) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

@@ -10,20 +10,19 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
+from bem.command_line.console import scene_text
 from bem.scene.result_file import CorruptResultError
 from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, OtherSceneError, read_member, run_ensemble
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note, failed_record, record_of
+from validation.harness.runner import Listener, Note, failed_record, record_of
 from validation.harness.schema import SCHEMA, CaseRecord, Report
 from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra, summary
 from validation.replicate.evidence import Evidence, Realisation
@@ -60,30 +59,12 @@ TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
 )  # fmt: skip
 
 
-def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Callable[[Note], None], command: str) -> Report:
+def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Listener, command: str) -> Report:
     """Compute what is missing, write the figures, and hand back the report.
 
-    Parameters
-    ----------
-    folder : Path
-        Realisations go to folder/members, figures (SVG, PDF, CSV) to folder/figures.
-    size : Size
-        `members.PAPER`, or a short form that replicates nothing.
-    jobs : int
-        Local processes.
-    opener : callable
-        Opens the executor (executors.py).
-    say : callable
-        Gets a `Note` for every step.
-    command : str
-        What the report says it was made with.
-
-    Raises
-    ------
-    OSError
-        Disk full or folder not writable; what is stored stays whole.
-    KeyboardInterrupt
-        What was finished is kept.
+    Realisations go to folder/members, figures (SVG, PDF, CSV) to folder/figures. The size is `members.PAPER`, or a
+    short form that replicates nothing; `command` is what the report says it was made with. OSError where the disk is
+    full or the folder not writable; what is stored stays whole, also at a KeyboardInterrupt.
     """
     facts = provenance()
     begun = time.monotonic()
@@ -151,24 +132,6 @@ def _summary(topics: list[CaseRecord]) -> Case:
                 equations="accepted: the tolerance, or twice the uncertainties, and at most half the way to the "
                 "alternative that the row excludes",
                 sources=("carbone2009",), compute=partial(summary.compute, topics))  # fmt: skip
-
-
-def scene_text(scene: Mapping[str, Any]) -> str:
-    """A scene as the text of a scene file; its values are written alike in TOML and JSON.
-
-    Examples
-    --------
-    >>> print(scene_text({"title": "one", "profile": {"seed": 3}}), end="")
-    title = "one"
-    <BLANKLINE>
-    [profile]
-    seed = 3
-    """
-    lines = [f"{key} = {json.dumps(value)}" for key, value in scene.items() if not isinstance(value, Mapping)]
-    for name, table in scene.items():
-        if isinstance(table, Mapping):
-            lines += ["", f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
-    return "\n".join(lines) + "\n"
 
 
 def _answered(compute: Callable[[Evidence], Outcome], evidence: Evidence) -> Outcome:

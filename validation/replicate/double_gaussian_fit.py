@@ -43,24 +43,13 @@ MEASURED = {0.005: 0.041, 0.02: 0.031}  # difference from sqrt 2
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """P E* of every realisation in bins, with what the theory says of its end; stresses in units of E*.
-
-    Parameters
-    ----------
-    load : float
-    centres : (n_bins,) array
-    values : (n_realisations, n_bins) array
-    detachment_stress : float
-        The theory's sigma_a.
-    spread : float
-        Standard deviation of the stress in full contact.
-    """
+    """P E* of every realisation in bins, with what the theory says of its end; stresses in units of E*."""
 
     load: float
-    centres: FloatArray
-    values: FloatArray
-    detachment_stress: float
-    spread: float
+    centres: FloatArray  # (n_bins,)
+    values: FloatArray  # (n_realisations, n_bins)
+    detachment_stress: float  # the theory's sigma_a
+    spread: float  # standard deviation of the stress in full contact
 
     @cached_property
     def mean(self) -> FloatArray:

@@ -85,29 +85,15 @@ class Realisation:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """All members that were computed, by what they are for.
+    """All members that were computed, by what they are for."""
 
-    Parameters
-    ----------
-    size : Size
-        What was asked for.
-    loading : tuple of Realisation
-        Those that reached the highest load.
-    short : tuple of Realisation
-        Those that did not.
-    shapes, high_load : Realisation, optional
-    hurst : dict of float to tuple of Realisation
-    missing : dict of str to str
-        Members without a result, and why.
-    """
-
-    size: Size
-    loading: tuple[Realisation, ...]
-    short: tuple[Realisation, ...]
+    size: Size  # what was asked for
+    loading: tuple[Realisation, ...]  # those that reached the highest load
+    short: tuple[Realisation, ...]  # those that did not
     shapes: Realisation | None
     high_load: Realisation | None
     hurst: dict[float, tuple[Realisation, ...]]
-    missing: dict[str, str]
+    missing: dict[str, str]  # members without a result, and why
 
     @property
     def shortfall(self) -> str:

@@ -32,24 +32,12 @@ HURST_LOAD = 0.08  # of E* times the rms slope
 
 @dataclass(frozen=True)
 class Size:
-    """How much is computed.
+    """How much is computed."""
 
-    Parameters
-    ----------
-    seeds : int
-        Realisations 0, 1, .. of the loading ensemble.
-    harmonics : int
-        Of the loading ensemble and of the shapes.
-    fewer_harmonics : int
-        At high load, and of the profiles of other Hurst exponents.
-    hurst_seeds : int
-        Realisations of each of these.
-    """
-
-    seeds: int
-    harmonics: int
-    fewer_harmonics: int
-    hurst_seeds: int
+    seeds: int  # realisations 0, 1, .. of the loading ensemble
+    harmonics: int  # of the loading ensemble and of the shapes
+    fewer_harmonics: int  # at high load, and of the profiles of other Hurst exponents
+    hurst_seeds: int  # realisations of each of these
 
 
 PAPER = Size(seeds=11, harmonics=1000, fewer_harmonics=250, hurst_seeds=6)
@@ -78,7 +66,8 @@ def loading(size: Size) -> list[Member]:
 
 def shapes(size: Size) -> Member:
     """The first realisation with a crest above `HIGHEST_CREST`, through `SHAPES_AT`."""
-    seed = next(k for k in range(1000) if _surface(k, size.harmonics).max_height > HIGHEST_CREST)
+    surfaces = (Profile.self_affine(PERIOD, HURST, RMS_HEIGHT, size.harmonics, k) for k in range(1000))
+    seed = next(k for k, surface in enumerate(surfaces) if surface.max_height > HIGHEST_CREST)
     return Member(
         f"shapes-{seed:02d}",
         _profile(seed, HURST, size.harmonics)
@@ -141,7 +130,3 @@ def _profile(seed: int, exponent: float, harmonics: int) -> dict[str, Any]:
         },
         "adhesion": {"work_of_adhesion": WORK_OF_ADHESION, "slope_term": True},
     }
-
-
-def _surface(seed: int, harmonics: int) -> Profile:
-    return Profile.self_affine(PERIOD, HURST, RMS_HEIGHT, harmonics, seed)

@@ -1,8 +1,7 @@
 """A statement of the paper as a row: its number, ours with its uncertainty, and the verdict that follows.
 
 A statement agrees when the two numbers differ by no more than the tolerance given, or twice the uncertainties of both.
-Where the paper gives a number its last digit is its uncertainty, and, where the number was taken from 11 realisations
-of its own, the standard error that our 11 show; where it only says "about" the tolerance says how much.
+Where the paper gives a number its last digit is its uncertainty; where it says "about" the tolerance says how much.
 
 A row that would agree with anything says nothing.  So each names the alternative that it excludes, and what it accepts
 is at most half the distance to it: an ensemble that scatters more is no test, and its row is not run.  Where we find
@@ -46,9 +45,7 @@ def statement(
     *,
     measured: float,
     where: str,
-    unit: str = "",
     last_digit: float = 0.0,
-    same_ensemble: bool = False,
     shortfall: str = "",
     reported: str = "",
 ) -> Row:
@@ -56,22 +53,14 @@ def statement(
 
     Parameters
     ----------
-    quantity : str
     ours, error : float
         What was found, and its standard error.
-    paper : float
-        What the paper says.
     allowed, measured : float
         Tolerance of the difference, and the difference found when it was set.
     against : Alternative
-        What would contradict the paper.
-    where : str
-        Where the paper says so.
-    unit : str
+        What would contradict the paper, which says otherwise at `where`.
     last_digit : float
         Uncertainty of the paper's number.
-    same_ensemble : bool
-        Whether the paper's number comes from an ensemble as large as ours, so that it scatters as much.
     shortfall : str
         Why the ensemble is not the paper's: the row is then not run.
     reported : str
@@ -89,9 +78,8 @@ def statement(
     excludes = f"excludes {against.value:.4g}, {against.words}"
     row = Row(
         quantity=quantity,
-        unit=unit,
-        reference=Reference(kind="independent code", source=f"{PAPER}, {where}",
-                            uncertainty=math.hypot(last_digit, error) if same_ensemble else last_digit),
+        unit="",
+        reference=Reference(kind="independent code", source=f"{PAPER}, {where}", uncertainty=last_digit),
         norm="absolute",
         expected=said,
         computed=_values(ours),
@@ -99,7 +87,7 @@ def statement(
         tolerance=Tolerance(value=allowed, measured=measured, basis="required"),
         status="not run" if shortfall else "run",
         message=shortfall or "; ".join(part for part in (excludes, reported) if part),
-    )  # fmt: skip
+    )
     accepted = combined_tolerance(row)
     if row.status == "run" and accepted > distance / 2:
         why = f"no test: {accepted:.2g} is accepted, {against.value:.4g} ({against.words}) is {distance:.2g} away"
@@ -137,10 +125,7 @@ def disagreement(
 ) -> Row:
     """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause.
 
-    Raises
-    ------
-    ValueError
-        If the band holds 1, where there is no disagreement.
+    ValueError where the band holds 1, where there is no disagreement.
     """
     if band[0] <= 1 <= band[1]:
         raise ValueError(f"{quantity}: a band of {band[0]:g} to {band[1]:g} holds 1, where the two agree")

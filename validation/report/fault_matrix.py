@@ -17,36 +17,16 @@ DECADES = 12.0  # beyond which the colour no longer deepens
 
 @dataclass(frozen=True)
 class Line:
-    """A fault.
-
-    Parameters
-    ----------
-    name : str
-    excesses : mapping of str to float
-        Cases that caught it, and the largest error over what is allowed in each.
-    apart : collection of str
-        Cases that crashed or refused.
-    asked : collection of str
-        Cases that were shown it.
-    """
+    """A fault."""
 
     name: str
-    excesses: Mapping[str, float]
-    apart: Collection[str]
-    asked: Collection[str]
+    excesses: Mapping[str, float]  # cases that caught it, and the largest error over what is allowed in each
+    apart: Collection[str]  # cases that crashed or refused
+    asked: Collection[str]  # cases that were shown it
 
 
 def write_matrix(path: Path, cases: Sequence[str], lines: Sequence[Line]) -> None:
-    """Draw faults (rows) against cases (columns) as SVG.
-
-    Parameters
-    ----------
-    path : Path
-    cases : sequence of str
-        In order; columns of cases that were shown no fault are left out.
-    lines : sequence of Line
-        One row each.
-    """
+    """Draw faults (rows) against cases (columns, without those that were shown no fault) as SVG."""
     shown = [case for case in cases if any(case in line.asked for line in lines)]
     with mpl.rc_context(SETTINGS):
         labels = max(len(line.name) for line in lines), max(map(len, shown), default=0)
@@ -66,11 +46,10 @@ def write_matrix(path: Path, cases: Sequence[str], lines: Sequence[Line]) -> Non
                     axes.plot(x, y, ".", color="#999999", markersize=3)
         axes.set_xticks(range(len(shown)), shown, rotation=90)
         axes.set_yticks(range(len(lines)), [line.name for line in lines])
-        axes.set_xlim(-0.5, len(shown) - 0.5)
-        axes.set_ylim(len(lines) - 0.5, -0.5)
+        axes.set(xlim=(-0.5, len(shown) - 0.5), ylim=(len(lines) - 0.5, -0.5))
         axes.grid(visible=False)
-        axes.set_title("square: caught; cross: crash or refusal; dot: called, not seen; blank: not called or not asked")
-        axes.title.set_fontsize(8)
+        key = "square: caught; cross: crash or refusal; dot: called, not seen; blank: not called or not asked"
+        axes.set_title(key, fontsize=8)
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, DECADES), colours)
         canvas.colorbar(scale, ax=axes, label="log10 of error over allowed", fraction=0.05, aspect=50)
     save(canvas, path)

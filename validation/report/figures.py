@@ -6,12 +6,13 @@ Text stays text, ids are unique on the page, and equal numbers give equal SVG.
 from __future__ import annotations
 
 import io
-import math
 import re
 from contextlib import AbstractContextManager
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure, Panel, Series
@@ -71,13 +72,7 @@ def canvas_of(figure: Figure) -> Canvas:
 
 
 def save(canvas: Canvas, path: Path) -> None:
-    """Write a figure as SVG or PDF, as the ending of the path says; equal figures give equal files.
-
-    Raises
-    ------
-    OSError
-        As of `write_atomically`.
-    """
+    """Write a figure as SVG or PDF, as the ending of the path says; equal figures give equal files."""
     path.parent.mkdir(parents=True, exist_ok=True)
     stream, kind = io.BytesIO(), path.suffix.removeprefix(".")
     with styled(**{"pdf.fonttype": 42}):
@@ -88,11 +83,7 @@ def save(canvas: Canvas, path: Path) -> None:
 def svg_of(figure: Figure, prefix: str) -> str:
     """The figure as an SVG element with a role, a title (its caption) and a description (its axes and curves).
 
-    Parameters
-    ----------
-    figure : Figure
-    prefix : str
-        Makes its ids unique on the page.
+    The prefix makes its ids unique on the page.
     """
     return inline_svg(canvas_of(figure), prefix, figure.caption, described(figure))
 
@@ -131,10 +122,7 @@ def _draw(axes: Axes, panel: Panel) -> None:
     for index, series in enumerate(panel.series):
         hue = (index if series.hue is None else series.hue) % len(COLOURS)
         _draw_series(axes, series, COLOURS[hue], MARKERS[hue])
-    axes.set_xlabel(panel.xlabel)
-    axes.set_ylabel(panel.ylabel)
-    axes.set_xscale(panel.xscale)
-    axes.set_yscale(panel.yscale)
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, xscale=panel.xscale, yscale=panel.yscale)
     if len(panel.series) > MOST_INSIDE:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=8.0)
     else:
@@ -142,13 +130,12 @@ def _draw(axes: Axes, panel: Panel) -> None:
 
 
 def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
-    x, y = _numbers(series.x), _numbers(series.y)
-    if series.style == "band" and series.upper is not None:
-        axes.fill_between(x, y, _numbers(series.upper), color=colour, alpha=0.2, linewidth=0, label=series.label)
-    elif series.style == "bars" and series.upper is not None:
-        half = [(high - low) / 2 for low, high in zip(y, _numbers(series.upper), strict=True)]
-        middle = [low + rise for low, rise in zip(y, half, strict=True)]
-        axes.errorbar(x, middle, half, fmt="none", ecolor=colour, elinewidth=1.0, capsize=2.5, label=series.label)
+    x, y, upper = (np.array(values, dtype=np.float64) for values in (series.x, series.y, series.upper or ()))
+    if series.style == "band":
+        axes.fill_between(x, y, upper, color=colour, alpha=0.2, linewidth=0, label=series.label)
+    elif series.style == "bars":
+        half = (upper - y) / 2
+        axes.errorbar(x, y + half, half, fmt="none", ecolor=colour, elinewidth=1.0, capsize=2.5, label=series.label)
     elif series.style == "thin":
         shade = {"color": "#9aa0a6"} if series.hue is None else {"color": colour, "alpha": 0.35}
         axes.plot(x, y, "-", linewidth=0.5, zorder=1.5, label=series.label, **shade)
@@ -158,7 +145,3 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
         axes.plot(x, y, marker, color=colour, markersize=3.6, linestyle="none", label=series.label)
     else:
         axes.plot(x, y, "--" if series.style == "dashed" else "-", color=colour, linewidth=1.4, label=series.label)
-
-
-def _numbers(values: list[float | None]) -> list[float]:
-    return [math.nan if value is None else value for value in values]

@@ -28,23 +28,15 @@ FACTOR = 5.0  # 2.05 measured
 
 @dataclass(frozen=True)
 class Line:
-    """A number of a case over n reports.
-
-    Parameters
-    ----------
-    values : (n,) tuple
-        Errors, scaled as their rows say, or counts; None where a report does not have it.
-    limits : (n,) tuple
-        Tolerances of the errors; nan for counts.
-    bands : (n,) tuple
-        The largest value that the reports before allow; None where there is none to judge by.
-    """
+    """A number of a case over n reports."""
 
     case: str
     quantity: str
     kind: Literal["error", "count"]
+    # errors, scaled as their rows say, or counts; None where a report does not have it; (n,)
     values: tuple[float | None, ...]
-    limits: tuple[float, ...]
+    limits: tuple[float, ...]  # tolerances of the errors; nan for counts; (n,)
+    # the largest value that the reports before allow; None where there is none to judge by; (n,)
     bands: tuple[float | None, ...]
 
     def rises(self, k: int) -> bool:
@@ -82,13 +74,7 @@ class History:
 
 
 def history_of(reports: Sequence[Report]) -> History:
-    """The history of reports of one suite.
-
-    Parameters
-    ----------
-    reports : sequence of n Report
-        In any order.
-    """
+    """The history of reports of one suite, given in any order."""
     ordered = tuple(sorted(reports, key=lambda report: str(report.provenance.get("date", ""))))
     found: dict[tuple[str, str, Literal["error", "count"]], dict[int, _Value]] = {}
     for k, report in enumerate(ordered):

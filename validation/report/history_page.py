@@ -12,7 +12,7 @@ from validation.harness.schema import Figure, Report
 from validation.harness.verdict import counts
 from validation.report.figures import COLOURS, svg_of
 from validation.report.history import FACTOR, History, Line
-from validation.report.render import asset, environment, number
+from validation.report.render import filled, number
 
 PAGE = "history.html"
 
@@ -30,7 +30,8 @@ def render_history(history: History) -> str:
     names = list(dict.fromkeys(line.case for line in history.lines))
     lines = {name: [line for line in history.lines if line.case == name] for name in names}
     figures = {name: figure for name in names if (figure := _figure(name, lines[name])) is not None}
-    page = environment().get_template("history.jinja").render(
+    return filled(
+        "history.jinja",
         n=n,
         newest=named(history.reports[-1], n),
         factor=FACTOR,
@@ -43,10 +44,7 @@ def render_history(history: History) -> str:
         summary=[_summary(name, lines[name]) for name in names],
         tables={name: [_cells(line) for line in lines[name]] for name in names},
         figures={name: (figure.caption, svg_of(figure, f"history-{name}")) for name, figure in figures.items()},
-        style=asset("style.css"),
-        script=asset("sort.js"),
     )  # fmt: skip
-    return str(page)
 
 
 def named(report: Report, k: int) -> str:

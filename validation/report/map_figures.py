@@ -27,17 +27,7 @@ DECADES = 30.0
 
 @dataclass(frozen=True)
 class Map:
-    """Values over rows and columns, (n_rows, n_columns) each; None without a value.
-
-    Parameters
-    ----------
-    name, title, row_label, column_label : str
-    rows, columns : sequences of str
-    values, errors : nested sequences
-        Means and their standard errors.
-    notes : nested sequence of str
-        Why a value is missing, or rests on fewer realisations.
-    """
+    """Values over rows and columns, (n_rows, n_columns) each; None without a value."""
 
     name: str
     title: str
@@ -45,9 +35,9 @@ class Map:
     column_label: str
     rows: Sequence[str]
     columns: Sequence[str]
-    values: Sequence[Sequence[float | None]]
-    errors: Sequence[Sequence[float | None]]
-    notes: Sequence[Sequence[str]]
+    values: Sequence[Sequence[float | None]]  # means
+    errors: Sequence[Sequence[float | None]]  # and their standard errors
+    notes: Sequence[Sequence[str]]  # why a value is missing, or rests on fewer realisations
 
 
 def write_map(found: Map, folder: Path) -> None:
@@ -74,8 +64,7 @@ def draw(found: Map) -> Figure:
                 axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=size, color=colour)
         axes.set_xticks(np.arange(len(found.columns)) + 0.5, found.columns)
         axes.set_yticks(np.arange(len(found.rows)) + 0.5, found.rows)
-        axes.set_xlabel(found.column_label)
-        axes.set_ylabel(found.row_label)
+        axes.set(xlabel=found.column_label, ylabel=found.row_label)
         axes.set_title(found.title, fontsize=9.5)
         canvas.colorbar(mesh, ax=axes)
     return canvas

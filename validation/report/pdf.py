@@ -23,14 +23,7 @@ OPTIONS = ("--headless", "--disable-gpu", "--no-first-run", "--no-pdf-header-foo
 def write_pdf(folder: Path) -> Path:
     """Print folder/report.html to folder/report.pdf; its path.
 
-    Parameters
-    ----------
-    folder : Path
-
-    Raises
-    ------
-    ReportError
-        No browser is installed, or it did not print.
+    ReportError where no browser is installed, or it did not print.
     """
     browser = next(filter(None, map(shutil.which, BROWSERS)), None)
     if browser is None:

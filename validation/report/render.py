@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date
 from importlib import resources
@@ -73,32 +73,14 @@ class Worst:
 
 
 def write_html(report: Report, folder: Path) -> None:
-    """Render a report into folder/report.html, under a temporary name first.
-
-    Parameters
-    ----------
-    report : Report
-    folder : Path
-
-    Raises
-    ------
-    ReportError
-        As of `render`.
-    """
+    """Render a report into folder/report.html, under a temporary name first."""
     write_atomically(folder / PAGE, render(report))
 
 
 def render(report: Report) -> str:
     """The page as text.
 
-    Parameters
-    ----------
-    report : Report
-
-    Raises
-    ------
-    ReportError
-        A case cites a source that is not in the bibliography, or has an equation that cannot be set.
+    ReportError where a case cites a source that is not in the bibliography, or has an equation that cannot be set.
     """
     try:
         return _rendered(report)
@@ -109,39 +91,31 @@ def render(report: Report) -> str:
 def _rendered(report: Report) -> str:
     lines = {case.id: [_line(row) for row in case.rows] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
-    page = (
-        environment()
-        .get_template("page.jinja")
-        .render(
-            report=report,
-            sentence=first_sentence(report),
-            passed=not fails(report) and is_intact(report),
-            all_results=_overview(report),
-            budgets={case.id: [budget for row in case.rows if (budget := budget_of(row))] for case in report.cases},
-            lines=lines,
-            verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
-            marks=MARKS,
-            worst=_worst_ratio(lines),
-            intact=is_intact(report),
-            failing=failures(report),
-            known=_known(report, lines),
-            groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
-            scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
-            landing=[
-                _drawn(case, LANDING) for case in report.cases if any(f.id.startswith(LANDING) for f in case.figures)
-            ],
-            figures={case.id: _drawn(case, "") for case in report.cases},
-            case_verdict={case.id: _worst(case) for case in report.cases},
-            bibliography=bibliography(report.cases),
-            style=asset("style.css"),
-            script=asset("sort.js"),
-        )
+    return filled(
+        "page.jinja",
+        report=report,
+        sentence=first_sentence(report),
+        passed=not fails(report) and is_intact(report),
+        all_results=_overview(report),
+        budgets={case.id: [budget for row in case.rows if (budget := budget_of(row))] for case in report.cases},
+        lines=lines,
+        verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
+        marks=MARKS,
+        worst=_worst_ratio(lines),
+        intact=is_intact(report),
+        failing=failures(report),
+        known=_known(report, lines),
+        groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
+        scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
+        landing=[_drawn(case, LANDING) for case in report.cases if any(f.id.startswith(LANDING) for f in case.figures)],
+        figures={case.id: _drawn(case, "") for case in report.cases},
+        case_verdict={case.id: _worst(case) for case in report.cases},
+        bibliography=bibliography(report.cases),
     )
-    return str(page)
 
 
-def environment() -> Environment:
-    """Where templates are found, and how they are filled: nothing undefined, everything escaped."""
+def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = None, **values: Any) -> str:
+    """A page from its template, with the style and the script of all pages: nothing undefined, everything escaped."""
     made = Environment(
         loader=PackageLoader("validation.report", "."),
         autoescape=True,
@@ -149,22 +123,13 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters["number"] = number
-    made.filters["short"] = _short
-    made.filters["typeset"] = typeset
-    made.filters["with_links"] = with_links
-    made.filters["subscripts"] = subscripts
-    made.filters["counted"] = counted
-    return made
+    made.filters |= {"number": number, "short": _short, "typeset": typeset, "with_links": with_links}
+    made.filters |= {"subscripts": subscripts, "counted": counted} | dict(filters or {})
+    return made.get_template(template).render(style=asset("style.css"), script=asset("sort.js"), **values)
 
 
 def number(value: Any) -> str:
-    """A number with the digits a reader needs; other values as they are.
-
-    Parameters
-    ----------
-    value : any
-        None is a dash.
+    """A number with the digits a reader needs, None as a dash; other values as they are.
 
     Examples
     --------
@@ -181,17 +146,7 @@ def number(value: Any) -> str:
 
 
 def failures(report: Report) -> list[tuple[str, str]]:
-    """What gates: the case ("" for the report itself) and what is wrong with it.
-
-    Parameters
-    ----------
-    report : Report
-
-    Returns
-    -------
-    list of (str, str)
-        In the order of the report; empty when nothing gates.
-    """
+    """What gates, in the order of the report: the case ("" for the report itself) and what is wrong with it."""
     found = []
     if not is_intact(report):
         found.append(("", "report.json was changed after it was written: its checksum does not fit"))
@@ -301,10 +256,7 @@ def _worst(case: CaseRecord) -> str:
 def bibliography(cases: Iterable[CaseRecord | Case]) -> list[tuple[str, str]]:
     """Keys that cases cite, with the entries; a source written out, of more than one word, is none.
 
-    Raises
-    ------
-    ReportError
-        A key is not in the bibliography.
+    ReportError where a key is not in the bibliography.
     """
     known = json.loads(asset("bibliography.json"))
     cited = sorted({key for case in cases for key in case.sources if " " not in key})

@@ -11,7 +11,7 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.result import Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
-from validation.report.render import PAGE, asset, environment, number
+from validation.report.render import PAGE, filled, number
 from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
 from validation.report.run_words import outcome, quantity, scene_in_words, succeeded
 
@@ -30,13 +30,7 @@ IN_METRES = ("min_gap", "mean_gap_error")
 
 
 def write_run_page(folder: Path) -> Result:
-    """Render the result of a folder into report.html beside it; the result.
-
-    Raises
-    ------
-    CorruptResultError, FileNotFoundError
-        As of `read_result`.
-    """
+    """Render the result of a folder (`read_result`) into report.html beside it; the result."""
     result = read_result(folder)
     write_atomically(folder / PAGE, render_run(result))
     return result
@@ -45,7 +39,8 @@ def write_run_page(folder: Path) -> Result:
 def render_run(result: Result) -> str:
     """The page of a run as text."""
     shapes = len(shape_states(result))
-    page = environment().get_template("run_page.jinja").render(
+    return filled(
+        "run_page.jinja",
         title=result.scene["title"] or "A run",
         result=result,
         outcome=outcome(result),
@@ -66,10 +61,7 @@ def render_run(result: Result) -> str:
         seconds=sum(state.cpu_seconds for state in result.states),
         evaluations=sum(state.evaluations for state in result.states),
         unknowns=max((state.unknowns for state in result.states), default=0),
-        style=asset("style.css"),
-        script=asset("sort.js"),
-    )  # fmt: skip
-    return str(page)
+    )
 
 
 def _target(state: State) -> list[tuple[str, float | str]]:

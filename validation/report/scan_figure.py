@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.drawings import axes, drawn, trace
+from validation.harness.schema import Figure
+from validation.report.run_words import axis_unit
 
-PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 SAID = {
     "outliers": {"keep": "spikes found and kept: {count}", "replace": "spikes replaced: {count}"},
     "missing": {"interpolate": "missing heights interpolated: {count}"},
@@ -43,15 +44,14 @@ def preparation_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequenc
     """
     if "scan_x" not in fields:
         return None
-    length, across = _unit(fields["profile_x"] - fields["profile_x"][0])
-    height, upward = _unit(fields["scan_h"] - np.nanmean(fields["scan_h"]))
+    lengths, heights = fields["profile_x"] - fields["profile_x"][0], fields["scan_h"] - np.nanmean(fields["scan_h"])
+    (length, across), (height, upward) = (axis_unit(float(np.nanmax(np.abs(a))), "m") for a in (lengths, heights))
     series = []
     for name, label, style in (("scan", "as measured", "thin"), ("profile", "as prepared", "line")):
-        x, h = fields[f"{name}_x"] / length, fields[f"{name}_h"] / height
-        heights = [float(value) if np.isfinite(value) else None for value in h - np.nanmean(h)]
-        series.append(Series.model_validate({"label": label, "x": x.tolist(), "y": heights, "style": style}))
-    panel = Panel(xlabel=f"x / {across}", ylabel=f"height / {upward}", series=series)
-    return Figure(id="preparation", caption=caption_of(steps), solution=panel)
+        x, h = length * fields[f"{name}_x"], height * fields[f"{name}_h"]
+        y = [float(value) if np.isfinite(value) else None for value in h - np.nanmean(h)]
+        series.append(trace(label, x, y, style))
+    return drawn("preparation", caption_of(steps), axes(f"x / {across}", f"height / {upward}", *series))
 
 
 def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:
@@ -64,9 +64,3 @@ def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:
         done.append(f"{cut['harmonics']} of {cut['of']} harmonics keep {cut['slope_share_kept']:.1%} of the rms slope")
     words = "; ".join(filter(None, done))
     return f"Scan of {samples} samples: {words or 'taken as it is'}."
-
-
-def _unit(values: NDArray[np.float64]) -> tuple[float, str]:
-    """The unit of length in which the largest of some lengths is from 1 to 1000, in m, and its name."""
-    largest = float(np.nanmax(np.abs(values)))
-    return next((unit for unit in PREFIXES if largest >= unit[0]), PREFIXES[-1])

@@ -23,42 +23,19 @@ LABELLED = 2.5  # decades of an axis up to which twice and five times a power of
 
 @dataclass(frozen=True)
 class Line:
-    """One curve.
-
-    Parameters
-    ----------
-    label : str
-    x, y : sequences of float
-    notes : sequence of str
-        Beside the points; empty for none.
-    grey : sequence of bool
-        Points within the uncertainty of the reference; empty for none.
-    joined : bool
-        Whether a line joins the points; otherwise the curve is a line alone.
-    """
+    """One curve."""
 
     label: str
     x: Sequence[float]
     y: Sequence[float]
-    notes: Sequence[str] = ()
-    grey: Sequence[bool] = ()
-    joined: bool = True
+    notes: Sequence[str] = ()  # beside the points; empty for none
+    grey: Sequence[bool] = ()  # points within the uncertainty of the reference; empty for none
+    joined: bool = True  # whether a line joins the points; otherwise the curve is a line alone
 
 
 @dataclass(frozen=True)
 class Plot:
-    """Axes with curves.
-
-    Parameters
-    ----------
-    band : tuple of float, optional
-        Interval of x shaded as the uncertainty of the reference.
-    band_label : str
-    fits : sequence of (label, x, y)
-        Dashed lines in the colours of the curves of the same place.
-    failures : sequence of str
-        Messages of points that failed.
-    """
+    """Axes with curves."""
 
     title: str
     xlabel: str
@@ -66,9 +43,11 @@ class Plot:
     lines: Sequence[Line]
     xscale: str = "log"
     yscale: str = "log"
+    # label, x, y of dashed lines in the colours of the curves of the same place
     fits: Sequence[tuple[str, Sequence[float], Sequence[float]]] = ()
+    # label and end of intervals of x shaded as the uncertainty of the reference
     bands: Sequence[tuple[str, float]] = ()
-    failures: Sequence[str] = ()
+    failures: Sequence[str] = ()  # messages of points that failed
     size: tuple[float, float] = field(default=(6.8, 4.4))
 
 
@@ -81,8 +60,7 @@ def draw(plot: Plot) -> Figure:
             _draw_line(axes, line, COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)])
         for index, (label, x, y) in enumerate(plot.fits):
             axes.plot(x, y, "--", color=COLOURS[index % len(COLOURS)], linewidth=1.0, label=label)
-        axes.set_xscale(plot.xscale)
-        axes.set_yscale(plot.yscale)
+        axes.set(xlabel=plot.xlabel, ylabel=plot.ylabel, xscale=plot.xscale, yscale=plot.yscale)
         if plot.xscale == "log":
             axes.xaxis.set_minor_locator(LogLocator(subs=(2, 5)))
             axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(LABELLED, LABELLED)))
@@ -95,8 +73,6 @@ def draw(plot: Plot) -> Figure:
         for place, message in enumerate(plot.failures):
             cross = axes.plot([0.985], [0.03 + 0.04 * place], "x", color="#aa0000", label=f"failed: {message}")[0]
             cross.set(linestyle="none", transform=axes.transAxes, clip_on=False)
-        axes.set_xlabel(plot.xlabel)
-        axes.set_ylabel(plot.ylabel)
         axes.set_title(plot.title, fontsize=9.5)
         if plot.lines or plot.failures:
             longest = max(len(text) for text in axes.get_legend_handles_labels()[1])

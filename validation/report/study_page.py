@@ -10,46 +10,30 @@ from bem.command_line.console import scene_text
 from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure
 from validation.report.figures import svg_of
-from validation.report.render import asset, environment
+from validation.report.render import filled
 from validation.report.run_words import quantity, scene_in_words
 
 FILE, PAGE = "study.json", "study.html"
 
 
 def write_study_page(folder: Path) -> None:
-    """Render the study.json of a folder into study.html beside it.
-
-    Raises
-    ------
-    FileNotFoundError
-        There is none.
-    """
+    """Render the study.json of a folder into study.html beside it."""
     write_atomically(folder / PAGE, render_study(json.loads((folder / FILE).read_text("utf-8"))))
 
 
 def render_study(content: dict[str, Any]) -> str:
-    """The page as text.
-
-    Parameters
-    ----------
-    content : dict
-        Of study.json.
-    """
-    made = environment()
-    made.filters["share"] = share
-    made.filters["quantity"] = quantity
+    """The page of the content of study.json as text."""
     figure = Figure.model_validate(content["figure"])
-    page = made.get_template("study_page.jinja").render(
+    return filled(
+        "study_page.jinja",
+        {"share": share, "quantity": quantity},
         title=content["scene"]["title"] or "A scene",
         study=content,
         words=scene_in_words(content["scene"]),
         toml=scene_text(content["scene"]),
         figure=figure,
         svg=svg_of(figure, f"study-{figure.id}"),
-        style=asset("style.css"),
-        script=asset("sort.js"),
     )
-    return str(page)
 
 
 def share(relative: float | None) -> str:

@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 from validation.harness.execution import Ended, Running, run_alone
 from validation.harness.kept import DamagedError, keep, kept
 from validation.harness.provenance import sources_digest, versions
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 
 FOLDER = "answers"
 NAME_LENGTH = 60  # characters of a file name before its digest
@@ -32,33 +32,17 @@ Answer = TypeVar("Answer")
 
 @dataclass(frozen=True)
 class Answers:
-    """The answers of a study in a folder.
+    """The answers of a study in a folder."""
 
-    Parameters
-    ----------
-    folder : Path
-        Made where it is not there.
-    key : str
-        Of sources and versions; answers of another key are not taken.
-    report : callable
-        Gets a `Note` for each answer that is there already, and for each damaged file.
-    """
-
-    folder: Path
-    key: str
-    report: Callable[[Note], None]
+    folder: Path  # made where it is not there
+    key: str  # of sources and versions; answers of another key are not taken
+    report: Listener  # gets a `Note` for each answer that is there already, and for each damaged file
 
     def kept(self, form: type[Answer], name: str, *decides: Any) -> Answer | None:
         """The answer of a task if these sources gave it.
 
-        Parameters
-        ----------
-        form : type
-            Of the answer: a data class, a list of one, or the like.
-        name : str
-            Of the task, for people.
-        decides : objects
-            What else decides the answer, by their `repr`.
+        Its form is a data class, a list of one, or the like; its name is for people, `decides` what else decides the
+        answer, by the `repr`.
         """
         try:
             answer = kept(self._path(name, decides), form, self.key)
@@ -70,34 +54,14 @@ class Answers:
         return answer
 
     def keep(self, form: type[Answer], answer: Answer, name: str, *decides: Any) -> None:
-        """Store the answer of a task.
-
-        Parameters
-        ----------
-        form, name, decides
-            As of `kept`.
-        answer : object of this form
-
-        Raises
-        ------
-        OSError
-            The disk is full; what is there stays whole.
-        """
+        """Store the answer of a task; what is there stays whole where the disk is full (OSError)."""
         self.folder.mkdir(parents=True, exist_ok=True)
         keep(self._path(name, decides), form, answer, self.key)
 
     def alone(
         self, form: type[Answer], function: Callable[[Item], Answer], item: Item, name: str, *decides: Any
     ) -> Answer | Exception:
-        """The answer of a task that is kept, or that of a function in a process of its own, or its exception.
-
-        Parameters
-        ----------
-        form, name, decides
-            As of `kept`.
-        function, item
-            As of `run_alone`.
-        """
+        """The answer of a task that is kept, or that of a function in a process of its own, or its exception."""
         known = self.kept(form, name, *decides)
         if known is not None:
             return known
@@ -120,15 +84,7 @@ class Answers:
         return self.folder / f"{short}-{hashlib.sha256(repr((name, decides)).encode()).hexdigest()[:12]}.json"
 
 
-def answers_in(folder: Path, report: Callable[[Note], None]) -> Answers:
-    """The answers of a study that writes to a folder.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the study.
-    report : callable
-        As of `Answers`.
-    """
+def answers_in(folder: Path, report: Listener) -> Answers:
+    """The answers of a study that writes to a folder."""
     key = hashlib.sha256((sources_digest() + json.dumps(versions(), sort_keys=True)).encode()).hexdigest()
     return Answers(folder / FOLDER, key, report)

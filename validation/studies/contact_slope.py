@@ -10,7 +10,7 @@ Limits: half-space, no adhesion; some minutes of one core.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from validation.harness.arrays import FloatArray
 from validation.harness.ensemble import Member, read_member, run_ensemble
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-contact-slope-study/1"
@@ -95,22 +95,11 @@ def member(group: Group, loads: FloatArray, root: int, k: int) -> Member:
     return Member(f"{name_of(group)}-{root}-{k:03d}", scene)
 
 
-def run(
-    folder: Path, quick: bool, report: Callable[[Note], None], jobs: int = 1, opener: Opener = local_processes
-) -> int:
+def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
     """Run the study; 1 when a realisation failed.
 
-    Parameters
-    ----------
-    folder : Path
-        Gets members/ and contact-slope.json; a second run continues where the first ended.
-    quick : bool
-        Two realisations of the small groups: shows that everything runs.
-    report : callable
-    jobs : int
-        Local processes.
-    opener : callable
-        Opens the executor (executors.py).
+    The folder gets members/ and contact-slope.json; a second run continues where the first ended. Quick: two
+    realisations of the small groups, which shows that everything runs.
     """
     found: dict[str, Areas] = {}
     for part in ("fit", "hold_out"):
@@ -160,13 +149,7 @@ def run(
 
 
 def fitted(ensembles: Areas, loads: FloatArray) -> dict[str, float]:
-    """The five coefficients by least squares, from those of the package.
-
-    Raises
-    ------
-    ArithmeticError
-        The least squares do not converge.
-    """
+    """The five coefficients by least squares from those of the package; ArithmeticError where they do not converge."""
     start = data()["coefficients"]
 
     def residual(values: FloatArray) -> FloatArray:

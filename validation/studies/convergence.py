@@ -28,7 +28,7 @@ from validation.corpus.convergence_curves import (
 )
 from validation.corpus.rates import RateError
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.store import text_table, write_json
@@ -84,22 +84,14 @@ def steps_of(quick: bool) -> list[Step]:
 def run(
     folder: Path,
     quick: bool,
-    report: Callable[[Note], None],
+    report: Listener,
     steps: Sequence[Step] | None = None,
     increments: tuple[float, ...] | None = None,
 ) -> int:
     """Run the study; 1 when a rate is outside its bounds, a curve fails, or the path depends on its increments.
 
-    Parameters
-    ----------
-    folder : Path
-        Gets convergence.json and the figures.
-    quick : bool
-        Fewer sizes, fewer realisations.
-    report : callable
-        Gets a `Note` for every step.
-    steps, increments : optional
-        Others than those of the study.
+    The folder gets convergence.json and the figures. Quick: fewer sizes, fewer realisations. Steps and increments,
+    where they are given, are others than those of the study.
     """
     folder.mkdir(parents=True, exist_ok=True)
     chosen = steps_of(quick) if steps is None else list(steps)

@@ -24,14 +24,14 @@ import bem
 from bem.scene.result import FINAL_STATUSES, Progress, State
 from validation.harness.compare import fitted_order
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.harness.schema import Table
 from validation.references import adapters
 from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.answers import Answers, answers_in
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences
-from validation.studies.store import peak_megabytes, write_json
+from validation.studies.store import peak_megabytes, plain, write_json
 
 SCHEMA = "linecontact-cost/1"
 FILE = "cost.json"
@@ -111,7 +111,7 @@ def tasks_of(quick: bool) -> list[Task]:
 def run(
     folder: Path,
     quick: bool,
-    report: Callable[[Note], None],
+    report: Listener,
     tasks: Sequence[Task] | None = None,
     measure: Callable[[Task], Run] | None = None,
     dissect: Callable[[int], Breakdown] | None = dissected,
@@ -120,11 +120,8 @@ def run(
 
     Parameters
     ----------
-    folder : Path
     quick : bool
         Only the benchmark.
-    report : callable
-        Gets a `Note` for every step.
     tasks : sequence of Task, optional
         Others than those of the study.
     measure : callable, optional
@@ -286,7 +283,7 @@ def _write(folder: Path, facts: dict[str, Any], runs: Sequence[Run], planned: in
     table = Table(
         caption="Cost of loading the paper's profile to 0.025 E*, one thread.",
         columns=COLUMNS,
-        rows=[[_cell(getattr(found, name)) for name in COLUMNS] for found in runs],
+        rows=[[plain(getattr(found, name)) for name in COLUMNS] for found in runs],
     )
     content = {
         "schema": SCHEMA,
@@ -350,10 +347,6 @@ def _worst(values: Iterable[float]) -> float:
     """The largest; nan when the values are empty or one is not a number."""
     known = list(values)
     return math.nan if not known or any(math.isnan(value) for value in known) else max(known)
-
-
-def _cell(value: Any) -> str | float | int | None:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 HEADING = (

@@ -45,19 +45,11 @@ class Evaluated:
 
 @dataclass(frozen=True)
 class Breakdown:
-    """A path of the paper's profile, taken apart.
-
-    Parameters
-    ----------
-    stages : dict of str to float
-        CPU seconds of every stage; they add up to the path.
-    calls : dict of str to int
-    evaluated : tuple of Evaluated
-    """
+    """A path of the paper's profile, taken apart."""
 
     harmonics: int
     status: str
-    stages: dict[str, float]
+    stages: dict[str, float]  # CPU seconds of every stage; they add up to the path
     calls: dict[str, int]
     evaluated: tuple[Evaluated, ...]
 

@@ -29,7 +29,7 @@ Carbone, Mangialardi, J. Mech. Phys. Solids 56 (2008) 684.  Limits: one period, 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,7 @@ from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Result, State
 from validation.harness.ensemble import Member, Outcome, member_seed, read_member, run_ensemble
 from validation.harness.executors import Opener, local_processes
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.report.map_figures import Map, write_map
 from validation.studies.store import text_table, write_json
 
@@ -183,44 +183,16 @@ def full_contact_energy(surface: Profile) -> float:
     return MODULUS * float(np.sum(surface.q0 * surface.orders * surface.amplitudes**2)) / 8
 
 
-def run(
-    folder: Path,
-    quick: bool,
-    report: Callable[[Note], None],
-    jobs: int = 1,
-    opener: Opener = local_processes,
-) -> int:
+def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
     """Run the study; 1 when a realisation failed, is not certified, or its energies do not balance.
 
-    Parameters
-    ----------
-    folder : Path
-        Gets members/, maps.json, and every map as SVG, PDF and CSV.
-    quick : bool
-        Small maps that show that everything runs.
-    report, jobs, opener
-        As of `run_over`.
+    Quick: small maps that show that everything runs.
     """
     return run_over(TINY_AXES if quick else FULL_AXES, folder, report, jobs, opener)
 
 
-def run_over(
-    axes: Axes, folder: Path, report: Callable[[Note], None], jobs: int = 1, opener: Opener = local_processes
-) -> int:
-    """Run the study over given axes.
-
-    Parameters
-    ----------
-    axes : Axes
-    folder : Path
-        Gets members/, maps.json, and every map as SVG, PDF and CSV.
-    report : callable
-        Gets a `Note` for every step.
-    jobs : int
-        Local processes.
-    opener : callable
-        Opens the executor (executors.py).
-    """
+def run_over(axes: Axes, folder: Path, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
+    """Run the study over given axes: members/, maps.json, and every map as SVG, PDF and CSV go to the folder."""
     chosen, seeds = planes(axes), axes.seeds
     members = {(point, k): member_of(point, k) for plane in chosen for point in plane.points for k in range(seeds)}
     ordered = sorted(members.values(), key=lambda member: -int(member.scene["profile"]["harmonics"]))  # long ones first

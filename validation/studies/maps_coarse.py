@@ -6,16 +6,13 @@ the period; 60 harmonics where the bandwidth does not vary, four realisations a 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from validation.harness.executors import Opener, local_processes
-from validation.harness.runner import Note
+from validation.harness.runner import Listener
 from validation.studies.maps import COARSE_AXES, TINY_AXES, run_over
 
 
-def run(
-    folder: Path, quick: bool, report: Callable[[Note], None], jobs: int = 1, opener: Opener = local_processes
-) -> int:
+def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
     """Run the study over the coarse axes, or over the tiny ones; as `maps.run`."""
     return run_over(TINY_AXES if quick else COARSE_AXES, folder, report, jobs, opener)

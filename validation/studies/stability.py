@@ -38,7 +38,7 @@ from validation.corpus.hard.hard_case_run import Outcome
 from validation.corpus.random import random_trial
 from validation.harness.execution import Ended, Running, run_in_processes, run_in_turn
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.studies.answers import answers_in
 from validation.studies.store import text_table, write_json
 
@@ -57,7 +57,7 @@ def random_tasks(number: int, seed: int) -> list[Task]:
 def run(
     folder: Path,
     quick: bool,
-    report: Callable[[Note], None],
+    report: Listener,
     tasks: Sequence[Task] | None = None,
     measure: Callable[[Task], Outcome] | None = None,
     jobs: int = 1,
@@ -67,11 +67,8 @@ def run(
 
     Parameters
     ----------
-    folder : Path
     quick : bool
         The reduced forms instead of the full ones.
-    report : callable
-        Gets a `Note` for every step.
     tasks : sequence of Task, optional
         Others than those of the study.
     measure : callable, optional
@@ -134,9 +131,7 @@ def summary(rows: Sequence[Row], planned: int) -> list[str]:
     return lines + [f"FAILED {row.code} {row.id}: {_told(row)}" for row in rows if not row.stands]
 
 
-def _rows(
-    measure: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int, report: Callable[[Note], None]
-) -> Iterator[Row]:
+def _rows(measure: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int, report: Listener) -> Iterator[Row]:
     """The rows of cases as they end, up to `jobs` at a time, each in a process of its own, random ones in groups."""
     groups: list[tuple[Task, ...]] = [(task,) for task in tasks if task.code != "random"]
     drawn = [task for task in tasks if task.code == "random"]
@@ -162,9 +157,7 @@ def _listed(measure: Callable[[Task], Outcome], tasks: Sequence[Task]) -> list[R
     return list(_in_turn(measure, tasks, lambda note: None))
 
 
-def _in_turn(
-    measure: Callable[[Task], Outcome], tasks: Sequence[Task], report: Callable[[Note], None]
-) -> Iterator[Row]:
+def _in_turn(measure: Callable[[Task], Outcome], tasks: Sequence[Task], report: Listener) -> Iterator[Row]:
     """Cases one after another in one process, which another replaces where a case kills it or reaches its limit."""
     with closing(run_in_turn(measure, tasks, lambda task: task.limit)) as events:
         for event, seconds in events:

@@ -23,7 +23,9 @@ from bem.scene.scene import parse_scene
 from validation.corpus.hard.hard_case_scenes import MODULUS, PERIOD, rough, scene, waves
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
+from validation.harness.rows import compared
 from validation.harness.schema import Reference, Row, Tolerance
+from validation.references.closed_forms import layer_compliance
 from validation.references.lone_crack import closing, valleys
 
 AMPLITUDE = 1e-4
@@ -47,11 +49,7 @@ def _states(profile: dict[str, Any], control: str, targets: list[float], layer: 
 def complete_pressure(surface: Profile, layer: float | None, nu: float) -> Profile:
     """Pressure of complete contact less its mean, Pa: h_m / c(q), Carbone and Mangialardi (2008)."""
     q = 2 * np.pi / surface.period * surface.orders
-    compliance = 2 * (1 - nu**2) / (MODULUS * q)
-    if layer is not None:
-        y = q * layer
-        stiff = (3 - 4 * nu) * np.cosh(2 * y) + 2 * y**2 + 5 - 12 * nu + 8 * nu**2
-        compliance = compliance * ((3 - 4 * nu) * np.sinh(2 * y) - 2 * y) / stiff
+    compliance = 2 * (1 - nu**2) / (MODULUS * q) if layer is None else layer_compliance(q, layer, MODULUS, nu)
     return Profile(surface.period, surface.orders, surface.amplitudes / compliance, surface.phases)
 
 
@@ -115,15 +113,8 @@ def _refused() -> Row:
 
 def _row(quantity: str, expected: float, computed: FloatArray, tolerance: Tolerance) -> Row:
     """Numbers that should all be the same."""
-    return Row(
-        quantity=quantity,
-        unit="",
-        reference=CLOSED,
-        norm="absolute",
-        expected=[expected] * computed.size,
-        computed=computed.tolist(),
-        tolerance=tolerance,
-    )
+    return compared(quantity, "", CLOSED, [expected] * computed.size, computed, tolerance.value, tolerance.measured,
+                    "absolute", basis=tolerance.basis)  # fmt: skip
 
 
 def _last_gaps() -> Outcome:

@@ -29,16 +29,9 @@ DIPS = (0.0, 0.5)  # place of the dip over the period: across its end, and in th
 
 
 def one_patch_mean_pressure(angle: float, harmonics: list[float], work: float) -> float:
-    """Mean pressure in Pa of one patch in equilibrium.
+    """Mean pressure in Pa of one patch in equilibrium at a = pi times the contact fraction, in (0, pi).
 
-    Parameters
-    ----------
-    angle : float
-        a = pi times the contact fraction, in (0, pi).
-    harmonics : list of M floats
-        h_1, ..., h_M in m.
-    work : float
-        Work of adhesion in J/m^2; 0 without adhesion.
+    The harmonics are h_1, ..., h_M in m; the work of adhesion is in J/m^2, 0 without adhesion.
 
     Examples
     --------

@@ -26,7 +26,7 @@ from validation.harness.drawings import axes, drawn, loglog, marks, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Level, Reference, Row
 from validation.references import adapters, fem_adapter
-from validation.references.closed_forms import Sinusoid
+from validation.references.closed_forms import Sinusoid, layer_compliance
 
 PERIOD, AMPLITUDE, YOUNGS_MODULUS = 0.01, 50e-6, 1e6
 GROUP = "finite elements against closed forms"
@@ -37,20 +37,6 @@ ASKED_ORDER = {2: 3.8, 4: 5.5}
 LARGEST_ERROR = {2: (2e-4, 9e-5), 4: (1e-8, 3.9e-9)}  # of the energy on the finer mesh: tolerance, measured
 NAMES = {2: "P2/P1", 4: "P4/P3"}
 JOHNSON = Reference(kind="exact", source="Johnson 1995")
-
-
-def layer_compliance(wavenumber: float, thickness: float, youngs_modulus: float, poisson_ratio: float) -> float:
-    """c(q) in m/Pa: displacement of the frictionless face of a bonded layer per pressure of one wave.
-
-    Examples
-    --------
-    >>> round(layer_compliance(1.0, 20.0, 1.0, 0.0), 12)  # a half-space: 2 / (E* q)
-    2.0
-    """
-    nu, t = poisson_ratio, wavenumber * thickness
-    above = (3 - 4 * nu) * np.sinh(2 * t) - 2 * t
-    below = (3 - 4 * nu) * np.cosh(2 * t) + 2 * t**2 + 5 - 12 * nu + 8 * nu**2
-    return float(2 * (1 - nu**2) / (youngs_modulus * wavenumber) * above / below)
 
 
 def _complete_fem(poisson_ratio: float, order: int, cells: int) -> Result:
@@ -83,7 +69,7 @@ def _complete_bem(poisson_ratio: float) -> float:
 
 def _complete() -> Outcome:
     exact = {
-        nu: 0.25 * AMPLITUDE**2 / layer_compliance(2 * np.pi / PERIOD, DOUBLING * PERIOD, YOUNGS_MODULUS, nu)
+        nu: 0.25 * AMPLITUDE**2 / float(layer_compliance(2 * np.pi / PERIOD, DOUBLING * PERIOD, YOUNGS_MODULUS, nu))
         for nu in RATIOS
     }
     rows, series = [], []

@@ -67,39 +67,19 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A scene solved by both codes.
+    """A scene solved by both codes."""
 
-    Parameters
-    ----------
-    label : str
-        What distinguishes the scene from the others of its case.
-    differences : tuple of Difference
-        Empty when one of the codes has no state; `failure` then says why.
-    fem : Result or None
-    state : bem.ContactState or None
-        The boundary elements at their edges.
-    failure : str
-    """
-
-    label: str
-    differences: tuple[Difference, ...]
+    label: str  # what distinguishes the scene from the others of its case
+    differences: tuple[Difference, ...]  # empty when one of the codes has no state; `failure` then says why
     fem: Result | None = None
-    state: bem.ContactState | None = None
+    state: bem.ContactState | None = None  # the boundary elements at their edges
     failure: str = ""
 
 
 def compare_equilibria(label: str, posed: Scene, elements: str, patches: int) -> Comparison:
-    """Equilibria of a scene: each code finds its own edges.
+    """Equilibria at the last target of a scene with a layer, under penetration or load: each code finds its own edges.
 
-    Parameters
-    ----------
-    label : str
-    posed : Scene
-        With a layer, controlled by penetration or load; its last target is compared.
-    elements : {"P2/P1", "P4/P3"}
-        Of the reference.
-    patches : int
-        How many the reference looks for.
+    `elements`, "P2/P1" or "P4/P3", and `patches`, how many are looked for, are those of the reference.
     """
     path = bem.solve(posed)
     state = path.targets[-1]

@@ -55,19 +55,10 @@ def legs(result: Result) -> list[tuple[tuple[State, ...], tuple[Event, ...]]]:
 
 
 def accounts(posed: Scene, nodes: int = NODES) -> tuple[Result, list[Account]]:
-    """A path, and the account of every way between its targets.
+    """A path that begins apart, with adhesion, and the account of every way between its targets.
 
-    Parameters
-    ----------
-    posed : Scene
-        With adhesion, begun with the surfaces apart.
-    nodes : int
-        Of Gauss's rule on every branch.
-
-    Raises
-    ------
-    ValueError
-        The path does not converge, or has other events when it is followed again.
+    `nodes` are those of Gauss's rule on every branch. ValueError where the path does not converge, or has other events
+    when it is followed again.
     """
     result = bem.solve(posed)
     theta, weight = np.polynomial.legendre.leggauss(nodes)

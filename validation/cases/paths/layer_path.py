@@ -18,6 +18,7 @@ from validation.harness.drawings import axes, drawn, marks, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Figure, Panel, Reference, Row, Table
 from validation.references import adapters
+from validation.references.closed_forms import layer_compliance
 from validation.references.dense_equilibrium import reference
 
 QUANTITIES = {
@@ -31,17 +32,13 @@ REQUIRED = 1e-10
 def _scenes() -> dict[str, Scene]:
     """The layers compared, by name."""
     mild: dict[str, Any] = {"solid": {"poisson_ratio": 0.3}}
+    driven = {"control": "total_displacement", "targets": [20e-6, 60e-6, 90e-6, 50e-6]}  # of the plate
     return {
         "nu = 0.5, adhesion": adapters.scene("thin_layer"),
         "nu = 0.5": adapters.scene("thin_layer", {"adhesion": None}),
         "nu = 0.3, adhesion": adapters.scene("thin_layer", mild),
-        "nu = 0.3, driven by its plate": adapters.scene("thin_layer", {**mild, "loading": _driven()}),
+        "nu = 0.3, driven by its plate": adapters.scene("thin_layer", {**mild, "loading": driven}),
     }
-
-
-def _driven() -> dict[str, Any]:
-    """Displacements of the plate, which hold the mean compression of the layer."""
-    return {"control": "total_displacement", "targets": [20e-6, 60e-6, 90e-6, 50e-6]}
 
 
 def errors(posed: Scene, states: tuple[State, ...]) -> dict[str, tuple[list[float], list[float]]]:
@@ -103,21 +100,14 @@ def _thick() -> tuple[Row, Row]:
 
 
 def _complete() -> Row:
-    """Pressure that just closes the last gap of a sinusoid on a thin incompressible layer, by bisection of states.
-
-    The amplitude of complete contact is D / c(q0), c(q) = 2 [sinh(2qd) - 2qd] / (E* q [cosh(2qd) + 2(qd)^2 + 1]).
-    """
-    amplitude, period, thickness, modulus = 1e-4, 0.01, 2e-4, 4e6 / 3
-    q = 2 * np.pi / period
-    y = 2 * q * thickness
-    compliance = 2 / (modulus * q) * (np.sinh(y) - y) / (np.cosh(y) + y**2 / 2 + 1)
-    exact = amplitude / compliance
+    """D / c(q0), the pressure that just closes the last gap of a sinusoid on a thin incompressible layer, bracketed."""
+    amplitude, period, thickness = 1e-4, 0.01, 2e-4
+    exact = amplitude / float(layer_compliance(2 * np.pi / period, thickness, 1e6, 0.5))
     targets = [exact * (1 - 1e-6), exact * (1 + 1e-6)]
     profile = {"kind": "harmonics", "orders": [1], "amplitudes": [amplitude], "phases": [0.0]}
-    emptied = dict.fromkeys(("hurst", "rms_height", "harmonics", "seed"))
     changes: dict[str, Any] = {
         "adhesion": None,
-        "profile": {**profile, **emptied},
+        "profile": profile | adapters.NOT_SELF_AFFINE,
         "loading": {"control": "mean_pressure", "targets": targets},
     }
     joined = [state.status == "complete_contact" for state in bem.solve(adapters.scene("thin_layer", changes)).targets]

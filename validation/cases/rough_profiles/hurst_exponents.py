@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 import bem
-import persson
 from validation.harness.case import Case, Outcome
 from validation.harness.drawings import drawn, loglog, marks, trace
 from validation.harness.schema import Band, Panel, Reference, Row, Table
@@ -62,15 +61,7 @@ def _areas(hurst: float, seed: int, adhesive: bool) -> list[float]:
 def _theory(hurst: float, adhesive: bool) -> list[float]:
     """Contact fractions of the theory; the same for all realisations."""
     posed, pressures = _posed(hurst, 0, adhesive)
-    spectrum = adapters.persson_spectrum(posed)
-    solid = {"youngs_modulus": posed.solid.youngs_modulus, "poisson_ratio": posed.solid.poisson_ratio}
-    if posed.adhesion is None:
-        return [persson.solve_nonadhesive(spectrum, load, **solid).contact_fraction for load in pressures]
-    work = posed.adhesion.work_of_adhesion
-    return [
-        persson.solve(spectrum, load, **solid, work_of_adhesion=work, with_separation=False).contact_fraction
-        for load in pressures
-    ]
+    return [adapters.persson_contact(posed, load, with_separation=False).contact_fraction for load in pressures]
 
 
 def _compared(adhesive: bool) -> tuple[list[Row], Panel, list[list[str | float | int | None]]]:

@@ -16,7 +16,6 @@ import numpy as np
 
 import bem
 import fem_reference
-import persson
 from bem.scene.result import State
 from validation.harness.case import Case, Outcome
 from validation.harness.drawings import axes, drawn, loglog, marks, trace
@@ -49,19 +48,11 @@ def _area() -> Outcome:
         {"adhesion": None, "loading": {"control": "mean_pressure", "targets": [load * MODULUS for load in LOADS]}}
     )
     wet = [state for state in _solved({"loading": {"targets": [30e-6]}}) if state.mean_pressure > 0]
-    spectrum = adapters.persson_spectrum(adapters.scene("rough_100", {"profile": {"harmonics": HARMONICS}}))
-    solid = {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO}
 
     def theory(load: float, work: float | None) -> float:
-        found = persson.solve(
-            spectrum,
-            load * MODULUS,
-            youngs_modulus=solid["youngs_modulus"],
-            poisson_ratio=solid["poisson_ratio"],
-            work_of_adhesion=work,
-            with_separation=False,
-        )
-        return found.contact_fraction
+        adhesion = None if work is None else {"work_of_adhesion": work}
+        posed = adapters.scene("rough_100", {"profile": {"harmonics": HARMONICS}, "adhesion": adhesion})
+        return adapters.persson_contact(posed, load * MODULUS, with_separation=False).contact_fraction
 
     targets = [state for state in dry if state.target]
     row = Row(

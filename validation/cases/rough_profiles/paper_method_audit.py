@@ -82,7 +82,8 @@ def _outcome(
     name: str, state: State, states: list[PaperState], cells: Sequence[int], surface: Surface, measured: Measured
 ) -> Outcome:
     """Rows, table and figure of a state of the solver against three grids of the paper's method."""
-    scales = surface.unit_pressure * float(np.sqrt(np.sum((surface.order * _heights(surface)) ** 2) / 2))
+    heights = np.asarray(surface.amplitudes, dtype=np.float64) / surface.unit_height
+    scales = surface.unit_pressure * float(np.sqrt(np.sum((surface.order * heights) ** 2) / 2))
     patches = [float(len(found.edges)) for found in states]
     rows = [
         counted("patches on every grid", Reference(kind="independent code", source=METHOD), patches,
@@ -125,10 +126,6 @@ def _row(quantity: str, unit: str, scale: float, computed: FloatArray, found: li
                     Reference(kind="independent code", source=f"{METHOD}; extrapolated", uncertainty=limit.uncertainty),
                     limit.value.ravel(), computed.ravel(), 2.5 * measured, measured, "maximum over states", scale,
                     pinned="converged")  # fmt: skip
-
-
-def _heights(surface: Surface) -> FloatArray:
-    return np.asarray(surface.amplitudes, dtype=np.float64) / surface.unit_height
 
 
 def _listed(edges: FloatArray, period: float) -> FloatArray:

@@ -7,7 +7,6 @@ load is a known discrepancy with a band that fails on both sides.  The loads and
 from __future__ import annotations
 
 import bem
-import persson
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from persson import AdhesiveContact, DiscreteSpectrum
@@ -29,7 +28,7 @@ def _paper_profile() -> Outcome:
     result = bem.solve(posed)
     modulus = posed.solid.youngs_modulus / (1 - posed.solid.poisson_ratio**2)
     spectrum = adapters.persson_spectrum(posed)
-    theory = [_theory(posed, spectrum, load * modulus) for load in LOADS]
+    theory = [_theory(posed, load * modulus) for load in LOADS]
     at_load = list(result.targets[: len(LOADS)])
     absent: list[float | None] = [None] * (len(LOADS) - len(at_load))
     rows = (
@@ -62,16 +61,9 @@ def _paper_profile() -> Outcome:
     return Outcome(rows=rows, figures=figures, tables=(_table(result.targets, modulus),), counts=counts)
 
 
-def _theory(posed: Scene, spectrum: DiscreteSpectrum, pressure: float) -> AdhesiveContact:
-    """The theory with adhesion at a mean pressure in Pa; the raw constants of the scene are handed over."""
-    assert posed.adhesion is not None
-    found = persson.solve(
-        spectrum,
-        pressure,
-        youngs_modulus=posed.solid.youngs_modulus,
-        poisson_ratio=posed.solid.poisson_ratio,
-        work_of_adhesion=posed.adhesion.work_of_adhesion,
-    )
+def _theory(posed: Scene, pressure: float) -> AdhesiveContact:
+    """The theory with adhesion at a mean pressure in Pa."""
+    found = adapters.persson_contact(posed, pressure)
     if not isinstance(found, AdhesiveContact) or found.status != "converged":
         raise ArithmeticError(f"theory with adhesion at {pressure:g} Pa: {found.status}")
     return found

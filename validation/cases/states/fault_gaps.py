@@ -7,6 +7,7 @@ equations, with none of the codes compared.  SI units.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
@@ -14,45 +15,32 @@ import numpy as np
 
 import bem
 import fem_reference
-from validation.harness.arrays import FloatArray
+from validation.corpus.hard.hard_case_scenes import waves_of
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import compared
 from validation.harness.schema import Reference
 from validation.references import adapters
-from validation.references.closed_forms import Sinusoid
+from validation.references.closed_forms import Sinusoid, layer_compliance
 
 PERIOD, YOUNGS_MODULUS = 0.01, 1e6
 
 
-def _layer_compliance(q: FloatArray, thickness: float, nu: float) -> FloatArray:
-    """c(q) in m/Pa of a bonded layer, as printed: fine for q d of order one."""
-    y = 2 * q * thickness
-    bracket = ((3 - 4 * nu) * np.sinh(y) - y) / ((3 - 4 * nu) * np.cosh(y) + y**2 / 2 + 5 - 12 * nu + 8 * nu**2)
-    return np.asarray(2 * (1 - nu**2) / (YOUNGS_MODULUS * q) * bracket)
-
-
 def _layer_complete() -> Outcome:
     nu, thickness, pressure = 0.3, 0.1 * PERIOD, 2e5
-    orders, amplitudes = np.array([1, 2, 5]), np.array([20e-6, 10e-6, 3e-6])
+    orders, amplitudes, phases = np.array([1, 2, 5]), np.array([20e-6, 10e-6, 3e-6]), [0.0, 1.0, 2.0]
     changes: dict[str, Any] = {
         "adhesion": None,
         "solid": {"poisson_ratio": nu},
-        "profile": {
-            "kind": "harmonics",
-            "orders": orders.tolist(),
-            "amplitudes": amplitudes.tolist(),
-            "phases": [0.0, 1.0, 2.0],
-            **dict.fromkeys(("hurst", "rms_height", "harmonics", "seed")),
-        },
+        "profile": adapters.NOT_SELF_AFFINE | waves_of(bem.Profile.from_harmonics(PERIOD, orders, amplitudes, phases)),
         "layer": {"thickness": thickness},
         "loading": {"control": "mean_pressure", "targets": [pressure]},
     }
     posed = adapters.scene("rough_100", changes)
     (state,) = bem.solve(posed).targets
-    compliance = _layer_compliance(2 * np.pi * orders / PERIOD, thickness, nu)
+    compliance = layer_compliance(2 * np.pi * orders / PERIOD, thickness, YOUNGS_MODULUS, nu)
     mean = thickness * (1 - 2 * nu) * (1 + nu) / (YOUNGS_MODULUS * (1 - nu))
     x = np.linspace(0, PERIOD, 1 << 16)
-    height = np.cos(2 * np.pi * np.outer(x, orders) / PERIOD + [0.0, 1.0, 2.0]) @ amplitudes
+    height = np.cos(2 * np.pi * np.outer(x, orders) / PERIOD + phases) @ amplitudes
     source = Reference(kind="exact", source="Carbone and Mangialardi 2008, mode by mode")
     rows = (
         compared("elastic energy of complete contact", "J/m^2", source, [float(np.sum(amplitudes**2 / compliance)) / 4],
@@ -149,14 +137,9 @@ def _shifted() -> Outcome:
     surface = adapters.scene("rough_100", {"profile": {"harmonics": 40}}).surface()
     results = []
     for shift in SHIFTS:
+        moved = replace(surface, phases=surface.phases - 2 * np.pi * shift * surface.orders)
         changes: dict[str, Any] = {
-            "profile": {
-                "kind": "harmonics",
-                "orders": surface.orders.tolist(),
-                "amplitudes": surface.amplitudes.tolist(),
-                "phases": (surface.phases - 2 * np.pi * shift * surface.orders).tolist(),
-                **dict.fromkeys(("hurst", "rms_height", "harmonics", "seed")),
-            },
+            "profile": adapters.NOT_SELF_AFFINE | waves_of(moved),
             "adhesion": {"work_of_adhesion": 0.01},
             "loading": {"targets": [60e-6, 45e-6, 60e-6]},
         }

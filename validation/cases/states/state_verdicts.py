@@ -112,32 +112,15 @@ def _steep() -> Row:
 
 @dataclass(frozen=True)
 class Posed:
-    """A state handed to the solver's verdict: one patch from the closed form, and what is wrong with it.
-
-    Parameters
-    ----------
-    name : str
-    wave : OnePatch
-        Its harmonics are those of the surface.
-    angle : float
-        pi times the contact fraction.
-    shift : float
-        By which the right edge is moved, over the width.
-    deeper : float
-        By which the penetration is too large, over the rms height.
-    adhesive : bool
-        Whether the verdict is that of an adhesive contact.
-    eigenvalue : float or None
-        Put in place of the smallest one.
-    """
+    """A state handed to the solver's verdict: one patch from the closed form, and what is wrong with it."""
 
     name: str
-    wave: OnePatch
-    angle: float
-    shift: float = 0.0
-    deeper: float = 0.0
-    adhesive: bool = True
-    eigenvalue: float | None = None
+    wave: OnePatch  # its harmonics are those of the surface
+    angle: float  # pi times the contact fraction
+    shift: float = 0.0  # by which the right edge is moved, over the width
+    deeper: float = 0.0  # by which the penetration is too large, over the rms height
+    adhesive: bool = True  # whether the verdict is that of an adhesive contact
+    eigenvalue: float | None = None  # put in place of the smallest one
 
     def accepted(self) -> bool:
         """Whether the state that the solver would store has a certificate that is ok."""

@@ -34,13 +34,7 @@ def solve(problem: dict[str, Any], tolerance: float) -> dict[str, Any]:
 
 
 def answers(problem: dict[str, Any], result: Result) -> dict[str, Any]:
-    """What is asked, from a result.
-
-    Raises
-    ------
-    ArithmeticError
-        The path did not converge.
-    """
+    """What is asked, from a result; ArithmeticError where the path did not converge."""
     if result.status != "converged":
         raise ArithmeticError(f"{result.status}: {result.failure}")
     targets, found = result.targets, dict[str, Any]()
@@ -67,7 +61,8 @@ def _at_target(problem: dict[str, Any], name: str, asked: dict[str, Any], state:
     contact = contact_of(problem, state.edges, state.penetration) if state.edges else None
     x = np.asarray(asked["points"])
     if name == "gap_at":
-        return _displacement(problem, contact, state, x) - _rigid(problem, state, x)
+        rigid = _rigid(problem, state, x)
+        return (rigid if contact is None else contact.displacement(x)) - rigid
     return _complete_pressure(problem, state, x) if contact is None else contact.pressure(x)
 
 
@@ -92,11 +87,6 @@ def _rigid(problem: dict[str, Any], state: State, x: FloatArray) -> FloatArray:
     raw = problem["profile"]
     phase = 2 * np.pi / raw["period"] * np.multiply.outer(x, raw["orders"]) + raw["phases"]
     return np.asarray(np.cos(phase) @ raw["amplitudes"] - state.separation)
-
-
-def _displacement(problem: dict[str, Any], contact: bem.ContactState | None, state: State, x: FloatArray) -> FloatArray:
-    """u less its mean, m: that of the profile in complete contact and under patches."""
-    return _rigid(problem, state, x) if contact is None else contact.displacement(x)
 
 
 def _complete_pressure(problem: dict[str, Any], state: State, x: FloatArray) -> FloatArray:

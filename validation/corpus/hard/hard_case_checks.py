@@ -11,7 +11,6 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +18,15 @@ from numpy.typing import NDArray
 from bem.audit.dense import evaluate_dense
 from bem.contact_state import ContactState
 from bem.elastic.layer import Layer
-from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
 from bem.scene.result import Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import Scene, parse_scene
 from bem.solver import solve
+from validation.corpus.hard.hard_case_scenes import Table, waves_of
+from validation.references.closed_forms import full_contact_amplitudes
 from validation.references.lone_crack import closing, crack, valleys
 
-Table = dict[str, Any]
 Check = Callable[[Table, Scene, Result], list[str]]
 Carried = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -198,8 +197,8 @@ def closing_gaps(tables: Table, scene: Scene, result: Result) -> list[str]:
     """Without adhesion, at the target of largest contact: missing load and widths of gaps are those of lone cracks."""
     state = max(with_edges(result), key=lambda state: state.contact_fraction)
     surface, modulus = scene.surface(), plane_strain_modulus(scene)
-    amplitudes = np.pi * modulus / surface.period * surface.orders * surface.amplitudes
-    complete = Profile(surface.period, surface.orders, amplitudes, surface.phases)
+    amplitudes = full_contact_amplitudes(surface.orders, surface.amplitudes, surface.period, modulus)
+    complete = replace(surface, amplitudes=amplitudes)
     pressure, widths = closing(complete, modulus, state.separation)
     share = abs(pressure - state.mean_pressure) / (valleys(complete)[0].min() * -1)
     narrower = abs((1 - state.contact_fraction) * surface.period / float(widths.sum()) - 1)
@@ -233,16 +232,15 @@ def _unequal(state: State) -> list[str]:
 def shift(tables: Table, scene: Scene, result: Result) -> list[str]:
     """A profile shifted along the period gives the same states."""
     surface = scene.surface()
-    moved = Profile(surface.period, surface.orders, surface.amplitudes, surface.phases + 1.0 * surface.orders)
-    other = solve(parse_scene(tables | {"profile": _harmonics(moved)}))
+    moved = replace(surface, phases=surface.phases + 1.0 * surface.orders)
+    other = solve(parse_scene(tables | {"profile": waves_of(moved)}))
     return _compare("shift", result, other, scene, carried=lambda edges: edges + surface.period / (2 * np.pi))
 
 
 def mirror(tables: Table, scene: Scene, result: Result) -> list[str]:
     """A mirrored profile gives the same states."""
     surface = scene.surface()
-    mirrored = Profile(surface.period, surface.orders, surface.amplitudes, -surface.phases)
-    other = solve(parse_scene(tables | {"profile": _harmonics(mirrored)}))
+    other = solve(parse_scene(tables | {"profile": waves_of(replace(surface, phases=-surface.phases))}))
     return _compare("mirror", result, other, scene, carried=lambda edges: -edges[:, ::-1])
 
 
@@ -304,19 +302,6 @@ def restart(tables: Table, scene: Scene, result: Result) -> list[str]:
         write_result(result, Path(folder) / "stored")
         again = solve(parse_scene(tables | {"loading": rest}, folder))
     return _compare("restart", result, again, scene, last_only=True, tolerance=SAME_END)
-
-
-def _harmonics(surface: Profile) -> Table:
-    def plain(values: NDArray[Any]) -> list[Any]:
-        return list(values.tolist())
-
-    return {
-        "kind": "harmonics",
-        "period": surface.period,
-        "orders": plain(surface.orders),
-        "amplitudes": plain(surface.amplitudes),
-        "phases": plain(surface.phases),
-    }
 
 
 def _compare(

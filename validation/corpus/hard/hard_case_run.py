@@ -24,48 +24,21 @@ RELEASED = 1e-12  # of E* h_rms^2 / period: rounding of the energy released by a
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a hard case.
-
-    Attributes
-    ----------
-    expected : tuple of str
-        Status of the result, then of its targets.
-    observed : tuple of str
-        The same as found; empty when refused.
-    converged : bool
-        The solver ended as expected at every target.
-    correct : bool
-        Nothing was found against the result: certificates, events, independent checks.
-    refused_reason : str or None
-        Why the scene was refused or the run broke off.
-    findings : tuple of str
-        What speaks against it.
-    seconds : float
-        CPU time of the solution alone.
-    kinds : tuple of str
-        Kind of each finding, where a corpus counts them.
-    """
+    """What became of a hard case."""
 
     id: str
-    expected: tuple[str, ...]
-    observed: tuple[str, ...]
-    converged: bool
-    correct: bool
-    refused_reason: str | None
-    findings: tuple[str, ...]
-    seconds: float
-    kinds: tuple[str, ...] = ()
+    expected: tuple[str, ...]  # status of the result, then of its targets
+    observed: tuple[str, ...]  # the same as found; empty when refused
+    converged: bool  # the solver ended as expected at every target
+    correct: bool  # nothing was found against the result: certificates, events, independent checks
+    refused_reason: str | None  # why the scene was refused or the run broke off
+    findings: tuple[str, ...]  # what speaks against it
+    seconds: float  # CPU time of the solution alone
+    kinds: tuple[str, ...] = ()  # kind of each finding, where a corpus counts them
 
 
 def run_case(case: HardCase, full: bool = False) -> Outcome:
-    """Solve a hard case and judge it.
-
-    Parameters
-    ----------
-    case : HardCase
-    full : bool
-        The full form instead of the reduced one.
-    """
+    """Solve a hard case, in its reduced form or the full one, and judge it."""
     tables = case.full if full else case.reduced
     expected = case.expectation(full)
     start = time.process_time()

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from bem.geometry.profile import Profile
+
 Table = dict[str, Any]
 
 PERIOD, RMS_HEIGHT, MODULUS, WORK = 0.01, 50e-6, 1e6, 0.03
@@ -31,57 +33,28 @@ class Samples:
 
 @dataclass(frozen=True)
 class Reached:
-    """What the targets of a scene must include: without it the case is not the hard one it is meant to be.
+    """What the targets of a scene must include: without it the case is not the hard one it is meant to be."""
 
-    Parameters
-    ----------
-    least, largest : float, optional
-        Contact fraction that some target does not exceed, and one that some target has at least.
-    gap, patch : float, optional
-        Width in periods that the narrowest gap or patch of some target has, to a factor of two.
-    """
-
-    least: float | None = None
-    largest: float | None = None
-    gap: float | None = None
-    patch: float | None = None
+    least: float | None = None  # contact fraction that some target does not exceed
+    largest: float | None = None  # and one that some target has at least
+    gap: float | None = None  # width in periods that the narrowest gap of some target has, to a factor of two
+    patch: float | None = None  # the same of the narrowest patch
 
 
 @dataclass(frozen=True)
 class HardCase:
-    """One hard case.
-
-    Parameters
-    ----------
-    id : str
-    reason : str
-        What is hard about it.
-    reduced, full : dict
-        Scenes, SI.
-    targets : tuple of str
-        Expected status of each target state of the reduced scene.
-    checks : tuple of str
-        Independent checks, by their names in hard_case_checks.py.
-    status : str
-        Expected status of the result.
-    events : tuple of str
-        Kinds of events that must occur.
-    samples : Samples, optional
-        The scan to write as profile.file.
-    reached, reached_in_full : Reached, optional
-        What the targets must include to be as hard as intended.
-    """
+    """One hard case."""
 
     id: str
-    reason: str
-    reduced: Table
+    reason: str  # what is hard about it
+    reduced: Table  # and `full`: scenes, SI
     full: Table
-    targets: tuple[str, ...]
-    checks: tuple[str, ...] = ("dense",)
-    status: str = "converged"
-    events: tuple[str, ...] = ()
-    samples: Samples | None = None
-    reached: Reached | None = None
+    targets: tuple[str, ...]  # expected status of each target state of the reduced scene
+    checks: tuple[str, ...] = ("dense",)  # independent ones, by their names in hard_case_checks.py
+    status: str = "converged"  # expected of the result
+    events: tuple[str, ...] = ()  # kinds that must occur
+    samples: Samples | None = None  # the scan to write as profile.file
+    reached: Reached | None = None  # and `reached_in_full`: what the targets must include to be as hard as intended
     reached_in_full: Reached | None = None
 
     def expectation(self, full: bool) -> tuple[str, ...]:
@@ -102,13 +75,13 @@ def rough(harmonics: int, hurst: float = 0.7, rms_height: float = RMS_HEIGHT, se
 
 def waves(orders: list[int], amplitudes: list[float]) -> Table:
     """[profile] of cosines."""
-    return {
-        "kind": "harmonics",
-        "period": PERIOD,
-        "orders": orders,
-        "amplitudes": amplitudes,
-        "phases": [0.0] * len(orders),
-    }
+    return waves_of(Profile.from_harmonics(PERIOD, orders, amplitudes))
+
+
+def waves_of(surface: Profile) -> Table:
+    """[profile] of the harmonics of a surface."""
+    lists: Table = {name: getattr(surface, name).tolist() for name in ("orders", "amplitudes", "phases")}
+    return {"kind": "harmonics", "period": surface.period} | lists
 
 
 def scene(
@@ -142,13 +115,7 @@ def both(
 ) -> tuple[Table, Table]:
     """The reduced and the full scene on the rough profile, which differ in its harmonics alone.
 
-    Parameters
-    ----------
-    harmonics, full : int
-    control, targets, others
-        As of `scene`.
-    changes
-        Of `scene`, or of `rough`: hurst, rms_height.
+    `changes` are of `scene`, or of `rough` (hurst, rms_height); control, targets and others as of `scene`.
     """
     shape = {name: changes.pop(name) for name in ("hurst", "rms_height") if name in changes}
     reduced, whole = (scene(rough(count, **shape), control, targets, *others, **changes) for count in (harmonics, full))

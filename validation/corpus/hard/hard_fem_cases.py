@@ -32,7 +32,7 @@ from validation.corpus.hard.hard_case_scenes import (
     johnson_penetration,
     westergaard_pressure,
 )
-from validation.references.closed_forms import Sinusoid
+from validation.references.closed_forms import Sinusoid, layer_compliance
 
 COARSE = Resolution(2, 8, 8)
 HALF_SPACE = 1e-10  # relative, by which a layer of two periods differs from it
@@ -41,27 +41,14 @@ ROUGH_ORDERS = 20
 
 @dataclass(frozen=True)
 class FemCase:
-    """A hard case of the reference.
-
-    Parameters
-    ----------
-    id, reason : str
-    arguments : dict
-        Of `fem_reference.solve`, beyond those of `WAVE_LAYER`.
-    check : {"wave", "complete", "boundary_elements", "status_only"}
-        What the result is held against.
-    expected : str
-        Status, or `refused: ARGUMENT`.
-    full : dict
-        What the full form changes besides the resolution.
-    """
+    """A hard case of the reference."""
 
     id: str
     reason: str
-    arguments: Table
-    check: str
-    expected: str = "converged"
-    full: Table | None = None
+    arguments: Table  # of `fem_reference.solve`, beyond those of `WAVE_LAYER`
+    check: str  # of CHECKS: what the result is held against
+    expected: str = "converged"  # status, or `refused: ARGUMENT`
+    full: Table | None = None  # what the full form changes besides the resolution
 
     def expectation(self, full: bool) -> tuple[str, ...]:
         """The status expected, of both forms."""
@@ -171,12 +158,10 @@ def wave(arguments: Table, result: fem_reference.Result) -> list[str]:
 
 def complete(arguments: Table, result: fem_reference.Result) -> list[str]:
     """Elastic energy of complete contact: sum h_m^2 / (4 c(q_m)) times the period."""
-    nu, depth, period = arguments["poisson_ratio"], arguments["thickness"], arguments["period"]
+    period = arguments["period"]
     orders, amplitudes, _ = (np.asarray(series, dtype=float) for series in arguments["harmonics"])
-    q = 2 * np.pi * orders / period
-    y = 2 * q * depth
-    bracket = ((3 - 4 * nu) * np.sinh(y) - y) / ((3 - 4 * nu) * np.cosh(y) + y**2 / 2 + 5 - 12 * nu + 8 * nu**2)
-    compliance = 2 * (1 - nu**2) / (arguments["youngs_modulus"] * q) * bracket
+    layer = (arguments[name] for name in ("thickness", "youngs_modulus", "poisson_ratio"))
+    compliance = layer_compliance(2 * np.pi * orders / period, *layer)
     energy = float(np.sum(amplitudes**2 / (4 * compliance)) * period)
     # sinh y - y for a thin layer loses digits in the closed form: eps / y^3
     allowed = 2 * float(result.uncertainty["elastic_energy"]) + 1e-12 * energy

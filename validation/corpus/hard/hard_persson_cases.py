@@ -28,30 +28,15 @@ PLANE_STRAIN = MODULUS / 0.75
 
 @dataclass(frozen=True)
 class PerssonCase:
-    """A hard case of the theory.
-
-    Parameters
-    ----------
-    id, reason : str
-    spectrum : dict
-        hurst, h_rms and either `lines` or `decades` (a continuous spectrum).
-    pressure : float
-        Over E*.
-    work : float or None
-        J/m^2.
-    expected : str
-        Status, or `refused: ARGUMENT`.
-    full : dict
-        What the full form changes of the spectrum.
-    """
+    """A hard case of the theory."""
 
     id: str
     reason: str
-    spectrum: Table
-    pressure: float
-    work: float | None = WORK
-    expected: str = "converged"
-    full: Table | None = None
+    spectrum: Table  # hurst, h_rms and either `lines` or `decades` (a continuous spectrum)
+    pressure: float  # over E*
+    work: float | None = WORK  # J/m^2
+    expected: str = "converged"  # status, or `refused: ARGUMENT`
+    full: Table | None = None  # what the full form changes of the spectrum
 
     def expectation(self, full: bool) -> tuple[str, ...]:
         """The status expected, of both forms."""

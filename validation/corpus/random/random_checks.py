@@ -113,13 +113,7 @@ class Units:
 
 
 def findings_of(scene: Scene, result: Result) -> list[Finding]:
-    """All that a result itself says against it.
-
-    Parameters
-    ----------
-    scene : Scene
-    result : Result
-    """
+    """All that a result itself says against it."""
     units = Units.of(scene)
     return [
         *vocabulary(result),
@@ -276,7 +270,7 @@ class Balance:
     events: int
 
 
-def energy_balance(scene: Scene, result: Result, units: Units, tolerance: float = BALANCE) -> Iterator[Finding]:
+def energy_balance(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
     """Work of the load = change of energy + released, between the stored states that resolve it.
 
     Flat profiles have exact answers and no events.
@@ -287,7 +281,7 @@ def energy_balance(scene: Scene, result: Result, units: Units, tolerance: float 
         if part.quadrature > RESOLVED * part.energies:
             continue
         safety = AT_EVENTS if part.events else SAFETY
-        if not abs(part.missing) <= safety * part.quadrature + tolerance * part.energies + EPS * units.energy:
+        if not abs(part.missing) <= safety * part.quadrature + BALANCE * part.energies + EPS * units.energy:
             share, bar = part.missing / part.energies, part.quadrature / part.energies
             reported = f"{share:.1e} of the energies missing before state {part.state}, quadrature {bar:.1e}"
             yield Finding("energy balance", f"{reported}, {part.events} events")

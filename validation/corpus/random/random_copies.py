@@ -17,7 +17,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,7 @@ from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Event, Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
+from validation.corpus.hard.hard_case_scenes import waves_of
 from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Kind, Units
 from validation.corpus.random.random_scenes import SCAN, Table
 
@@ -59,29 +59,15 @@ OTHER_INCREMENT = Nearness(position=2e-6, place=2.5e-10, released=6e-7, noise=1e
 
 @dataclass(frozen=True)
 class Copy:
-    """A scene asked another way.
+    """A scene asked another way."""
 
-    Parameters
-    ----------
-    kind : str
-        Of the findings.
-    scene : Scene
-    length, modulus : float
-        Its units over those of the original.
-    turned : float
-        Shift of positions against the original, in periods.
-    mirrored : bool
-    last : int or None
-        Number of targets at the end of the path that it visits; None: all, and the events too.
-    """
-
-    kind: Kind
+    kind: Kind  # of the findings
     scene: Scene
-    length: float = 1.0
+    length: float = 1.0  # and `modulus`: its units over those of the original
     modulus: float = 1.0
-    turned: float = 0.0
+    turned: float = 0.0  # shift of positions against the original, in periods
     mirrored: bool = False
-    last: int | None = None
+    last: int | None = None  # number of targets at the end of the path that it visits; None: all, and the events too
 
     def placed(self, positions: NDArray[np.float64], period: float) -> NDArray[np.float64]:
         """Positions of the copy (m) as those of the original, in its periods, same shape."""
@@ -128,15 +114,15 @@ def scaled(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
 def shifted(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
     """The profile shifted along the period."""
     surface = scene.surface()
-    moved = replace_phases(surface, surface.phases + SHIFT * surface.orders)
-    other = _plain(tables, scene) | {"profile": moved}
+    moved = replace(surface, phases=surface.phases + SHIFT * surface.orders)
+    other = _plain(tables, scene) | {"profile": waves_of(moved)}
     return Copy("shift", parse_scene(other, folder), turned=SHIFT / (2 * np.pi))
 
 
 def mirrored(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
     """The profile mirrored."""
     surface = scene.surface()
-    other = _plain(tables, scene) | {"profile": replace_phases(surface, -surface.phases)}
+    other = _plain(tables, scene) | {"profile": waves_of(replace(surface, phases=-surface.phases))}
     return Copy("mirror", parse_scene(other, folder), mirrored=True)
 
 
@@ -164,17 +150,9 @@ COPIES: tuple[Callable[[Table, Scene, Result, Path], Copy | None], ...] = (scale
 def compared(
     made: Copy, scene: Scene, result: Result, other: Result, nearness: Nearness | None = None
 ) -> list[Finding]:
-    """What the result of a copy says against that of the original.
+    """What the result `other` of a copy says against that of the original, of which scene and result are given.
 
-    Parameters
-    ----------
-    made : Copy
-    scene, result
-        The original.
-    other : Result
-        Of the copy.
-    nearness : Nearness, optional
-        Of the events; default: that of the copy's kind.
+    The nearness of events is by default that of the copy's kind.
     """
     if other.status != result.status:
         return [Finding(made.kind, f"status {other.status}, not {result.status}")]
@@ -343,12 +321,6 @@ def _unlike(ours: list[list[str]], theirs: list[list[str]]) -> str:
             return f"{counts}; avalanche {k} is {' + '.join(two)} for {' + '.join(one)}"
     longer = ours if len(ours) > len(theirs) else theirs
     return f"{counts}; the rest begins with {' + '.join(longer[min(len(ours), len(theirs))])}"
-
-
-def replace_phases(surface: Profile, phases: NDArray[np.float64]) -> Table:
-    """[profile] as harmonics with other phases."""
-    lists: dict[str, Any] = {"orders": surface.orders, "amplitudes": surface.amplitudes, "phases": phases}
-    return {"kind": "harmonics", "period": surface.period} | {name: array.tolist() for name, array in lists.items()}
 
 
 def _plain(tables: Table, scene: Scene) -> Table:

@@ -81,28 +81,14 @@ MISTAKES: tuple[tuple[str, str, Any], ...] = (
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A scene drawn at random.
+    """A scene drawn at random."""
 
-    Parameters
-    ----------
-    seed, index : int
-        Where it comes from.
-    tables : dict
-        The scene file.
-    scan : (n, 2) array or None
-        Samples of profile.file, m.
-    expected : str
-        What must come of it.
-    special : str
-        The key that was taken to an extreme or out of its range; empty for none.
-    """
-
-    seed: int
+    seed: int  # and `index`: where it comes from
     index: int
-    tables: Table
-    scan: Numbers | None
-    expected: Expectation
-    special: str = ""
+    tables: Table  # the scene file
+    scan: Numbers | None  # samples of profile.file, m, (n, 2)
+    expected: Expectation  # what must come of it
+    special: str = ""  # the key that was taken to an extreme or out of its range
 
     @property
     def id(self) -> str:
@@ -132,14 +118,7 @@ class Drawn:
 
 
 def draw(seed: int, index: int, most_harmonics: int = 12) -> Drawn:
-    """Scene `index` of a seed.
-
-    Parameters
-    ----------
-    seed, index : int
-        >= 0.
-    most_harmonics : int
-        Highest order of a profile.
+    """Scene `index` of a seed, both >= 0; `most_harmonics` is the highest order of a profile.
 
     Examples
     --------

@@ -80,10 +80,7 @@ def case_of(name: str) -> RandomCase:
 def run_case(case: RandomCase, full: bool = False) -> Outcome:
     """Solve and judge a random scene; `full` makes no difference.
 
-    Raises
-    ------
-    Exception
-        Whatever leaves `solve` besides a mistake of the scene: that is the crash that the study counts.
+    Whatever leaves `solve` besides a mistake of the scene is raised: that is the crash that the study counts.
     """
     drawn = case.drawn
     begun = time.process_time()

@@ -16,22 +16,13 @@ SOLVERS, CASES = "linecontact.solvers", "linecontact.cases"
 def solvers() -> dict[str, str]:
     """Solvers by name: for each the function as its package wrote it, "package.module:function".
 
-    Raises
-    ------
-    CaseError
-        Two packages offer different functions under one name.
+    CaseError, here and below, where two packages offer something else under one name.
     """
     return _offered(SOLVERS)
 
 
 def cases() -> dict[str, str]:
-    """Modules of cases by name, "package.module".
-
-    Raises
-    ------
-    CaseError
-        Two packages offer different modules under one name.
-    """
+    """Modules of cases by name, "package.module"."""
     return _offered(CASES)
 
 

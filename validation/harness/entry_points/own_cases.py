@@ -43,20 +43,10 @@ class OwnCases:
 
 
 def own_cases(where: Path, suite: Iterable[str] = ()) -> OwnCases:
-    """The cases of a folder, or of the entry point of this name.
+    """The cases of a folder, or else of the entry point of this name; names of the suite are taken.
 
-    Parameters
-    ----------
-    where : Path
-        A folder that exists goes before an entry point.
-    suite : iterable of str
-        Names that are taken.
-
-    Raises
-    ------
-    CaseError
-        Neither a folder nor an entry point; a file that cannot be imported or holds no cases; an incomplete case; two
-        of one name, or one of the name of another in the suite.
+    CaseError where it is neither; a file cannot be imported or holds no cases; a case is incomplete; two have one name,
+    or one that of another in the suite.
     """
     found = _of_folder(where.resolve()) if where.is_dir() else _of_entry_point(str(where))
     taken = sorted({case.id for case in found.cases} & set(suite))

@@ -26,26 +26,14 @@ NEAR = 6.0  # widths of the wider cell within which the mean over both cells is 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Cells of all patches, patch after patch.
+    """Cells of all patches, patch after patch."""
 
-    Parameters
-    ----------
-    edges : (L, 2) array
-        Patches, dimensionless, in order on the circle.
-    counts : (L,) int array
-        Cells of each.
-    centre, width, place : (n,) arrays
-        x_j, width of the cell, and t_j.
-    owner : (n,) int array
-        Patch of each cell.
-    """
-
-    edges: FloatArray
-    counts: IntArray
-    centre: FloatArray
-    width: FloatArray
-    place: FloatArray
-    owner: IntArray
+    edges: FloatArray  # patches, dimensionless, in order on the circle, (L, 2)
+    counts: IntArray  # cells of each, (L,)
+    centre: FloatArray  # x_j, (n,)
+    width: FloatArray  # of the cells, (n,)
+    place: FloatArray  # t_j, (n,)
+    owner: IntArray  # patch of each cell, (n,)
 
     @property
     def radius(self) -> FloatArray:

@@ -37,26 +37,15 @@ class SweepsError(ArithmeticError):
 
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """Energy of given edges.
-
-    Attributes
-    ----------
-    total, elastic : float
-        U and U_el, dimensionless.
-    outward : (L, 2) array
-        dU by the outward motion of each edge, G - w: the edge gains by moving out where it is negative.
-    charges : (n,) array
-        Force of each cell.
-    sweeps : int
-        Of Gauss-Seidel.
-    """
+    """Energy of given edges."""
 
     cells: Cells
-    total: float
-    elastic: float
+    total: float  # U, dimensionless
+    elastic: float  # U_el, dimensionless
+    # dU by the outward motion of each edge, G - w: the edge gains by moving out where it is negative; (L, 2)
     outward: FloatArray
-    charges: FloatArray
-    sweeps: int
+    charges: FloatArray  # force of each cell, (n,)
+    sweeps: int  # of Gauss-Seidel
 
     @property
     def closing(self) -> NDArray[np.bool_]:
@@ -73,10 +62,8 @@ class Energy:
 def gauss_seidel(matrix: FloatArray, target: FloatArray, start: FloatArray, tolerance: float) -> tuple[FloatArray, int]:
     """Sweep until the largest residual is below `tolerance` of the largest target; charges and number of sweeps.
 
-    Raises
-    ------
-    SweepsError
-        The tolerance is not met in MOST_SWEEPS sweeps, or the residual grows: the matrix is not positive definite.
+    SweepsError where that takes more than MOST_SWEEPS sweeps, or the residual grows: the matrix is not positive
+    definite.
 
     Examples
     --------
@@ -101,15 +88,7 @@ def gauss_seidel(matrix: FloatArray, target: FloatArray, start: FloatArray, tole
 def energy(
     surface: Surface, cells: Cells, penetration: float, tolerance: float, start: FloatArray | None = None
 ) -> Energy:
-    """Energy and its derivatives at dimensionless penetration.
-
-    Parameters
-    ----------
-    tolerance : float
-        Of Gauss-Seidel.
-    start : (n,) array, optional
-        Charges to start from.
-    """
+    """Energy and its derivatives at dimensionless penetration; tolerance and start, charges (n,), of Gauss-Seidel."""
     target = surface.height(cells.centre) - surface.highest + penetration
     first = np.zeros(target.size) if start is None else start
     charges, sweeps = gauss_seidel(compliance(surface, cells), target, first, tolerance)

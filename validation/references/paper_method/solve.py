@@ -12,6 +12,7 @@ Source: G. Carbone, M. Scaraggi, U. Tartaglino, Eur. Phys. J. E 30 (2009) 65, ar
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,43 +28,25 @@ POINTS = 24  # at which a gap is looked at, and this many more for every wavelen
 BORN = 0.1  # of the shortest wavelength: width of a new contact
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class PaperState:
-    """A state, SI units, or the name of the failure.
+    """A state, SI units, or the name of the failure."""
 
-    Attributes
-    ----------
-    status : str
-        `converged`, `separated`, or `not_converged` with a message.
-    edges : (L, 2) array
-        m, in order on the period.
-    mean_pressure : float
-        Pa.
-    elastic_energy : float
-        J/m per period.
-    tension : bool
-        Whether all edges are opening (K > 0), as they must.
-    smallest_gap : float
-        m, between the patches; not below -`allowed` rms heights when converged.
-    residual : float
-        max |G/w - 1|.
-    """
-
-    status: str
-    message: str
-    edges: FloatArray
-    contact_fraction: float
-    mean_pressure: float
-    elastic_energy: float
-    tension: bool
-    smallest_gap: float
-    residual: float
-    unknowns: int
-    evaluations: int
-    sweeps: int
     surface: Surface
     penetration: float
-    found: Energy | None
+    status: str  # `converged`, `separated`, or `not_converged` with a message
+    message: str = ""
+    edges: FloatArray  # m, in order on the period, (L, 2)
+    contact_fraction: float = math.nan
+    mean_pressure: float = math.nan  # Pa
+    elastic_energy: float = math.nan  # J/m per period
+    tension: bool = False  # whether all edges are opening (K > 0), as they must
+    smallest_gap: float = math.nan  # m, between the patches; not below -`allowed` rms heights when converged
+    residual: float = math.nan  # max |G/w - 1|
+    unknowns: int = 0
+    evaluations: int
+    sweeps: int
+    found: Energy | None = None
 
     def gap(self, x: ArrayLike) -> FloatArray:
         """Gap in m at positions x in m (n,) off the contact; nan when nothing was found."""
@@ -117,30 +100,35 @@ def solve(
     if pairs.ndim != 2 or pairs.shape[1] != 2 or np.any(edge_scale_of(pairs) <= 0):
         raise ValueError(f"edges: pairs in order, disjoint on the period are needed, not {pairs.tolist()}")
     depth, evaluations, sweeps = penetration / surface.unit_height, 0, 0
+
+    def failed(message: str) -> PaperState:
+        return PaperState(surface=surface, penetration=penetration, status="not_converged", message=message,
+                          edges=pairs * surface.unit_length, evaluations=evaluations, sweeps=sweeps)  # fmt: skip
+
     for _ in range(CHANGES):
         counts = cells_for(surface, pairs, cells)
         try:
             found = descend(surface, pairs, counts, depth, allowed_residual)
         except SweepsError as error:
-            return _failed(surface, penetration, pairs, str(error), evaluations, sweeps)
+            return failed(str(error))
         evaluations, sweeps = evaluations + found.evaluations, sweeps + found.sweeps
+        pairs = found.state.cells.edges
         if found.end == "not_converged":
-            return _failed(
-                surface, penetration, found.state.cells.edges, f"|G/w - 1| is {found.residual:.1e}", evaluations, sweeps
-            )
+            return failed(f"|G/w - 1| is {found.residual:.1e}")
         changed = _without_vanished(found)
-        if changed is None and np.any(cells_for(surface, found.state.cells.edges, cells) != counts):
-            pairs = found.state.cells.edges  # the cells are those of the edges found, whatever the start
-            continue
+        if changed is None and np.any(cells_for(surface, pairs, cells) != counts):
+            continue  # the cells are those of the edges found, whatever the start
         if changed is None:
             gaps, where = gap_between(surface, found.state, depth)
             if gaps.min() >= -allowed:
                 return _state(surface, penetration, found, float(gaps.min()), evaluations, sweeps)
-            changed = _with_contact(surface, found.state.cells.edges, float(where[np.argmin(gaps)]))
+            changed = _with_contact(surface, pairs, float(where[np.argmin(gaps)]))
         if changed.size == 0:
-            return _without_contact(surface, penetration, evaluations, sweeps)
+            return PaperState(surface=surface, penetration=penetration, status="separated", edges=np.zeros((0, 2)),
+                              contact_fraction=0.0, mean_pressure=0.0, elastic_energy=0.0, tension=True, residual=0.0,
+                              smallest_gap=-penetration, evaluations=evaluations, sweeps=sweeps)  # fmt: skip
         pairs = changed
-    return _failed(surface, penetration, pairs, f"more than {CHANGES} changes of the patches", evaluations, sweeps)
+    return failed(f"more than {CHANGES} changes of the patches")
 
 
 def follow(
@@ -242,34 +230,4 @@ def _state(
         surface=surface,
         penetration=penetration,
         found=state,
-    )
-
-
-def _failed(
-    surface: Surface, penetration: float, edges: FloatArray, message: str, evaluations: int, sweeps: int
-) -> PaperState:
-    nan, where = float("nan"), edges * surface.unit_length
-    return PaperState(
-        "not_converged",
-        message,
-        where,
-        nan,
-        nan,
-        nan,
-        False,
-        nan,
-        nan,
-        0,
-        evaluations,
-        sweeps,
-        surface,
-        penetration,
-        None,
-    )
-
-
-def _without_contact(surface: Surface, penetration: float, evaluations: int, sweeps: int) -> PaperState:
-    none, apart = np.zeros((0, 2)), -penetration
-    return PaperState(
-        "separated", "", none, 0.0, 0.0, 0.0, True, apart, 0.0, 0, evaluations, sweeps, surface, penetration, None
     )

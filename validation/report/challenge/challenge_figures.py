@@ -48,10 +48,8 @@ def drawn_standings(title: str, recorded: Sequence[Curve], judged: Curve | None 
                 axes.axhline(y, color=JUDGED, linestyle="--", linewidth=1.3, label=judged.label)
             else:
                 axes.plot([x], [y], "*", color=JUDGED, markersize=13, label=judged.label)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_xlabel("CPU seconds")
-        axes.set_ylabel("error over scale, geometric mean of the answers")
+        axes.set(xlabel="CPU seconds", ylabel="error over scale, geometric mean of the answers")
+        axes.set(xscale="log", yscale="log")
         axes.set_title(title, fontsize=9.5)
         if axes.get_legend_handles_labels()[1]:
             canvas.legend(loc="outside lower center", ncols=2, fontsize=7.5)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from validation.report.challenge.challenge_figures import Curve, error_of_digits, standings_svg
-from validation.report.render import asset, environment
+from validation.report.render import filled
 
 AREAS = ("contact_fraction", "gap_fraction")
 COUNTS = ("patches",)  # right or wrong: their 15 digits would hide those of all else
@@ -18,39 +18,21 @@ Problem = Mapping[str, Any]  # of challenge.json, or an entry of standings.json
 
 @dataclass(frozen=True)
 class Standing:
-    """A solver at one setting over all problems.
-
-    Parameters
-    ----------
-    right, answered, asked : int
-        Quantities.
-    digits : float or None
-        Median over the quantities that have any.
-    seconds : float or None
-        CPU seconds of the problems answered, in all.
-    """
+    """A solver at one setting over all problems."""
 
     solver: str
     setting: str
     problems: int
-    right: int
+    right: int  # quantities, as in the next two
     answered: int
     asked: int
-    digits: float | None
-    seconds: float | None
+    digits: float | None  # median over the quantities that have any
+    seconds: float | None  # CPU seconds of the problems answered, in all
     judged: bool = False
 
 
 def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) -> str:
-    """The page as text.
-
-    Parameters
-    ----------
-    judged : mapping
-        Content of challenge.json.
-    standings : mapping
-        Content of standings.json.
-    """
+    """The page as text, from the content of challenge.json and of standings.json."""
     names = [problem["problem"] for problem in judged["problems"]]
     entries = [entry for entry in standings["entries"] if entry["problem"] in names]
     label = judged["solver"].rpartition(".")[2] if ":" in judged["solver"] else judged["solver"]
@@ -59,7 +41,8 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
     table = [*standing_rows(entries, limit), standing(judged["solver"], "judged here", judged["problems"], limit, True)]
     table.sort(key=lambda row: (-row.right, math.inf if row.seconds is None else row.seconds))
     ahead = table[: next(index for index, row in enumerate(table) if row.judged)]
-    page = environment().get_template("challenge_page.jinja").render(
+    return filled(
+        "challenge_page.jinja",
         judged=judged,
         problems=problems,
         table=table,
@@ -69,10 +52,7 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
                               overall_curves(entries), _curve(label, [judged["problems"]])),
         grids=grid_errors(entries),
         run_on=standings["run_on"],
-        style=asset("style.css"),
-        script=asset("sort.js"),
     )  # fmt: skip
-    return str(page)
 
 
 def standing(

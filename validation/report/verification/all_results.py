@@ -17,10 +17,6 @@ BEYOND = ("not run", "expected deviation", "changed")  # verdicts that no tolera
 def first_sentence(report: Report) -> str:
     """Passed or failed, of how many comparisons, what deviates as is known, and what took longest.
 
-    Parameters
-    ----------
-    report : Report
-
     Examples
     --------
     >>> first_sentence(Report(level="quick", command="run", planned=1, provenance={}, cases=[]))

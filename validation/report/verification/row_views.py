@@ -61,10 +61,6 @@ class Budget:
 def budget_of(row: Row) -> Budget | None:
     """The budget of a row where its two sides differ most; None where it has no numbers.
 
-    Parameters
-    ----------
-    row : Row
-
     Examples
     --------
     >>> from validation.harness.schema import Reference, Row, Tolerance

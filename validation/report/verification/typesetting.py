@@ -26,17 +26,9 @@ class TypesettingError(ValueError):
 
 
 def typeset(text: str) -> Markup:
-    """A text with its equations as MathML, everything else escaped.
+    """A plain text as markup: LaTeX between dollar signs as MathML, everything else escaped.
 
-    Parameters
-    ----------
-    text : str
-        Plain, with LaTeX between dollar signs.
-
-    Raises
-    ------
-    TypesettingError
-        An odd number of dollar signs, or LaTeX that the converter does not know.
+    TypesettingError for an odd number of dollar signs, or LaTeX that the converter does not know.
 
     Examples
     --------
@@ -63,10 +55,6 @@ def _mathml(latex: str) -> Markup:
 
 def with_links(text: str) -> Markup:
     """A text with links to the DOIs and arXiv numbers in it, everything else escaped.
-
-    Parameters
-    ----------
-    text : str
 
     Examples
     --------

@@ -34,38 +34,18 @@ class Sight:
 
 @dataclass
 class Finding:
-    """What is known of a fault.
-
-    Parameters
-    ----------
-    fault : Fault
-    asked : list of str
-        Cases that were shown it.
-    sights : list of Sight
-        At `size`.
-    failed : dict of str to str
-        Case to message: crashes, refusals, no number, not converged.
-    apart : dict of str to str
-        Case to message: cut off, rows that are there only with or only without the fault.
-    calls : int
-        Of the function with the fault.
-    size : float
-        At which `sights` are: 1, or less where the codes only refuse or crash at 1.
-    smallest : float or None
-        The smallest decade that was seen; None if none was, or if the fault has no size.
-    unseen : float or None
-        The largest decade that was not seen.
-    """
+    """What is known of a fault."""
 
     fault: Fault
-    asked: list[str] = field(default_factory=list)
-    sights: list[Sight] = field(default_factory=list)
-    failed: dict[str, str] = field(default_factory=dict)
+    asked: list[str] = field(default_factory=list)  # cases that were shown it
+    sights: list[Sight] = field(default_factory=list)  # at `size`
+    failed: dict[str, str] = field(default_factory=dict)  # case to message: crashes, refusals, no number, not converged
+    # case to message: cut off, rows that are there only with or only without the fault
     apart: dict[str, str] = field(default_factory=dict)
-    calls: int = 0
-    size: float = 1.0
-    smallest: float | None = None
-    unseen: float | None = None
+    calls: int = 0  # of the function with the fault
+    size: float = 1.0  # at which `sights` are: 1, or less where the codes only refuse or crash at 1
+    smallest: float | None = None  # the least decade that was seen; None if none was, or if the fault has no size
+    unseen: float | None = None  # the largest decade that was not seen
 
     @property
     def caught(self) -> bool:

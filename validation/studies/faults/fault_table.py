@@ -29,34 +29,16 @@ class FaultError(CaseError):
 
 @dataclass(frozen=True)
 class Fault:
-    """One wrong piece of code.
+    """One wrong piece of code."""
 
-    Parameters
-    ----------
-    id : str
-        Lower case words joined by hyphens.
-    what : str
-        What is wrong, in a few words.
-    file : str
-        Path below the folder of the packages.
-    before, after : str
-        The right text and the wrong one; `SIZE` in the wrong one stands for the size, 1 for the slip itself.
-    case : str
-        The case of the quick level that must notice it at size 1.
-    size : str
-        What size 1 means, for a fault that can be made smaller; empty when it is there or not.
-    quick : bool
-        Whether it belongs to the short form of the study.
-    """
-
-    id: str
-    what: str
-    file: str
-    before: str
-    after: str
-    case: str
-    size: str = ""
-    quick: bool = False
+    id: str  # lower case words joined by hyphens
+    what: str  # is wrong, in a few words
+    file: str  # path below the folder of the packages
+    before: str  # the right text
+    after: str  # the wrong one; `SIZE` in it stands for the size, 1 for the slip itself
+    case: str  # of the quick level, that must notice it at size 1
+    size: str = ""  # what size 1 means, for a fault that can be made smaller; empty when it is there or not
+    quick: bool = False  # whether it belongs to the short form of the study
 
     def changed(self, text: str, size: float) -> str:
         """The text of the file with the fault; FaultError where the right text is not there, or several times."""

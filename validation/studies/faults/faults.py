@@ -17,7 +17,7 @@ the sources is refused before anything runs.  Finished answers are kept (answers
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
@@ -28,7 +28,7 @@ from validation.harness import baseline
 from validation.harness.execution import Ended, run_each_alone
 from validation.harness.provenance import provenance
 from validation.harness.registry import registry
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.harness.verdict import case_verdicts
 from validation.report.fault_matrix import write_matrix
 from validation.studies.answers import Answers, answers_in
@@ -80,23 +80,12 @@ class Runs:
         return [found[place] for place in range(len(tasks))]
 
 
-def run(folder: Path, quick: bool, report: Callable[[Note], None], studied: Studied | None = None) -> int:
+def run(folder: Path, quick: bool, report: Listener, studied: Studied | None = None) -> int:
     """Run the study, print its table, write faults.json and faults.svg; 1 when anything it asks for is not met.
 
-    Parameters
-    ----------
-    folder : Path
-    quick : bool
-        The faults that are `quick` only, with cases below a second and without smaller sizes.
-    report : callable
-        Gets a `Note` for every step.
-    studied : Studied, optional
-        Default: the tables of this folder.
-
-    Raises
-    ------
-    FaultError
-        A fault does not fit the sources, or names a case that is not there.
+    Quick: the faults that are `quick` only, with cases below a second and without smaller sizes. `studied` is by
+    default the tables of this folder; FaultError where a fault does not fit the sources, or names a case that is not
+    there.
     """
     folder.mkdir(parents=True, exist_ok=True)
     studied = studied or Studied(faults_in())

@@ -114,13 +114,7 @@ class Findings:
 
 
 def findings_of(answered: Answered) -> Findings:
-    """What all settings say together.
-
-    Parameters
-    ----------
-    answered : sequence of (Setting, Solved)
-        The scene as it is among them, converged.
-    """
+    """What all settings say together, the scene as it is among them, converged."""
     base = next(solved for setting, solved in answered if setting.kind == "base")
     finest, reference = finest_of(answered)
     floor = max(_estimates(reference, base).values(), default=0.0)

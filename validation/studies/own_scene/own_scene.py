@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +24,7 @@ from bem.scene.result_file import digest
 from bem.scene.scene import SceneError, load_scene, parse_scene
 from validation.harness.execution import Ended, Running, run_in_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener, Note
 from validation.report.render import ReportError
 from validation.report.study_page import FILE, PAGE, write_study_page
 from validation.studies.answers import Answers, answers_in
@@ -40,51 +40,22 @@ PARTS = "parts"  # of a scan
 SLACK, LEAST_LIMIT = 10.0, 60.0  # times the prediction, and s: when a run is stopped
 LEAST_SECONDS = 1e-3  # shorter runs say nothing about the pace
 
-Report = Callable[[Note], None]
-
 
 @dataclass(frozen=True)
 class Options:
-    """How a study is run.
+    """How a study is run."""
 
-    Parameters
-    ----------
-    seeds : int
-        Realisations besides the scene's own.
-    budget : float
-        CPU seconds.
-    jobs : int
-        Processes at a time.
-    quick : bool
-        Fewer settings.
-    overwrite : bool
-        Whether the study of another scene may be replaced.
-    """
-
-    seeds: int = SEEDS
-    budget: float = BUDGET
-    jobs: int = 1
-    quick: bool = False
-    overwrite: bool = False
+    seeds: int = SEEDS  # realisations besides the scene's own
+    budget: float = BUDGET  # CPU seconds
+    jobs: int = 1  # processes at a time
+    quick: bool = False  # fewer settings
+    overwrite: bool = False  # whether the study of another scene may be replaced
 
 
-def run(path: Path, folder: Path, options: Options, report: Report) -> int:
-    """Run the study of a scene file; 1 where the scene does not converge as it is.
+def run(path: Path, folder: Path, options: Options, report: Listener) -> int:
+    """Run the study of a scene file into a folder; 1 where the scene does not converge as it is.
 
-    Parameters
-    ----------
-    path, folder : Path
-        The scene; where study.html and study.json go.
-    options : Options
-    report : callable
-        Gets a `Note` for every step.
-
-    Raises
-    ------
-    SceneError
-        The scene is refused.
-    ReportError
-        The folder holds the study of another scene.
+    SceneError where the scene is refused, ReportError where the folder holds the study of another scene.
     """
     scene = load_scene(path)
     resolved = scene.resolved()
@@ -149,7 +120,7 @@ class Desk:
     base: Path
     options: Options
     answers: Answers
-    report: Report
+    report: Listener
 
 
 def _answered(settings: Sequence[Setting], desk: Desk) -> list[tuple[Setting, Solved, float]]:

@@ -19,6 +19,7 @@ import numpy as np
 from bem.scans.scan_file import SCAN_KEYS, RawScan, read_scan
 from bem.scene.atomic_file import write_atomically
 from bem.scene.scene import Scene
+from validation.references.adapters import changed
 
 Kind = Literal["base", "numerical", "input", "model"]
 Tables = dict[str, Any]
@@ -36,36 +37,21 @@ NO_SCAN = "the profile is not a scan"
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to solve a scene.
-
-    Parameters
-    ----------
-    kind : {"base", "numerical", "input", "model"}
-    source : str
-        What is varied: "tolerance", "cut", ...
-    name : str
-        How: "1e-08", "line", ...
-    tables : dict
-        Of the scene, as of a scene file; empty where the scene has no such setting.
-    why_not : str
-        Why it has none.
-    """
+    """One way to solve a scene."""
 
     kind: Kind
-    source: str
-    name: str
+    source: str  # what is varied: "tolerance", "cut", ...
+    name: str  # how: "1e-08", "line", ...
+    # of the scene, as of a scene file; empty where it has no such setting
     tables: Tables = field(default_factory=dict, compare=False)
-    why_not: str = ""
+    why_not: str = ""  # why it has none
 
 
 def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: int, quick: bool) -> list[Setting]:
-    """All settings of a scene: as it is, the finest, then by source.
+    """All settings of a scene, of which the tables of its file are given: as it is, the finest, then by source.
 
     Parameters
     ----------
-    scene : Scene
-    tables : dict
-        Those of its file.
     places : two Paths
         The folder in which file names of the scene begin, and one for the parts of a scan.
     seeds : int
@@ -96,21 +82,6 @@ def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: 
                 else:
                     found.append(Setting(kind, origin, name, changed(tables, change)))
     return found
-
-
-def changed(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tables:
-    """Tables with some keys changed; None removes a key.
-
-    Examples
-    --------
-    >>> changed({"a": {"x": 1, "y": 2}}, {"a": {"x": None, "y": 3}, "b": {"z": 4}})
-    {'a': {'y': 3}, 'b': {'z': 4}}
-    """
-    content = copy.deepcopy(tables)
-    for name, keys in changes.items():
-        table = content.get(name, {}) | keys
-        content[name] = {key: value for key, value in table.items() if value is not None}
-    return content
 
 
 Change = Mapping[str, Mapping[str, Any]]

@@ -31,21 +31,13 @@ class Mark:
 
 @dataclass(frozen=True)
 class MethodCurve:
-    """The points of a method on a scene, failed ones left out, and against what they were measured.
-
-    Parameters
-    ----------
-    floor : float
-        Uncertainty of the reference in the error: no finer digits are claimed.
-    independent : bool
-        Whether the reference is of another code, or exact; self-convergence gives no digits.
-    """
+    """The points of a method on a scene, failed ones left out, and against what they were measured."""
 
     method: str
     reference: str
     marks: tuple[Mark, ...]
-    floor: float = 0.0
-    independent: bool = True
+    floor: float = 0.0  # uncertainty of the reference in the error: no finer digits are claimed
+    independent: bool = True  # whether the reference is of another code, or exact; self-convergence gives no digits
 
 
 def cheapest(curve: MethodCurve, digits: int) -> Mark | None:

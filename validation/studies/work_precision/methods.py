@@ -23,10 +23,11 @@ from fem_reference.result import quantities
 from fem_reference.solve import closed, control_of, problem_of
 from persson import AdhesiveContact, DiscreteSpectrum
 from persson import solve as persson_solve
+from persson.adhesive import Route
 from validation.references.dense_equilibrium import solve_dense
 from validation.references.paper_method import PaperState, follow
 from validation.references.paper_method import solve as paper_solve
-from validation.references.posed_contacts import Answer, Found, MethodError, Posed, overlap, scene_tables
+from validation.references.posed_contacts import Found, MethodError, Posed, answer_of, overlap, scene_tables
 
 HALF_SPACE_DEPTH = 3.0  # periods: a layer so thick is the half-space within 1e-12
 PERSSON_LOAD = 1.0e4  # Pa
@@ -34,34 +35,18 @@ PERSSON_LOAD = 1.0e4  # Pa
 
 @dataclass(frozen=True)
 class Method:
-    """A method and its knob.
-
-    Parameters
-    ----------
-    name, code, knob, fixed : str
-        `code` names whose numerics it uses: a reference of the same code gives no digits.
-    settings : tuple
-        Values of the knob, coarsest first.
-    scenes : tuple of str
-        Scenes it takes part in.
-    solve : callable
-    cannot : mapping of str to str
-        Scenes it cannot do, and why.
-    slow : int
-        How many of its settings, from the finest, the quick form of the study leaves out.
-    other_settings : mapping of str to tuple
-        Settings on scenes where those of `settings` do not fit.
-    """
+    """A method and its knob."""
 
     name: str
-    code: str
+    code: str  # names whose numerics it uses: a reference of the same code gives no digits
     knob: str
     fixed: str
-    settings: tuple[Any, ...]
-    scenes: tuple[str, ...]
+    settings: tuple[Any, ...]  # values of the knob, coarsest first
+    scenes: tuple[str, ...]  # it takes part in
     solve: Callable[[Posed, Any], Found]
-    cannot: Mapping[str, str]
-    slow: int = 0
+    cannot: Mapping[str, str]  # scenes it cannot do, and why
+    slow: int = 0  # how many of its settings, from the finest, the quick form of the study leaves out
+    # on scenes where those of `settings` do not fit
     other_settings: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def settings_for(self, scene: str, quick: bool) -> tuple[Any, ...]:
@@ -86,7 +71,7 @@ def solve_bem(posed: Posed, tolerance: float) -> Found:
     contact = bem.ContactState(profile, solid, state.edges, state.penetration, layer)
     at = np.array([posed.trough])
     gap = contact.displacement(at) - (profile.height(at) - profile.max_height + state.penetration)
-    answer = _answer(state.contact_fraction, state.mean_pressure, state.elastic_energy, float(gap[0]))
+    answer = answer_of(state.contact_fraction, state.mean_pressure, state.elastic_energy, float(gap[0]))
     counts = {"evaluations": sum(s.evaluations for s in result.states), "patches": state.n_patches}
     unknowns = max(s.unknowns for s in result.states)
     return Found(answer, unknowns, counts, ready - begun, solved - ready, time.perf_counter() - solved)
@@ -110,12 +95,10 @@ def solve_fem(posed: Posed, setting: tuple[int, int, int]) -> Found:
         raise MethodError(f"{closures[-1].outcome}: {closures[-1].message}")
     evaluation = closures[-1].evaluation
     values = quantities(evaluation)
-    answer = _answer(
-        float(values["contact_fraction"]),
-        float(values["mean_pressure"]),
-        float(values["elastic_energy"]) / posed.period,
-        _fem_gap(posed, evaluation),
+    fraction, pressure, energy = (
+        float(values[name]) for name in ("contact_fraction", "mean_pressure", "elastic_energy")
     )
+    answer = answer_of(fraction, pressure, energy / posed.period, _fem_gap(posed, evaluation))
     counts = {"unknowns": evaluation.states.unknowns}
     post = time.perf_counter() - solved
     return Found(answer, evaluation.states.unknowns, counts, ready - begun, solved - ready, post)
@@ -137,12 +120,12 @@ def solve_paper(posed: Posed, cells: int) -> Found:
     if last.status != "converged":
         raise MethodError(f"{last.status}: {last.message}")
     gap = last.gap(np.array([posed.trough]))
-    answer = _answer(last.contact_fraction, last.mean_pressure, last.elastic_energy / posed.period, float(gap[0]))
+    answer = answer_of(last.contact_fraction, last.mean_pressure, last.elastic_energy / posed.period, float(gap[0]))
     post = time.perf_counter() - solved
     return Found(answer, last.unknowns, _paper_counts(states), ready - begun, solved - ready, post)
 
 
-def solve_persson(route: str, posed: Posed, resolution: float) -> Found:
+def solve_persson(route: Route, posed: Posed, resolution: float) -> Found:
     """Persson's theory with adhesion on the lines of the profile, at PERSSON_LOAD."""
     begun = time.perf_counter()
     spectrum = DiscreteSpectrum(2 * np.pi / posed.period * np.array(posed.orders), np.array(posed.amplitudes))
@@ -153,7 +136,7 @@ def solve_persson(route: str, posed: Posed, resolution: float) -> Found:
         youngs_modulus=posed.youngs_modulus,
         poisson_ratio=posed.poisson_ratio,
         work_of_adhesion=posed.work_of_adhesion,
-        route="volterra" if route == "volterra" else "finite_volumes",
+        route=route,
         resolution=resolution,
         with_separation=False,
     )
@@ -212,15 +195,6 @@ METHODS: tuple[Method, ...] = (
            settings=PERSSON_SETTINGS, scenes=("theory",), solve=persson_volterra,
            cannot=NOT_THEORY, slow=2),
 )  # fmt: skip
-
-
-def _answer(contact_fraction: float, mean_pressure: float, elastic_energy: float, gap: float) -> Answer:
-    return {
-        "contact_fraction": contact_fraction,
-        "mean_pressure": mean_pressure,
-        "elastic_energy": elastic_energy,
-        "gap": gap,
-    }
 
 
 def _fem_gap(posed: Posed, evaluation: Evaluation) -> float:

@@ -54,45 +54,25 @@ ADHESIVE: Changes = {"adhesion": {"work_of_adhesion": 0.03, "slope_term": True}}
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect, the scene that has it, and the one it is priced against.
-
-    Parameters
-    ----------
-    name, on_top_of : str
-    changes : dict
-        Of the registry's rough scene.
-    """
+    """An effect, the scene that has it, and the one it is priced against."""
 
     name: str
     on_top_of: str
-    changes: Changes
+    changes: Changes  # of the registry's rough scene
 
 
 @dataclass(frozen=True)
 class Price:
-    """A line of the list.
-
-    Parameters
-    ----------
-    seconds, extra : float
-        CPU seconds of the scene, and those more than of the one it is priced against.
-    ratio : float
-        Of the two.
-    evaluations : int
-        Of the patch system.
-    error, floor : float
-        On the sinusoid, relative; and the uncertainty of its reference.
-    reference : str
-    """
+    """A line of the list."""
 
     effect: str
     on_top_of: str
-    seconds: float
-    extra: float
-    ratio: float
-    evaluations: int
-    error: float = math.nan
-    floor: float = 0.0
+    seconds: float  # CPU seconds of the scene
+    extra: float  # those more than of the one it is priced against
+    ratio: float  # of the two
+    evaluations: int  # of the patch system
+    error: float = math.nan  # on the sinusoid, relative
+    floor: float = 0.0  # uncertainty of the reference of the error
     reference: str = ""
 
     @property

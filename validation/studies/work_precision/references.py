@@ -9,24 +9,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 import fem_reference
 from fem_reference import Resolution
+from persson.adhesive import Route
 from validation.harness.schema import ReferenceKind
 from validation.references.paper_method import follow
 from validation.references.paper_method import solve as paper_solve
-from validation.references.posed_contacts import QUANTITIES, Answer, MethodError, Posed, exact_sinusoid
+from validation.references.posed_contacts import Answer, MethodError, Posed, answer_of, exact_sinusoid
 from validation.studies.work_precision.methods import (
     PAPER_GAP,
     PAPER_RESIDUAL,
     PATH_RESIDUAL,
     PATH_STEPS,
     Method,
-    persson_finite_volumes,
-    persson_volterra,
     solve_bem,
+    solve_persson,
 )
 
 ROUNDING = 2e-15  # of the scale of a quantity
@@ -34,22 +35,12 @@ ROUNDING = 2e-15  # of the scale of a quantity
 
 @dataclass(frozen=True)
 class Reference:
-    """An answer to measure against.
+    """An answer to measure against."""
 
-    Parameters
-    ----------
-    code : str
-        Whose numerics it is; `exact` for a closed form.
-    source : str
-        In words, with the setting.
-    answer, uncertainty : dict
-        By the names of QUANTITIES, SI.
-    """
-
-    code: str
+    code: str  # whose numerics it is; `exact` for a closed form
     kind: ReferenceKind
-    source: str
-    answer: Answer
+    source: str  # in words, with the setting
+    answer: Answer  # and `uncertainty`: by the names of QUANTITIES, SI
     uncertainty: Answer
 
     def floor(self, posed: Posed, names: tuple[str, ...]) -> float:
@@ -119,33 +110,27 @@ def paper_extrapolated(posed: Posed) -> Reference:
             raise MethodError(f"paper's method at {cells} cells: {state.status}: {state.message}")
         edges = state.edges
         gap = float(state.gap(np.array([posed.trough]))[0])
-        values = (state.contact_fraction, state.mean_pressure, state.elastic_energy / posed.period, gap)
-        found.append(dict(zip(QUANTITIES, values, strict=True)))
+        found.append(answer_of(state.contact_fraction, state.mean_pressure, state.elastic_energy / posed.period, gap))
     fine, coarse = _extrapolated(found[2], found[1]), _extrapolated(found[1], found[0])
     source = "the paper's method at 32 and 64 cells a patch, extrapolated"
     return Reference("paper's method", "independent code", source, fine, _changes(posed, fine, coarse))
 
 
-def volterra(posed: Posed) -> Reference:
-    """Persson's second route at resolution 8."""
-    fine, coarse = persson_volterra(posed, 8.0).answer, persson_volterra(posed, 4.0).answer
-    return Reference("persson, volterra", "independent code", "the Volterra route at resolution 8", fine,
-                     _changes(posed, fine, coarse))  # fmt: skip
-
-
-def finite_volumes(posed: Posed) -> Reference:
-    """Persson's first route at resolution 8."""
-    fine, coarse = persson_finite_volumes(posed, 8.0).answer, persson_finite_volumes(posed, 4.0).answer
-    return Reference("persson, finite volumes", "independent code", "the finite volumes at resolution 8", fine,
-                     _changes(posed, fine, coarse))  # fmt: skip
+def persson_route(route: Route, name: str, posed: Posed) -> Reference:
+    """A route of Persson's theory at resolution 8; uncertainty: the change from 4."""
+    fine, coarse = (solve_persson(route, posed, resolution).answer for resolution in (8.0, 4.0))
+    code = f"persson, {route.replace('_', ' ')}"
+    return Reference(code, "independent code", f"the {name} at resolution 8", fine, _changes(posed, fine, coarse))
 
 
 JOHNSON = Source("Johnson 1995", "exact", johnson)
 FINITE_ELEMENTS = Source("finite elements", "fem", finite_elements)
 SOLVER = Source("solver", "bem", solver)
 PAPER = Source("paper's method, extrapolated", "paper's method", paper_extrapolated)
-VOLTERRA = Source("Volterra route", "persson, volterra", volterra)
-FINITE_VOLUMES = Source("finite volumes", "persson, finite volumes", finite_volumes)
+VOLTERRA = Source("Volterra route", "persson, volterra", partial(persson_route, "volterra", "Volterra route"))
+FINITE_VOLUMES = Source(
+    "finite volumes", "persson, finite volumes", partial(persson_route, "finite_volumes", "finite volumes")
+)
 SOURCES: dict[str, tuple[Source, ...]] = {
     "sinusoid": (JOHNSON,),
     "layer": (FINITE_ELEMENTS, SOLVER),
@@ -155,13 +140,7 @@ SOURCES: dict[str, tuple[Source, ...]] = {
 
 
 def source_for(scene: str, method: Method, sources: dict[str, tuple[Source, ...]] | None = None) -> Source:
-    """The first reference of a scene that is not of the method's own code.
-
-    Raises
-    ------
-    ValueError
-        No reference is of another code.
-    """
+    """The first reference of a scene that is not of the method's own code; ValueError where there is none."""
     for source in (SOURCES if sources is None else sources)[scene]:
         if source.code != method.code:
             return source

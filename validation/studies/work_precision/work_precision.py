@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.runner import Listener
 from validation.references import fft_adhesion as fft_methods
 from validation.references.posed_contacts import Posed, scenes
 from validation.report.study_figures import Line, Plot, write_svg
@@ -76,7 +76,7 @@ def computed_reference(item: tuple[Source, Posed]) -> Reference:
 def run(
     folder: Path,
     quick: bool,
-    report: Callable[[Note], None],
+    report: Listener,
     methods: Sequence[Method] = METHODS,
     sources: dict[str, tuple[Source, ...]] | None = None,
     with_prices: bool = True,
@@ -86,11 +86,8 @@ def run(
 
     Parameters
     ----------
-    folder : Path
     quick : bool
         Fewer scenes, settings and repeats.
-    report : callable
-        Gets a `Note` for every step.
     methods : sequence of Method
         Others than those of the study, without the peers.
     sources : dict, optional
