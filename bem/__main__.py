@@ -34,7 +34,7 @@ from bem.command_line.console import (
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
-from bem.scene.cost import cost_of
+from bem.scene.cost_prediction import cost_of
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Progress, Result

@@ -1,8 +1,8 @@
 """What a run says on the terminal: progress on stderr, the resolved scene, the effects and the summary.
 
 Progress is a bar over the targets on a terminal, else plain lines: every `LINE_SECONDS`, and when a new target is
-approached, unless the last line is younger than `TARGET_SECONDS`.  What is left is predicted (cost.py), corrected by
-the pace seen.
+approached, unless the last line is younger than `TARGET_SECONDS`.  What is left is predicted (cost_prediction.py),
+corrected by the pace seen.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any, Protocol, TextIO
 from tqdm import tqdm
 
 from bem.compiled.kernels import IN_USE
-from bem.scene.cost import Cost
+from bem.scene.cost_prediction import Cost
 from bem.scene.result import Caution, Effect, Progress, Result
 
 LINE_SECONDS = 5.0

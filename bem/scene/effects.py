@@ -2,15 +2,15 @@
 
 An effect that is not active is a code path never entered.  What changes the compliance: elastic_tables.py.
 
-The predicted cost (cost.py) is told apart by effect: the bare targets, what adhesion adds to them on the way in and on
-the way back, what a layer adds to every evaluation, and the outputs.
+The predicted cost (cost_prediction.py) is told apart by effect: the bare targets, what adhesion adds to them on the
+way in and on the way back, what a layer adds to every evaluation, and the outputs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from bem.scene.cost import cost_of, pace
+from bem.scene.cost_prediction import cost_of, pace
 from bem.scene.elastic_tables import ELASTIC, elastic_effects, negligible
 from bem.scene.result import Effect
 from bem.scene.scene import Scene

@@ -5,7 +5,7 @@ from in_this_process import Here, forking
 
 from validation.harness import executors
 from validation.harness.execution import Ended
-from validation.studies import answers
+from validation.studies import kept_answers
 
 
 @pytest.fixture
@@ -18,7 +18,7 @@ def here(monkeypatch):
         except Exception as error:
             yield Ended(item, error)
 
-    monkeypatch.setattr(answers, "run_alone", in_this_process)
+    monkeypatch.setattr(kept_answers, "run_alone", in_this_process)
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from validation.challenge.certify import certified
 from validation.challenge.closed_answers import CLOSED
 from validation.challenge.posing import poses
 from validation.challenge.problem import FOLDER, names, problem, toml_of
-from validation.challenge.record import EXTRAPOLATED
+from validation.challenge.record_standings import EXTRAPOLATED
 from validation.challenge.standings import recorded
 from validation.challenge.worker import called, with_arrays
 

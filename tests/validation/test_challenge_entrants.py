@@ -4,7 +4,7 @@ import pytest
 
 from validation.challenge.judging import judged
 from validation.challenge.problem import problem
-from validation.challenge.solving import returned
+from validation.challenge.solver_process import returned
 from validation.challenge.standings import ENTRANTS, recorded
 
 

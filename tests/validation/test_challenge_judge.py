@@ -17,8 +17,8 @@ from validation.challenge.answers import Certified, Key
 from validation.challenge.extrapolation import extrapolated
 from validation.challenge.judging import judged, lost
 from validation.challenge.problem import FOLDER, names, problem
-from validation.challenge.record import estimated
-from validation.challenge.solving import Returned, returned
+from validation.challenge.record_standings import estimated
+from validation.challenge.solver_process import Returned, returned
 from validation.report.challenge import challenge_page
 
 SOLVERS = """

@@ -7,7 +7,7 @@ import pytest
 
 from validation.cases.rough_profiles import paper_method_audit
 from validation.cases.rough_profiles.paper_method_audit import Extrapolated
-from validation.cases.suite import convergence
+from validation.cases.suite import convergence_rates
 from validation.corpus.convergence_curves import paper_method_curve
 from validation.harness.verdict import verdict_of
 
@@ -16,7 +16,7 @@ def test_rate_off_on_either_side_deviates():
     curve = paper_method_curve((8, 16, 32))
     for order, verdict in ((2.0, "agrees"), (1.7, "deviates"), (2.4, "deviates")):
         made = replace(curve, errors=tuple(n**-order for n in curve.sizes))
-        assert verdict_of(convergence._rate_row(made, 0.033)) == verdict
+        assert verdict_of(convergence_rates._rate_row(made, 0.033)) == verdict
 
 
 def test_extrapolation_of_second_order_is_exact_for_it():

@@ -9,7 +9,7 @@ import example_runs as examples
 import pytest
 
 from validation.harness.execution import Ended
-from validation.studies import answers, cost, cost_breakdown
+from validation.studies import cost, cost_breakdown, kept_answers
 from validation.studies.cost import Drift, Task, drifts_of, exponents_of, judged, measured, tasks_of
 from validation.studies.cost_breakdown import dissected
 
@@ -190,7 +190,7 @@ def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
         begun.append(item)
         yield Ended(item, function(item))
 
-    monkeypatch.setattr(answers, "run_alone", in_this_process)
+    monkeypatch.setattr(kept_answers, "run_alone", in_this_process)
     stop = None
     study(tmp_path / "whole", examples.converge, PAIR, examples.apart)
     stop = PAIR[1]

@@ -12,12 +12,12 @@ from validation.__main__ import main
 from validation.harness.execution import run_each_alone
 from validation.harness.runner import record_of
 from validation.harness.schema import Band
-from validation.studies.answers import Answers
 from validation.studies.faults import faults
 from validation.studies.faults.fault_findings import Finding, Search, compared, excess_of
 from validation.studies.faults.fault_injection import Examined, Task
 from validation.studies.faults.fault_table import Fault, Studied, faults_in
 from validation.studies.faults.faults import Runs, control_run, examine_faults
+from validation.studies.kept_answers import Answers
 
 HERE = Path(__file__).parent
 SHORT = ("exact.sinusoid", "states.fault_gaps", "states.identities", "theory.theory_routes", "suite.harness")

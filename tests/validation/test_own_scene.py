@@ -20,7 +20,7 @@ from validation.studies.own_scene import own_scene
 from validation.studies.own_scene.findings import findings_of, finest_of, offs
 from validation.studies.own_scene.own_scene import Options, run
 from validation.studies.own_scene.settings import BASE, FINEST, NO_SCAN, Setting, settings_of
-from validation.studies.own_scene.solving import Reading, Solved, Task, solved
+from validation.studies.own_scene.solved_setting import Reading, Solved, Task, solved
 from validation.studies.own_scene.words import sentence
 
 SOLID = {"youngs_modulus": 1e6, "poisson_ratio": 0.5}

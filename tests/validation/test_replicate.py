@@ -22,8 +22,16 @@ from validation.replicate.area import line_through
 from validation.replicate.double_gaussian_fit import WAYS, Sample, window_figure, window_table
 from validation.replicate.evidence import jackknife, joined, mean_and_error
 from validation.replicate.members import LOADS, PAPER, Size
+from validation.replicate.paper_spectra import (
+    _line,
+    _power_law,
+    _shift_rows,
+    banded,
+    exponent,
+    exponent_of,
+    exponent_of_mean,
+)
 from validation.replicate.pressure import decay_power, density
-from validation.replicate.spectra import _line, _power_law, _shift_rows, banded, exponent, exponent_of, exponent_of_mean
 from validation.replicate.statements import Alternative, disagreement, stale, statement
 from validation.report.figure_files import linked, table_of, write_figure
 from validation.report.render import render

@@ -8,12 +8,12 @@ import example_outcomes as examples
 import pytest
 
 from validation import __main__ as command_line
-from validation.cases.suite import stability as registered
+from validation.cases.suite import reduced_hard_cases as registered
 from validation.corpus.endings import ENDINGS, Task, counts, row_of, tasks_of
 from validation.harness import execution
 from validation.harness.execution import Ended, Running
 from validation.harness.verdict import verdict_of
-from validation.studies import answers, stability
+from validation.studies import kept_answers, stability
 from validation.studies.stability import summary
 
 FLAT = Task("bem", "flat", "reduced", 120.0)
@@ -154,7 +154,7 @@ def test_cases_that_crashed_are_run_again(here, tmp_path):
 def test_rows_of_other_sources_are_not_kept(here, tmp_path, monkeypatch):
     study(tmp_path, examples.converge)
     here.clear()
-    monkeypatch.setattr(answers, "sources_digest", lambda: "other")
+    monkeypatch.setattr(kept_answers, "sources_digest", lambda: "other")
     study(tmp_path, examples.converge)
     assert here == ["flat", "apart", "one_line"]
 
@@ -306,7 +306,7 @@ def verdicts(case):
 
 @pytest.mark.parametrize("case", registered.CASES, ids=[case.id for case in registered.CASES])
 def test_registered_case_has_a_row_for_every_hard_case(case, monkeypatch):
-    monkeypatch.setattr("validation.cases.suite.stability.measured", examples.converge)
+    monkeypatch.setattr("validation.cases.suite.reduced_hard_cases.measured", examples.converge)
     found = verdicts(case)
     assert set(found) == {"agrees"}
     assert len(found) == 1 + sum(case.compute.args == (task.code,) for task in tasks_of(True))
@@ -315,5 +315,5 @@ def test_registered_case_has_a_row_for_every_hard_case(case, monkeypatch):
 @pytest.mark.parametrize("wrong", ["crash", "wrong"])
 def test_registered_case_fails_with_what_it_finds(wrong, monkeypatch):
     answers = {"crash": examples.crash, "wrong": lambda task: examples.outcome(correct=False, findings=("no",))}
-    monkeypatch.setattr("validation.cases.suite.stability.measured", answers[wrong])
+    monkeypatch.setattr("validation.cases.suite.reduced_hard_cases.measured", answers[wrong])
     assert set(verdicts(registered.CASES[2])) == {"deviates"}

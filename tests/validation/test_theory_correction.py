@@ -12,11 +12,11 @@ from persson.corrected_variance import LITERATURE
 from validation.harness.provenance import provenance
 from validation.report.render import render
 from validation.studies.theory_correction import theory_correction
+from validation.studies.theory_correction.correction_figures import chosen
+from validation.studies.theory_correction.correction_members import MODULUS, Group
 from validation.studies.theory_correction.data import STRESSES, Observed, mean_of, relative_errors
-from validation.studies.theory_correction.figures import chosen
 from validation.studies.theory_correction.fit import NAMES, areas_of, calibrate, correction_from, lines_of
-from validation.studies.theory_correction.judge import CALIBRATED, PLAIN, judge, rms
-from validation.studies.theory_correction.members import MODULUS, Group
+from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, judge, rms
 from validation.studies.theory_correction.page import separation_error
 
 TRUTH = (0.7, 0.8, 2.0)

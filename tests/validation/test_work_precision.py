@@ -12,7 +12,7 @@ from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
 from validation.references.dense_equilibrium import solve_dense
 from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, scenes
-from validation.studies import answers
+from validation.studies import kept_answers
 from validation.studies.work_precision import work_precision
 from validation.studies.work_precision.methods import METHODS, solve_bem, solve_fem, solve_paper
 from validation.studies.work_precision.points import Point, Timed
@@ -56,7 +56,7 @@ def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
             raise KeyboardInterrupt
         yield Ended(item, function(item))
 
-    monkeypatch.setattr(answers, "run_alone", in_this_process)
+    monkeypatch.setattr(kept_answers, "run_alone", in_this_process)
     with pytest.raises(KeyboardInterrupt):
         study(tmp_path, methods, example.TRUTH)
     first = json.loads((tmp_path / "work-precision.json").read_text())["points"]

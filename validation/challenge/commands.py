@@ -70,23 +70,23 @@ def _answers(one: Problem) -> list[str]:
 
 def _judge(options: argparse.Namespace) -> int:
     """Judge, and write what came out; 1 where an answer is missing or wrong, or digits were lost to a baseline."""
-    from validation.challenge import judge
+    from validation.challenge import run_judge
 
     workers = (options.jobs, opener_of(options.executor)) if (options.jobs, options.executor) != (1, LOCAL) else None
-    problems = judge.chosen(options.only)
-    before = () if options.baseline is None else judge.earlier(options.baseline, problems)
+    problems = run_judge.chosen(options.only)
+    before = () if options.baseline is None else run_judge.earlier(options.baseline, problems)
     with locked(options.out):
         if options.solver is not None:
             name = options.solver
             spec = solvers().get(name, name)
-            found = judge.solved(spec, problems, options.time_limit, options.out, _say, workers)
+            found = run_judge.solved(spec, problems, options.time_limit, options.out, _say, workers)
         else:
             name = options.submission.name
-            found = judge.submitted(options.submission, problems)
-        judgement = judge.judge(name, problems, found, options.digits)
+            found = run_judge.submitted(options.submission, problems)
+        judgement = run_judge.judge(name, problems, found, options.digits)
         if options.baseline is not None:
-            judgement = judge.against(judgement, options.baseline.name, before)
-        judge.write(judgement, problems, options.out)
+            judgement = run_judge.against(judgement, options.baseline.name, before)
+        run_judge.write(judgement, problems, options.out)
     for one in judgement.problems:
         if one.status != "answered":
             print(f"{one.problem}: {one.status}, {' '.join(one.message.split())}", file=sys.stderr)
@@ -98,7 +98,7 @@ def _judge(options: argparse.Namespace) -> int:
                 print(f"{one.problem}: {row.quantity}: {row.status}{reached}{why}", file=sys.stderr)
     for line in judgement.lost or ():
         print(f"LOST {line}", file=sys.stderr)
-    page = str(options.out / judge.PAGE)
+    page = str(options.out / run_judge.PAGE)
     if options.json:
         print(json.dumps({"passed": judgement.passed, "outcome": judgement.outcome, "page": page}))
     else:
@@ -118,7 +118,7 @@ def _make(options: argparse.Namespace) -> int:
 
 def _standings(options: argparse.Namespace) -> int:
     """The recorded solvers run again."""
-    from validation.challenge.record import record
+    from validation.challenge.record_standings import record
 
     with locked(options.out):
         path = record(options.out, options.solvers, options.time_limit, _say)

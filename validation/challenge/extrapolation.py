@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from validation.challenge.solving import Returned
+from validation.challenge.solver_process import Returned
 
 WHOLE = ("patches",)  # counts, of which the finest grid's stands
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from validation.challenge.answers import Certified, Key, scale_of
-from validation.challenge.solving import Returned
+from validation.challenge.solver_process import Returned
 
 MOST_DIGITS = 15.0
 RIGHT = "right"

@@ -1,9 +1,10 @@
 """Scenes by which the predicted cost is judged, and what they were measured to cost.
 
-cost_scenes.toml lists them: scenes of the cases, examples, and changes of a base scene.  Every other one calibrated the
-constants of bem/scene/cost.py, the others are a hold-out; so are random scenes (random_scenes.py), drawn after the form
-of the prediction was settled.  cost_measured.json holds evaluations, which depend on no machine, and CPU seconds with
-compiled kernels and in NumPy, divided by the pace of the machine (`bem.scene.cost.pace`).  It is written by
+cost_scenes.toml lists them: scenes of the cases, examples, and changes of a base scene. Every other one calibrated
+the constants of bem/scene/cost_prediction.py, the others are a hold-out; so are random scenes (random_scenes.py),
+drawn after the form of the prediction was settled. cost_measured.json holds evaluations, which depend on no machine,
+and CPU seconds with compiled kernels and in NumPy, divided by the pace of the machine
+(`bem.scene.cost_prediction.pace`). It is written by
 
     python -m validation.corpus.cost_scenes validation/corpus/cost_measured.json
 
@@ -26,7 +27,7 @@ from typing import Any
 
 from bem.compiled.kernels import IN_USE
 from bem.scene.atomic_file import write_atomically
-from bem.scene.cost import cost_of, pace
+from bem.scene.cost_prediction import cost_of, pace
 from bem.scene.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.random.random_scenes import draw

@@ -3,8 +3,8 @@
 A file holds the key of what made it, the answer and a SHA-256 of that; it is written under a temporary name, flushed
 and renamed, so that an interruption leaves the old file or the new one.  Answers are data classes, lists of them, or
 pydantic models; every float comes back bit by bit, nan and infinity too.  Records of cases (runner.py) and answers of
-studies (answers.py) lie so.  Members of ensembles do not: they are results of the solver, in the files that its own
-commands read and go by their scene, whatever sources made them (ensemble.py).
+studies (kept_answers.py) lie so.  Members of ensembles do not: they are results of the solver, in the files that its
+own commands read and go by their scene, whatever sources made them (ensemble.py).
 """
 
 from __future__ import annotations

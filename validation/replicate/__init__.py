@@ -24,7 +24,17 @@ from validation.harness.executors import Opener
 from validation.harness.provenance import provenance
 from validation.harness.runner import Listener, Note, failed_record, record_of
 from validation.harness.schema import SCHEMA, CaseRecord, Report
-from validation.replicate import area, heights, hurst, pressure, realisations, separation, shapes, spectra, summary
+from validation.replicate import (
+    area,
+    heights,
+    hurst,
+    paper_separation,
+    paper_shapes,
+    paper_spectra,
+    pressure,
+    realisations,
+    summary,
+)
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
 from validation.replicate.members import hurst as hurst_members
@@ -43,17 +53,17 @@ TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
      r"Persson: $A / A_0 = \operatorname{erf}(\sqrt{2} \, p / (E^\ast h'_{\text{rms}}))$ "
      "without adhesion", area.compute),
     ("replicate-separation", "Does the separation follow the theory?",
-     r"$\ln(p / E^\ast) = c - s / u_0$", separation.compute),
+     r"$\ln(p / E^\ast) = c - s / u_0$", paper_separation.compute),
     ("replicate-spectra", "What are the exponents of the spectra, and is contact full at short wavelengths?",
      r"$C_u \propto q^{-(2 + H)}$, $C_\sigma = (E^\ast)^2 q^2 C_u / 4$; "
-     r"full contact: $C_\sigma \propto q^{1 - 2 H}$", spectra.compute),
+     r"full contact: $C_\sigma \propto q^{1 - 2 H}$", paper_spectra.compute),
     ("replicate-pressure", "What is the distribution of the pressure?",
      r"double Gaussian; $P \to \frac{2 E^\ast}{\pi \lambda} \sum_e w_e |\sigma|^{-3}$ "
      r"for $\sigma \to -\infty$", pressure.compute),
     ("replicate-hurst", "Are short waves in full contact for H = 0.8, and not for H = 0.3?",
      r"$C_u / C = A(q) / A_0$ in the theory", hurst.compute),
     ("replicate-shapes", "What do the deformed shapes look like?",
-     r"$s = \frac{1}{\lambda} \int \text{gap} \, dx$", shapes.compute),
+     r"$s = \frac{1}{\lambda} \int \text{gap} \, dx$", paper_shapes.compute),
     ("replicate-heights", "Are the heights of the profiles Gaussian?",
      r"$\sum_m h_m^2 / 2 = h_{\text{rms}}^2$", heights.compute),
 )  # fmt: skip

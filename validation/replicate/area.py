@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.drawings import axes, drawn, marks, shaded, trace
+from validation.harness.figure_data import axes, drawn, marks, shaded, trace
 from validation.harness.schema import Figure, Table
 from validation.replicate.evidence import Evidence, jackknife, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS

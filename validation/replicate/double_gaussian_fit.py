@@ -23,7 +23,7 @@ import numpy as np
 
 from persson import DoubleGaussian, fit_double_gaussian
 from validation.harness.arrays import FloatArray
-from validation.harness.drawings import axes, drawn, shaded, trace
+from validation.harness.figure_data import axes, drawn, shaded, trace
 from validation.harness.schema import Figure, Row, Series, Table
 from validation.replicate.evidence import jackknife
 from validation.replicate.statements import Alternative, statement

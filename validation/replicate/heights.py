@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
 from validation.harness.case import Outcome
-from validation.harness.drawings import axes, drawn, marks, shaded, trace
+from validation.harness.figure_data import axes, drawn, marks, shaded, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Table
 from validation.replicate.evidence import Evidence, joined, mean_and_error

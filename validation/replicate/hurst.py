@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from validation.harness.case import Outcome
-from validation.harness.drawings import drawn, loglog, marks, shaded, trace
+from validation.harness.figure_data import drawn, loglog, marks, shaded, trace
 from validation.harness.schema import Row, Series, Table
 from validation.replicate.evidence import (
     Evidence,
@@ -25,7 +25,7 @@ from validation.replicate.evidence import (
     mean_and_error,
     theory_with_adhesion,
 )
-from validation.replicate.spectra import Exponent, banded, exponent, exponent_of, exponent_of_mean
+from validation.replicate.paper_spectra import Exponent, banded, exponent, exponent_of, exponent_of_mean
 from validation.replicate.statements import Alternative, disagreement, statement
 
 WINDOWS = ((0.1, 1.0), (0.07, 0.7), (0.15, 1.0))  # of the highest order

@@ -19,7 +19,7 @@ from scipy.optimize import minimize_scalar
 
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.drawings import drawn, loglog, marks, shaded, trace
+from validation.harness.figure_data import drawn, loglog, marks, shaded, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table
 from validation.replicate.double_gaussian_fit import FACTOR, Sample, window_figure, window_table

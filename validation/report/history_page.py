@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bem.scene.atomic_file import write_atomically
-from validation.harness.drawings import axes, drawn, semilogy, trace
+from validation.harness.figure_data import axes, drawn, semilogy, trace
 from validation.harness.schema import Figure, Report
 from validation.harness.verdict import counts
 from validation.report.figures import COLOURS, svg_of

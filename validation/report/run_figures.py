@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.scene.result import Result, State
-from validation.harness.drawings import axes, bars, drawn, marks, semilogy, trace
+from validation.harness.figure_data import axes, bars, drawn, marks, semilogy, trace
 from validation.harness.schema import Figure, Panel, Series
 from validation.report.run_words import axis_unit, quantity
 from validation.report.scan_figure import preparation_figure

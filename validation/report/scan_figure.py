@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.harness.drawings import axes, drawn, trace
+from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.schema import Figure
 from validation.report.run_words import axis_unit
 

@@ -30,7 +30,7 @@ from validation.corpus.rates import RateError
 from validation.harness.provenance import provenance
 from validation.harness.runner import Listener, Note
 from validation.report.study_figures import Line, Plot, write_svg
-from validation.studies.answers import Answers, answers_in
+from validation.studies.kept_answers import Answers, answers_in
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-convergence/1"

@@ -28,9 +28,9 @@ from validation.harness.runner import Listener, Note
 from validation.harness.schema import Table
 from validation.references import adapters
 from validation.report.study_figures import Line, Plot, write_svg
-from validation.studies.answers import Answers, answers_in
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences
+from validation.studies.kept_answers import Answers, answers_in
 from validation.studies.store import peak_megabytes, plain, write_json
 
 SCHEMA = "linecontact-cost/1"

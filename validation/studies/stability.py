@@ -39,7 +39,7 @@ from validation.corpus.random import random_trial
 from validation.harness.execution import Ended, Running, run_in_processes, run_in_turn
 from validation.harness.provenance import provenance
 from validation.harness.runner import Listener, Note
-from validation.studies.answers import answers_in
+from validation.studies.kept_answers import answers_in
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-stability/1"

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 import bem
 from bem.scene.result import Result
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, trace
+from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Figure, Reference, Row
 from validation.references import adapters

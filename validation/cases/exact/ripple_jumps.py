@@ -25,7 +25,7 @@ import bem
 from bem.scene.result import Event, Result
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.figure_data import axes, drawn, marks, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Figure, Reference, Row
 from validation.references import adapters

@@ -20,7 +20,7 @@ from bem.scene.result import Result, State
 from validation.cases.exact.merged_crests import one_patch_mean_pressure
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.figure_data import axes, drawn, marks, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Figure, Reference, Row
 from validation.references import adapters

@@ -12,7 +12,7 @@ from bem.audit.dense import evaluate_dense
 from bem.geometry.scaling import Scales
 from bem.scene.result import Result
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, marks, semilogy, trace
+from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Figure, Reference
 from validation.references import adapters

@@ -22,7 +22,7 @@ import fem_reference
 from fem_reference import Resolution, Result
 from validation.harness.case import Case, Outcome
 from validation.harness.compare import pairwise_orders
-from validation.harness.drawings import axes, drawn, loglog, marks, trace
+from validation.harness.figure_data import axes, drawn, loglog, marks, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Level, Reference, Row
 from validation.references import adapters, fem_adapter

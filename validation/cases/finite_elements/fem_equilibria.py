@@ -21,7 +21,7 @@ from validation.cases.finite_elements.fem_comparison import (
 )
 from validation.cases.finite_elements.fem_figures import figure
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import drawn, loglog, marks, semilogx, trace
+from validation.harness.figure_data import drawn, loglog, marks, semilogx, trace
 from validation.harness.schema import Figure, Table
 from validation.references import adapters
 

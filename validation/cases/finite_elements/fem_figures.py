@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from fem_reference import Result
 from validation.cases.finite_elements.fem_comparison import Comparison, away_from_edges, flat
 from validation.harness.arrays import FloatArray
-from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.figure_data import axes, drawn, marks, trace
 from validation.harness.schema import Figure
 
 SHOWN = 1.5  # times the scale: the exact pressure is infinite at the edges

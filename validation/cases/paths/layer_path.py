@@ -14,7 +14,7 @@ import bem
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.figure_data import axes, drawn, marks, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Figure, Panel, Reference, Row, Table
 from validation.references import adapters

@@ -17,7 +17,7 @@ import bem
 from bem.scene.result import Result
 from validation.cases.paths.energy_balance import Account, accounts, closed, legs
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.figure_data import axes, drawn, marks, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Figure, Reference, Row, Table
 from validation.references import adapters

@@ -15,7 +15,7 @@ import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, marks, semilogy, trace
+from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Reference, Table
 from validation.references import adapters

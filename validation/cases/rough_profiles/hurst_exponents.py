@@ -14,7 +14,7 @@ import numpy as np
 
 import bem
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import drawn, loglog, marks, trace
+from validation.harness.figure_data import drawn, loglog, marks, trace
 from validation.harness.schema import Band, Panel, Reference, Row, Table
 from validation.references import adapters
 

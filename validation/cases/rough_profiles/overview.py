@@ -18,7 +18,7 @@ import bem
 import fem_reference
 from bem.scene.result import State
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, loglog, marks, trace
+from validation.harness.figure_data import axes, drawn, loglog, marks, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Band, Reference, Row, Series
 from validation.references import adapters

@@ -18,7 +18,7 @@ from bem.scene.result import State
 from bem.scene.scene import Scene, parse_scene
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import drawn, loglog, marks, trace
+from validation.harness.figure_data import drawn, loglog, marks, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Reference, Row, Table
 from validation.references import adapters

@@ -11,7 +11,7 @@ from bem.scene.result import State
 from bem.scene.scene import Scene
 from persson import AdhesiveContact, DiscreteSpectrum
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, marks, semilogy, trace
+from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Band, Figure, Reference, Row, Table
 from validation.references import adapters

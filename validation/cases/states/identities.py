@@ -8,7 +8,7 @@ import numpy as np
 
 import bem
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, marks, trace
+from validation.harness.figure_data import axes, drawn, marks, trace
 from validation.harness.rows import compared, counted
 from validation.harness.schema import Reference
 from validation.references import adapters

@@ -10,7 +10,7 @@ import math
 
 from validation.corpus.cost_scenes import KERNELS, PARTS, Judged, cost_scenes, judged, measure, outside
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import drawn, loglog, marks, trace
+from validation.harness.figure_data import drawn, loglog, marks, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Reference, Row, Table
 

@@ -14,7 +14,7 @@ import persson
 from persson.adhesive import ROUTES, Route
 from persson.spectrum import Spectrum
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import drawn, loglog, marks, semilogx, trace
+from validation.harness.figure_data import drawn, loglog, marks, semilogx, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Table
 

@@ -11,7 +11,7 @@ import numpy as np
 import persson
 from validation.cases.theory.theory_accuracy import EQUATIONS, MODULUS, Q0, SCENE, adhesive, dry, spectra
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import axes, drawn, loglog, marks, semilogx, semilogy, trace
+from validation.harness.figure_data import axes, drawn, loglog, marks, semilogx, semilogy, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Table
 

@@ -7,7 +7,7 @@ import numpy as np
 import persson
 from validation.cases.theory.theory_accuracy import MODULUS, Q0, adhesive, dry
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import drawn, loglog, trace
+from validation.harness.figure_data import drawn, loglog, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Band, Panel, Reference, Row, Series
 

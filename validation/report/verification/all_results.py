@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from validation.harness.compare import error_over_tolerance
-from validation.harness.drawings import loglog, marks, trace
+from validation.harness.figure_data import loglog, marks, trace
 from validation.harness.schema import Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, counted, counts, fails, verdict_of
 from validation.report.verification.row_views import worst_place

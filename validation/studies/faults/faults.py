@@ -9,9 +9,9 @@ fault is: a judge that is itself the fault would acquit itself, so the case of t
 and counts its errors; in everyday use the baseline of that case pins the count.
 
 By how much: error over what is allowed, of a band the distance from its middle over half its width.  A fault with a
-size is made smaller in decades until no case sees it, starting where the measured excess predicts, with the cases
-that saw it best.  A red control, or a fault that its case does not notice, fails the study; a fault that does not fit
-the sources is refused before anything runs.  Finished answers are kept (answers.py): an interrupted study continues.
+size is made smaller in decades until no case sees it, starting where the measured excess predicts, with the cases that
+saw it best.  A red control, or a fault that its case does not notice, fails the study; a fault that does not fit the
+sources is refused before anything runs.  Finished answers are kept (kept_answers.py): an interrupted study continues.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from validation.harness.registry import registry
 from validation.harness.runner import Listener, Note
 from validation.harness.verdict import case_verdicts
 from validation.report.fault_matrix import write_matrix
-from validation.studies.answers import Answers, answers_in
 from validation.studies.faults.fault_findings import Finding, Search, bad, compared
 from validation.studies.faults.fault_injection import Examined, Task, examine
 from validation.studies.faults.fault_report import content_of, failures_of, lines_of, table_of
 from validation.studies.faults.fault_table import Fault, FaultError, Studied, faults_in
+from validation.studies.kept_answers import Answers, answers_in
 from validation.studies.store import write_json
 
 FILE, FIGURE = "faults.json", "faults.svg"

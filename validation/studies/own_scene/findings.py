@@ -19,7 +19,7 @@ import numpy as np
 
 from validation.corpus.rates import RateError, geometric
 from validation.studies.own_scene.settings import BASE, FINEST, Kind, Setting
-from validation.studies.own_scene.solving import Reading, Solved
+from validation.studies.own_scene.solved_setting import Reading, Solved
 from validation.studies.work_precision.conclusion import Mark, MethodCurve, cheapest
 
 DIGITS = (2, 4, 8)

@@ -1,9 +1,9 @@
 """What accuracy costs for one's own scene, and what its question leaves open: `study scene SCENE --out DIR`.
 
 The scene is solved as it is, then with the finest numerical settings, then with all others (settings.py), each in a
-process of its own and kept as soon as it is there (answers.py): the same command continues.  Before anything runs the
-seconds are predicted; after the scene as it is, by its pace.  What would go beyond the budget is left out, a run that
-takes far longer than predicted is stopped, a setting that the scene refuses is a row with the reason.
+process of its own and kept as soon as it is there (kept_answers.py): the same command continues.  Before anything runs
+the seconds are predicted; after the scene as it is, by its pace.  What would go beyond the budget is left out, a run
+that takes far longer than predicted is stopped, a setting that the scene refuses is a row with the reason.
 
 DIR gets study.json (findings.py) and study.html (validation/report/study_page.py), rendered from the former alone.
 """
@@ -27,11 +27,11 @@ from validation.harness.provenance import provenance
 from validation.harness.runner import Listener, Note
 from validation.report.render import ReportError
 from validation.report.study_page import FILE, PAGE, write_study_page
-from validation.studies.answers import Answers, answers_in
+from validation.studies.kept_answers import Answers, answers_in
 from validation.studies.own_scene import BUDGET, SEEDS
 from validation.studies.own_scene.findings import findings_of
 from validation.studies.own_scene.settings import Setting, settings_of
-from validation.studies.own_scene.solving import Solved, Task, solved
+from validation.studies.own_scene.solved_setting import Solved, Task, solved
 from validation.studies.own_scene.words import content_of, sentence, table_text
 from validation.studies.store import write_json
 

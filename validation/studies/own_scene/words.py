@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from validation.harness.drawings import bars, drawn, loglog, marks
+from validation.harness.figure_data import bars, drawn, loglog, marks
 from validation.harness.schema import Figure
 from validation.report.run_words import CONTROLS, quantity
 from validation.report.study_page import share
@@ -19,7 +19,7 @@ from validation.studies.own_scene.findings import (
     largest,
 )
 from validation.studies.own_scene.settings import Setting
-from validation.studies.own_scene.solving import Solved
+from validation.studies.own_scene.solved_setting import Solved
 from validation.studies.store import text_table
 
 SOURCES = {

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from bem.scene.result import Result
 from validation.harness.arrays import FloatArray
 from validation.harness.ensemble import read_member
-from validation.studies.theory_correction.members import MODULUS, Group
+from validation.studies.theory_correction.correction_members import MODULUS, Group
 
 STRESSES = np.linspace(-0.3, 0.7, 101)  # of E*, at which shares above are compared
 SAME_LOAD = 1e-9  # of E*

@@ -21,8 +21,8 @@ from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
+from validation.studies.theory_correction.correction_members import Group
 from validation.studies.theory_correction.data import Observed, relative_errors
-from validation.studies.theory_correction.members import Group
 
 NAMES = ("c_0", "b_0", "k")
 START = (0.8, 1.0, 1.5)

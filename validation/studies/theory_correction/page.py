@@ -19,10 +19,10 @@ from persson.domain import in_words
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Table, Tolerance
 from validation.studies.adhesive_edges import areas_of
-from validation.studies.theory_correction.figures import chosen, figures_of, known
+from validation.studies.theory_correction.correction_figures import chosen, figures_of, known
+from validation.studies.theory_correction.correction_members import RMS_SLOPE, Group
 from validation.studies.theory_correction.fit import lines_of
-from validation.studies.theory_correction.judge import CALIBRATED, PLAIN, Judged, rms
-from validation.studies.theory_correction.members import RMS_SLOPE, Group
+from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, Judged, rms
 
 CASE = "theory-correction"
 BELOW, ABOVE = 0.002, 0.006  # E*, at the common rms slope: bounds of the ranges of loads

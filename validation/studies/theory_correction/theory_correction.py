@@ -1,10 +1,10 @@
 """A better estimate of the contact area: the theory's correction calibrated, judged on a hold-out, and put on a page.
 
-1. Boundary-element ensembles (members.py), stored realisation by realisation on any executor; a
+1. Boundary-element ensembles (correction_members.py), stored realisation by realisation on any executor; a
    second run continues where the first ended.
 2. Calibration on the fit part (fit.py): calibration.json, which copied to persson/ becomes the
    calibrated correction of the package.
-3. Judgement on the hold-out (judge.py) by that calibration: area, separation and distribution of the
+3. Judgement on the hold-out (hold_out.py) by that calibration: area, separation and distribution of the
    plain theory, of the calibrated correction and of those of the literature.
 4. report.json and report.html: the page for engineers (page.py).
 
@@ -31,11 +31,11 @@ from validation.harness.schema import SCHEMA as REPORT_SCHEMA
 from validation.harness.schema import Report, with_checksum
 from validation.report.render import failures, write_html
 from validation.studies.store import text_table, write_json
+from validation.studies.theory_correction.correction_figures import chosen
+from validation.studies.theory_correction.correction_members import FIT_ROOT, HOLD_OUT_ROOT, RMS_SLOPE, Group, groups
 from validation.studies.theory_correction.data import Observed, observed, relative_errors
-from validation.studies.theory_correction.figures import chosen
 from validation.studies.theory_correction.fit import Calibration, calibrate, correction_from
-from validation.studies.theory_correction.judge import CALIBRATED, PLAIN, Judged, judge, rms
-from validation.studies.theory_correction.members import FIT_ROOT, HOLD_OUT_ROOT, RMS_SLOPE, Group, groups
+from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, Judged, judge, rms
 from validation.studies.theory_correction.page import case_of, outcome, separation_error
 
 SCHEMA = "linecontact-theory-correction-study/1"

@@ -6,7 +6,7 @@ time, largest memory of the process so far, and set-up, solution and evaluation 
 time: on one thread it is the wall time of an idle machine, and others do not add to it.  Errors of all quantities are
 kept; the curve shows the larger of those of contact fraction and mean pressure.  Points below the uncertainty of their
 reference are grey, failed ones stay with their message.  Counts, not seconds, are what could be gated.  Each finished
-curve, reference and price list is kept (answers.py).
+curve, reference and price list is kept (kept_answers.py).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from validation.harness.runner import Listener
 from validation.references import fft_adhesion as fft_methods
 from validation.references.posed_contacts import Posed, scenes
 from validation.report.study_figures import Line, Plot, write_svg
-from validation.studies.answers import Answers, answers_in
+from validation.studies.kept_answers import Answers, answers_in
 from validation.studies.store import peak_megabytes, text_table, write_json
 from validation.studies.work_precision.conclusion import Mark, MethodCurve, sentences
 from validation.studies.work_precision.methods import METHODS, Method

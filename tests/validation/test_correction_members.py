@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bem.scene.scene import parse_scene
-from validation.studies.theory_correction.members import MODULUS, RMS_SLOPE, Group, groups
+from validation.studies.theory_correction.correction_members import MODULUS, RMS_SLOPE, Group, groups
 
 
 def of_part(part, kind=None):

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from validation.harness.drawings import drawn, loglog, marks, semilogx, shaded, trace
+from validation.harness.figure_data import drawn, loglog, marks, semilogx, shaded, trace
 from validation.harness.schema import Figure, Series
-from validation.studies.theory_correction.judge import CALIBRATED, PLAIN, Judged
+from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, Judged
 
 
 def chosen(judged: Sequence[Judged], adhesive: bool, low: float = 0.0, high: float = 1.0) -> list[Judged]:

@@ -21,7 +21,7 @@ import numpy as np
 
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.drawings import drawn, loglog, semilogx, shaded, trace
+from validation.harness.figure_data import drawn, loglog, semilogx, shaded, trace
 from validation.harness.schema import Figure, Row, Series, Table
 from validation.replicate.evidence import Evidence, Realisation, jackknife, joined, mean_and_error
 from validation.replicate.members import HURST, LOADS, MODULUS, SPECTRA_AT

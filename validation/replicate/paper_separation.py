@@ -16,7 +16,7 @@ import numpy as np
 
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.drawings import drawn, marks, semilogx, shaded, trace
+from validation.harness.figure_data import drawn, marks, semilogx, shaded, trace
 from validation.harness.schema import Figure, Row, Table
 from validation.replicate.evidence import Evidence, joined, mean_and_error
 from validation.replicate.members import LOADS, MODULUS, RMS_HEIGHT

@@ -6,8 +6,8 @@ import pytest
 
 import bem
 from bem.command_line.console import Forecast
-from bem.scene import cost
-from bem.scene.cost import cost_of
+from bem.scene import cost_prediction
+from bem.scene.cost_prediction import cost_of
 from bem.scene.scene import parse_scene
 
 BASE = {
@@ -111,9 +111,9 @@ def test_kernels_in_numpy_take_longer():
 
 
 def test_seconds_follow_the_pace_of_the_machine(monkeypatch):
-    monkeypatch.setattr(cost, "pace", lambda: 1.0)
+    monkeypatch.setattr(cost_prediction, "pace", lambda: 1.0)
     before = cost_of(scene_with()).seconds
-    monkeypatch.setattr(cost, "pace", lambda: 4.0)
+    monkeypatch.setattr(cost_prediction, "pace", lambda: 4.0)
     assert cost_of(scene_with()).seconds == pytest.approx(4 * before)
 
 
@@ -132,7 +132,7 @@ def test_the_share_that_is_done_grows_to_one():
 
 def test_progress_corrects_itself_by_the_pace_seen(monkeypatch):
     """A machine ten times slower than predicted: half way, what is left is what it took so far."""
-    monkeypatch.setattr(cost, "pace", lambda: 1.0)
+    monkeypatch.setattr(cost_prediction, "pace", lambda: 1.0)
     scene = scene_with(loading=loading("separation", 7e-5, 4e-5))
     predicted, now, told = cost_of(scene), [0.0], []
     forecast = Forecast(predicted, clock=lambda: now[0])

@@ -14,7 +14,7 @@ import numpy as np
 
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.drawings import axes, drawn, trace
+from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.schema import Figure, Reference, Row, Series, Table, Tolerance
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import MODULUS, RMS_HEIGHT, SHAPES_AT

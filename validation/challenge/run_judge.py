@@ -25,14 +25,14 @@ from bem.scene.atomic_file import write_atomically
 from validation.challenge import standings
 from validation.challenge.judging import Judged, judged, lost
 from validation.challenge.problem import ChallengeError, Problem, names, problem
-from validation.challenge.solving import Returned, look_up, returned
+from validation.challenge.solver_process import Returned, look_up, returned
 from validation.challenge.submission import read_submission
 from validation.harness.execution import Ended, run_in_processes
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance, versions
 from validation.harness.runner import Listener, Note
 from validation.report.challenge.challenge_page import render_challenge
-from validation.studies.answers import FOLDER, Answers
+from validation.studies.kept_answers import FOLDER, Answers
 from validation.studies.store import plain
 
 SCHEMA = "linecontact-challenge/1"

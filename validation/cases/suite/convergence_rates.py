@@ -16,7 +16,7 @@ from validation.corpus.convergence_curves import (
     persson_curves,
 )
 from validation.harness.case import Case, Outcome
-from validation.harness.drawings import drawn, marks, trace
+from validation.harness.figure_data import drawn, marks, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Panel, Reference, Row, Table
 

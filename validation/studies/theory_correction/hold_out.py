@@ -21,8 +21,8 @@ from persson.corrected_variance import LITERATURE, Correction
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.harness.runner import Note
+from validation.studies.theory_correction.correction_members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
 from validation.studies.theory_correction.data import STRESSES, Observed
-from validation.studies.theory_correction.members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
 
 PLAIN, CALIBRATED = "plain", "calibrated"
 WITH_ADHESION = ("yang_persson_2008", "wang_muser_2017", "xu_2024")  # a drift in every iteration costs minutes

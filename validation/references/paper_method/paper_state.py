@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from validation.harness.arrays import FloatArray, IntArray
-from validation.references.paper_method.descent import VANISHED, Descent, descend, edge_scale_of
+from validation.references.paper_method.conjugate_gradients import VANISHED, Descent, descend, edge_scale_of
 from validation.references.paper_method.energy import Energy, SweepsError
 from validation.references.paper_method.surface import Surface
 

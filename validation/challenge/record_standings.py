@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from bem.scene.atomic_file import write_atomically
-from validation.challenge import judge
+from validation.challenge import run_judge
 from validation.challenge.answers import scale_of
 from validation.challenge.extrapolation import extrapolated
 from validation.challenge.judging import judged
 from validation.challenge.problem import ChallengeError, Problem
-from validation.challenge.solving import Returned
+from validation.challenge.solver_process import Returned
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
 from validation.harness.provenance import provenance
 from validation.harness.runner import Listener, Note
@@ -41,7 +41,7 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Listener)
     for name in solvers:
         if name not in SOLVERS:
             raise ChallengeError(f"solver {name!r}: one of {', '.join(SOLVERS)} is needed")
-    problems = judge.chosen(None)
+    problems = run_judge.chosen(None)
     for entrant in ENTRANTS:
         if solvers and entrant.name not in solvers:
             continue
@@ -74,7 +74,7 @@ def _entries(
     made, by_problem = [], dict[str, list[Returned]]()
     for setting, spec in entrant.settings:
         report(Note(f"{entrant.name}, {setting}"))
-        for one, found in zip(problems, judge.solved(spec, problems, limit, folder, report), strict=True):
+        for one, found in zip(problems, run_judge.solved(spec, problems, limit, folder, report), strict=True):
             by_problem.setdefault(one.name, []).append(found)
             made.append(_entry(entrant.name, setting, one, found))
     if entrant.grids:

@@ -7,9 +7,9 @@ import pytest
 
 from validation.harness.runner import failed_record
 from validation.references.posed_contacts import Found
-from validation.studies.answers import Answers
 from validation.studies.cost import Run
 from validation.studies.faults.fault_injection import Examined
+from validation.studies.kept_answers import Answers
 from validation.studies.work_precision.points import Timed
 
 
