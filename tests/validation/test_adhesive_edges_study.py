@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from example_members import here
+from in_this_process import here
 
 from bem.scene.scene import parse_scene
 from persson.adhesive_edges import data

@@ -95,7 +95,8 @@ def test_verify_of_the_front_door_is_run(cases, tmp_path, capsys):
 
 def test_report_holds_its_provenance(stored):
     facts = report_of(stored)["provenance"]
-    assert all(facts[fact] for fact in ("commit", "blas", "date", "seconds", "sources_sha256", "jobs"))
+    assert all(facts[fact] for fact in ("commit", "blas", "date", "sources_sha256", "jobs"))
+    assert facts["seconds"] >= 0  # to a tenth
 
 
 def test_report_names_no_folder_of_the_machine(cases, tmp_path):
