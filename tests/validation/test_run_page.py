@@ -105,13 +105,14 @@ def test_what_a_later_version_adds_is_shown(result):
         about, message = "profile.period", "above 1 m: is the unit mm?"
 
     richer = replace(result)
-    added = {"groups": {"rms_slope": 0.125}, "warnings": (Caution,)}
+    added = {"groups": {"rms_slope": 0.125, "pressure_scale": 1.25e6}, "warnings": (Caution,)}
     added["profile_preparation"] = ({"step": "detrend", "method": "line", "rms_height": [2e-6, 1e-6]},)
     vars(richer).update(added)
     page = render_run(richer)
     assert "above 1 m: is the unit mm?" in page
     assert 'rms slope</th><td class="num">0.125</td>' in page
     assert "method line, rms height 2e-06 → 1e-06" in page
+    assert "1.25 MPa" in page
 
 
 def test_a_run_that_failed_says_so_first_and_by_its_exit_code(result, tmp_path, capsys):

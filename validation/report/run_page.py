@@ -26,7 +26,7 @@ MEASURES = (
     "hessian_asymmetry",
 )
 WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
-IN_METRES = ("min_gap", "mean_gap_error")
+UNITS = {"min_gap": "m", "mean_gap_error": "m", "rms_height": "m", "pressure_scale": "Pa"}  # of what is no ratio
 
 
 def write_run_page(folder: Path) -> Result:
@@ -47,7 +47,7 @@ def render_run(result: Result) -> str:
         good=succeeded(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
-        groups=result.groups,
+        groups=[(name, _measure(name, value)) for name, value in result.groups.items()],
         warnings=result.warnings,
         preparation=[_step(step) for step in result.profile_preparation],
         figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(result)],
@@ -105,7 +105,12 @@ def _certificate(result: Result) -> Iterator[tuple[str, str]]:
         values = [value for state in result.states if (value := getattr(state.certificate, name)) is not None]
         if values:
             worst = min(values) if name in WORST_BELOW else max(values)
-            yield name.replace("_", " "), quantity(worst, "m") if name in IN_METRES else number(worst)
+            yield name.replace("_", " "), _measure(name, worst)
+
+
+def _measure(name: str, value: float) -> str:
+    """A number with its unit, where it has one."""
+    return quantity(value, UNITS[name]) if name in UNITS else number(value)
 
 
 def _step(step: Mapping[str, Any]) -> tuple[str, str]:
