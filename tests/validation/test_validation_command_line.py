@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from drawn_once import drawn_once
@@ -96,7 +97,13 @@ def test_verify_of_the_front_door_is_run(cases, tmp_path, capsys):
 def test_report_holds_its_provenance(stored):
     facts = report_of(stored)["provenance"]
     assert all(facts[fact] for fact in ("commit", "blas", "date", "sources_sha256", "jobs"))
-    assert facts["seconds"] >= 0  # to a tenth
+
+
+def test_report_says_how_long_it_took(cases, tmp_path, monkeypatch):
+    cases(fine="agree")
+    monkeypatch.setattr(command_line, "time", SimpleNamespace(monotonic=iter([3.0, 10.25]).__next__))
+    run(tmp_path)
+    assert report_of(tmp_path)["provenance"]["seconds"] == 7.2
 
 
 def test_report_names_no_folder_of_the_machine(cases, tmp_path):
