@@ -84,9 +84,10 @@ def test_closed_forms_and_solver_agree(name):
     for quantity, one in problem(name).key.answers.items():
         scale = max(map(abs, one.value))
         (check,) = one.checks
-        # measured: 4e-13, but for the pull-off pressure, at a fold, which is rounding: 4e-12 to 2e-11, as the kernels
-        # (NumPy's or the compiled ones) and the type of the processor have it
-        assert max(check.difference) <= 3e-11 * scale, quantity
+        # the pull-off pressure lies at a fold, where the path has it to rounding: 4e-12 to 2e-11, as the kernels (NumPy's
+        # or the compiled ones) and the type of the processor have it; all others 3.3e-13
+        allowed = 3e-11 if quantity == "pull_off_mean_pressure" else 1e-12
+        assert max(check.difference) <= allowed * scale, quantity
 
 
 def test_the_standings_are_of_these_problems():
