@@ -84,8 +84,8 @@ def test_closed_forms_and_solver_agree(name):
     for quantity, one in problem(name).key.answers.items():
         scale = max(map(abs, one.value))
         (check,) = one.checks
-        # the pull-off pressure lies at a fold, where the path has it to rounding: 4e-12 to 2e-11, as the kernels (NumPy's
-        # or the compiled ones) and the type of the processor have it; all others 3.3e-13
+        # the pull-off pressure lies at a fold, where the path has it to rounding: 4e-12 to 2e-11, as the kernels (those
+        # in NumPy or in C) and the type of the processor have it; all others 3.3e-13
         allowed = 3e-11 if quantity == "pull_off_mean_pressure" else 1e-12
         assert max(check.difference) <= allowed * scale, quantity
 
