@@ -36,11 +36,8 @@ the edge.  Limits: half-space; means over phases; loading (retreat from a larger
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -48,7 +45,7 @@ from numpy.typing import NDArray
 from scipy.special import erf, erfc, erfinv
 
 from persson.contact_slope import contact_fractions, period_wavenumber
-from persson.domain import groups_of, outside, refuse_extremes
+from persson.domain import data_file, groups_of, outside, refuse_extremes
 from persson.nonadhesive import plane_strain_modulus
 from persson.spectrum import Spectrum, slope_shares
 
@@ -86,11 +83,9 @@ class AdhesiveArea:
     outside: tuple[str, ...]
 
 
-@cache
 def data() -> dict[str, Any]:
     """Coefficients, domain, and what they were fitted to and judged on."""
-    found: dict[str, Any] = json.loads(resources.files("persson").joinpath(FILE).read_text("utf-8"))
-    return found
+    return data_file(FILE)
 
 
 def contact_area(

@@ -29,11 +29,9 @@ Limits: half-space, no adhesion, means over phases; `outside` of the answer (dom
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, lru_cache
-from importlib import resources
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -41,7 +39,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft
 from scipy.special import erf
 
-from persson.domain import groups_of, outside, refuse_extremes
+from persson.domain import data_file, groups_of, outside, refuse_extremes
 from persson.nonadhesive import dimensionless_load, plane_strain_modulus
 from persson.spectrum import DiscreteSpectrum, Spectrum, slope_shares
 
@@ -79,11 +77,9 @@ class ContactArea:
     outside: tuple[str, ...]
 
 
-@cache
 def data() -> dict[str, Any]:
     """Coefficients, domain, and what they were fitted to and judged on."""
-    found: dict[str, Any] = json.loads(resources.files("persson").joinpath(FILE).read_text("utf-8"))
-    return found
+    return data_file(FILE)
 
 
 def contact_area(

@@ -8,13 +8,10 @@ on profiles that were held out.  Source: validation/studies/theory_correction/. 
 
 from __future__ import annotations
 
-import json
-from functools import cache
-from importlib import resources
 from typing import Any
 
 from persson.corrected_variance import Correction
-from persson.domain import in_words
+from persson.domain import data_file, in_words
 
 FILE = "calibration.json"
 SCHEMA = "linecontact-theory-correction/3"
@@ -35,11 +32,9 @@ def calibrated() -> Correction:
     return correction_of(calibration())
 
 
-@cache
 def calibration() -> dict[str, Any]:
     """The content of the data file: coefficients, standard errors, hold-out errors, provenance."""
-    found: dict[str, Any] = json.loads(resources.files("persson").joinpath(FILE).read_text("utf-8"))
-    return found
+    return data_file(FILE)
 
 
 def correction_of(content: dict[str, Any]) -> Correction:

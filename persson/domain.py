@@ -1,4 +1,4 @@
-"""Where the calibrated correction may be used: one table, read by the guard here and by the page of its study.
+"""Where what was fitted may be used: one table for each law, read by the guard here and by the page of its study.
 
 A case is described by numbers without units (`groups_of`), weighted by the roughness that they stand for, so that a
 line without power changes nothing:
@@ -10,14 +10,17 @@ line without power changes nothing:
     theta             work of adhesion over the elastic energy of full contact
     contact_fraction  A/A0 that was found
 
-The table (`domain` of calibration.json) has the interval of each, and boxes inside that are forbidden, with the reason.
-Source: validation/studies/theory_correction/.  Limits: what a spectrum does not show, a layer, roughness in two
-directions, unloading, is not seen here.
+The tables (`domain` of the data files of the package: `data_file`) have the interval of each, and boxes inside that
+are forbidden, with the reason. Source: validation/studies/theory_correction/, contact_slope.py, adhesive_edges.py. 
+Limits: what a spectrum does not show, a layer, roughness in two directions, unloading, is not seen here.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
+from functools import cache
+from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -34,6 +37,13 @@ WORDS = {
     "theta": "theta",
     "contact_fraction": "contact fraction",
 }
+
+
+@cache
+def data_file(name: str) -> dict[str, Any]:
+    """A data file of the package: coefficients, domain, and what they were fitted to and judged on."""
+    found: dict[str, Any] = json.loads(resources.files("persson").joinpath(name).read_text("utf-8"))
+    return found
 
 
 def groups_of(spectrum: Spectrum, load: float, contact_fraction: float, work_length: float = 0.0) -> dict[str, float]:
