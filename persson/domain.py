@@ -11,7 +11,7 @@ line without power changes nothing:
     contact_fraction  A/A0 that was found
 
 The tables (`domain` of the data files of the package: `data_file`) have the interval of each, and boxes inside that
-are forbidden, with the reason. Source: validation/studies/theory_correction/, contact_slope.py, adhesive_edges.py. 
+are forbidden, with the reason. Source: validation/studies/theory_correction/, contact_slope.py, adhesive_edges.py.
 Limits: what a spectrum does not show, a layer, roughness in two directions, unloading, is not seen here.
 """
 
