@@ -33,6 +33,7 @@ from validation.studies.contact_slope import MODULUS, RMS_SLOPE, lines_of, name_
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-adhesive-edges-study/1"
+PARTS = ("fit", "hold_out", "second_hold_out")
 FILE = "adhesive-edges.json"
 FLOOR, QUICK = 0.02, 2
 SAME_LOAD, DEEPEST = 1e-7, 1e-4  # of E*; separation in rms heights, before which the load stops the path
@@ -166,7 +167,7 @@ def run(
         Opens the executor (executors.py).
     """
     parts = {}
-    for name in ("fit", "hold_out"):
+    for name in PARTS:
         made = ensembles_of(data()[name], folder / name, quick, report, jobs, opener)
         if made is None:
             return 1
