@@ -142,8 +142,18 @@ def _has_twins(problem: Problem) -> bool:
 
 
 def _critical_intensity(problem: Problem) -> float:
-    """Least critical K: the coarse evaluation, whose K is off by 3e-2 times its tolerance, must resolve it."""
-    return np.inf if problem.law is None else 2 * float(np.sqrt(problem.law.least_work))
+    """Least critical K over the pressure: the coarse evaluation, whose K is off by 3e-2 times its tolerance, resolves it.
+
+    Of the pressure it counts how much larger that of complete contact is than on a half-space (rms): thin layers.
+    """
+    if problem.law is None:
+        return np.inf
+    critical, ratio = 2 * float(np.sqrt(problem.law.least_work)), problem.compliance_ratio
+    if ratio is None:
+        return critical
+    orders = problem.profile.orders
+    pressure = orders * problem.profile.amplitudes
+    return critical * float(np.linalg.norm(pressure) / np.linalg.norm(pressure / ratio(orders)))
 
 
 def _jump_distance(problem: Problem) -> float:

@@ -14,8 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.branch import misses_energy, strays, tangent, unstable_patches
-from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
+from bem.adhesive.branch import UNBOOKED, misses_energy, strays, tangent, unstable_patches
+from bem.adhesive.equilibrium import Balance, System, balance, edge_positions, energy_noise
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
 from bem.continuation.limit_points import LimitPoint, Search, locate_limit_point
@@ -116,20 +116,40 @@ class Jumps:
             touched.extend([TouchedFold(value, here.state, found)] if found.position.size else [])
             return bool(touched)
 
-        start, value = point.balance, point.value
-        limit = locate_limit_point(
-            self.system, start, value, Search(reach, (coarse, fine, finest), thorough, is_touched)
-        )
+        limit = self._located(point, Search(reach, (coarse, fine, finest), thorough, is_touched))
         if limit is None and thorough and not touched:  # coarse states may end farther from it than `reach`
-            near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(value)), reach))
-            search = Search(near, (fine, fine, finest), thorough, is_touched)
-            limit = locate_limit_point(self.system, start, value, search)
+            near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(point.value)), reach))
+            limit = self._located(point, Search(near, (fine, fine, finest), thorough, is_touched))
         if limit is None:
             return touched[0] if touched else None
         self.effort.evaluations += limit.evaluations
         if is_touched(limit.balance, limit.exact.value, self.increments.fine.allowed):
             return touched[0] if limit.kind == "fold" else None
         return limit
+
+    def _located(self, point: Equilibrium, search: Search) -> LimitPoint | None:
+        """The limit point that a search from a point finds, unless that ends another branch.
+
+        Newton may lead back to the fold from which the contact has just jumped: its potential is higher by what the
+        jump released, and no work of the control accounts for that.
+        """
+        limit = locate_limit_point(self.system, point.balance, point.value, search)
+        if limit is None or self._accounts_for(point.balance, point, limit):
+            return limit
+        return limit if self._accounts_for(self._finer(point.balance, point.value), point, limit) else None
+
+    def _accounts_for(self, here: Balance, point: Equilibrium, limit: LimitPoint) -> bool:
+        """Whether the control does the work between a point, whose forces are `here`, and a limit point.
+
+        Force over the way, to what it changes by there; and a thousandth of the work of adhesion turned over.
+        """
+        control, change, there = self.system.control, limit.exact.value - point.value, limit.balance
+        first, last = control.force(here.state), control.force(there.state)
+        along = control.force_rate(here.state, float(here.load_gradient @ point.rate)) * change
+        missing = limit.exact.potential - here.potential - change * (first + last) / 2
+        moved = np.abs(edge_positions(there.state.patches) - edge_positions(here.state.patches))
+        allowed = abs(change) * (abs(last - first) + abs(along)) + UNBOOKED * float(there.work @ moved)
+        return abs(missing) <= allowed + energy_noise(self.system, here, there, self.increments.fine.tolerance)
 
     def from_limit(self, limit: LimitPoint, reach: float) -> list[Point]:
         """A limit point and the state behind its jump; nothing where the forces lead to no other state.
@@ -154,17 +174,18 @@ class Jumps:
         place = ("bifurcation", _leading(state.patches, outward))
         relaxed = self._relaxed(state, pushed, value, moving, fine=not leads_on)
         if leads_on or relaxed.changes or _departed(state.patches, relaxed, outward):
-            named = limit.kind == "broken_symmetry" or not relaxed.changes
-            return self._jumped(limit, relaxed, (place, *relaxed.changes) if named else relaxed.changes)
+            breaks = limit.kind == "broken_symmetry"
+            changes = (place, *relaxed.changes) if breaks or not relaxed.changes else relaxed.changes
+            return self._jumped(limit, relaxed, changes, moved=breaks or bool(relaxed.changes))
         value += float(np.copysign(self.increments.smallest, reach))
         relaxed = self._relaxed(state, pushed, value, moving)
-        points = self._jumped(limit, relaxed, (place, *relaxed.changes), bool(relaxed.changes))
+        points = self._jumped(limit, relaxed, (place, *relaxed.changes), moved=bool(relaxed.changes))
         if points or relaxed.balance is None:
             return points
         return [self._equilibrium(value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
 
     def _jumped(
-        self, limit: LimitPoint, relaxed: Relaxed, changes: tuple[tuple[str, float], ...], moved: bool = True
+        self, limit: LimitPoint, relaxed: Relaxed, changes: tuple[tuple[str, float], ...], moved: bool
     ) -> list[Point]:
         """A limit point and the point behind the jump from it; nothing where none was found, or nothing happened."""
         if relaxed.balance is None and not relaxed.changes:
