@@ -7,7 +7,7 @@ compared is the mean area with adhesion; the theory takes that without adhesion 
 p_d(A) is moved onto it, at every load), so that what both share cancels, and for the area alone from contact_slope.py.
 Errors are those of a jackknife over the realisations (`left_out`: those that the solver did not finish).  The fit
 minimises ln(A_theory / A_ensemble) over the error and `FLOOR`; the hold-out enters no fit.  Writes adhesive-edges.json.
-Limits: half-space, loading; an hour of one core.
+Limits: half-space, loading; three hours of one core.
 """
 
 from __future__ import annotations
@@ -175,8 +175,11 @@ def run(
         parts[name] = made
     coefficients = fitted(parts["fit"])
     packaged = data()["coefficients"]
-    kinds = {"ratio": True, "area": False}
-    errors = {name: misses(parts["hold_out"], packaged, paired) for name, paired in kinds.items()}
+    errors = {
+        f"{part}, {name}": misses(parts[part], packaged, paired)
+        for part in PARTS[1:]
+        for name, paired in (("ratio", True), ("area", False))
+    }
     content = {
         "schema": SCHEMA,
         "coefficients": coefficients,
@@ -189,7 +192,7 @@ def run(
         text_table(["coefficient", "found", "in the package"], [[n, v, packaged[n]] for n, v in coefficients.items()])
     )
     for name, (miss, noise) in errors.items():
-        print(f"hold-out, {name} of the areas: rms {rms(miss):.4f}, noise {rms(noise):.4f}, {len(miss)} loads")
+        print(f"{name} of the areas: rms {rms(miss):.4f}, noise {rms(noise):.4f}, {len(miss)} loads")
     return 0
 
 

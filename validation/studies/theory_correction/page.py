@@ -197,13 +197,14 @@ def _uncertainties_without_adhesion() -> Table:
 def _uncertainties_with_adhesion() -> Table:
     stored = adhesive_edges.data()
     return Table(
-        caption="With adhesion, how certain: rms relative error on the hold-out of pairs, of the area, and of the area "
+        caption="With adhesion, how certain: rms relative error on two hold-outs of pairs, of the area, and of the area "
         "where that without adhesion is given; the noise of the ensembles in both. "
         f"{in_words(stored['domain'])} `outside` of the answer names what a case does not keep to.",
         columns=["spectra", "loads", "area, rms", "noise of it", "area for given area without adhesion, rms",
                  "noise of it"],
-        rows=[[name, one["loads"], one["area"], one["area_noise"], one["ratio"], one["ratio_noise"]]
-              for name, one in stored["hold_out"]["rms"].items()],
+        rows=[[f"{which}: {name}", one["loads"], one["area"], one["area_noise"], one["ratio"], one["ratio_noise"]]
+              for which, part in (("first", "hold_out"), ("second", "second_hold_out"))
+              for name, one in stored[part]["rms"].items()],
     )  # fmt: skip
 
 
