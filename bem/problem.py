@@ -142,9 +142,9 @@ def _has_twins(problem: Problem) -> bool:
 
 
 def _critical_intensity(problem: Problem) -> float:
-    """Least critical K over the pressure: the coarse evaluation, whose K is off by 3e-2 times its tolerance, resolves it.
+    """Least critical K: the coarse evaluation, whose K is off by 3e-2 times its tolerance, must resolve it.
 
-    Of the pressure it counts how much larger that of complete contact is than on a half-space (rms): thin layers.
+    Over the pressure of complete contact, relative to the half-space (rms): with it K is off by more on thin layers.
     """
     if problem.law is None:
         return np.inf

@@ -40,6 +40,7 @@ from bem.loading.increments import Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
+MOST_JUMPS = 100  # in a row at the same value of the control: the path does not lead on
 CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
 
 
@@ -118,9 +119,11 @@ class Path:
         2. Choose an increment; where none is left before the gaps close, contact is complete.
         3. Try it: Newton from the edges that the branch predicts.
         4. Accepted: the next increment is up to twice as long.
-        5. Refused: jump from the end of the branch in between, or try a shorter increment.
+        5. Refused: jump from the end of the branch in between, or try a shorter increment.  Jumps that lead back to
+           the same value for ever are a failure.
         """
         direction, pace = self.direction(point, goal), self._pace(point)
+        jumps, stands = 0, point.value
         while point.value != goal:
             if not isinstance(point, Equilibrium):
                 start, point = point, self.bare.advance(point, goal)
@@ -147,6 +150,8 @@ class Path:
                 continue
             pace = Pace(max(trial.step, self.increments.largest / 8))
             point = _with_increment(points[-1], pace.increment)
+            jumps = jumps + 1 if abs(point.value - stands) < CLOSED * self.increments.largest else 0
+            point, stands = Failed(point.value, "not_converged") if jumps == MOST_JUMPS else point, point.value
             yield from (*points[:-1], point)
             if isinstance(point, Failed):
                 return

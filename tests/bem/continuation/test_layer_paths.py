@@ -7,6 +7,7 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem.elastic.layer import Layer, compliance_ratio
+from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from bem.scene.scene import parse_scene
 from bem.solver import solve
@@ -156,3 +157,25 @@ def test_a_layer_that_matters_little_changes_little_but_is_kept():
 def test_no_thickness_overflows(q_d):
     ratio = compliance_ratio(q_d * np.array([1.0, 10.0, 1e4]), 0.5)
     assert np.all((ratio > 0) & (ratio <= 1))
+
+
+@pytest.mark.parametrize(
+    ("thickness", "theta", "targets"),
+    [(3e-4, 0.3, [2.5e-5, 4e-5]), (1e-4, 0.003, [2.8e-5, 3e-5])],
+    ids=["a jump that releases nothing", "back to the fold it left, weak adhesion"],
+)
+def test_path_on_a_thin_layer_does_not_jump_from_the_same_place_again(thickness, theta, targets):
+    surface = {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 100}
+    wave = Profile.self_affine(0.01, 0.7, 5e-5, 100, 1436176144)
+    full = MODULUS / 0.75 * float(np.sum(wave.q0 * wave.orders * wave.amplitudes**2)) / 8
+    scene = {
+        "solid": {"youngs_modulus": MODULUS, "poisson_ratio": 0.5},
+        "profile": surface | {"seed": 1436176144},
+        "layer": {"thickness": thickness},
+        "adhesion": {"work_of_adhesion": theta * full},
+        "loading": {"control": "separation", "targets": targets},
+    }
+    result = solve(parse_scene(scene))
+    assert result.status == "converged"
+    places = [(event.kind, round(event.penetration, 14), round(event.position, 9)) for event in result.events]
+    assert len(set(places)) == len(places)

@@ -302,6 +302,12 @@ def far_from_a_fold(first, second):
     return abs(first.balance.stiffness - second.balance.stiffness) <= 0.1 * abs(first.balance.stiffness)
 
 
+def test_jumps_that_lead_back_for_ever_are_a_named_failure(monkeypatch):
+    monkeypatch.setattr(Path, "_past_event", lambda path, point, *rest: [point])
+    result = solve(rough_scene([60e-6, 5e-6], 12, 1, 0.03))
+    assert (result.status, result.failure[:6]) == ("not_converged", "target")
+
+
 def test_events_release_energy(rough_points):
     _, points = rough_points
     released = [event.energy_released for point in points for event in point.events]
