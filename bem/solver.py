@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Unpack
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -31,11 +31,14 @@ from bem.loading.complete_contact import complete_contact
 from bem.loading.path_point import Complete, Separated
 from bem.path_for import path_for
 from bem.problem import Problem, pose
-from bem.record import AnyPoint, Record, Recorder
+from bem.record import Record, Recorder
 from bem.scene.result import NotFiniteError, Progress, Result, State
 from bem.scene.scene import Scene
 from bem.scene_objects import Described, Tables, scene_of
 from bem.states import flat_state
+
+if TYPE_CHECKING:
+    from bem.record import AnyPoint
 
 MOST_BETWEEN = 500  # states stored between two targets
 DEEPER = 0.05  # rms heights of penetration between two states stored, or the largest increment where that is less
