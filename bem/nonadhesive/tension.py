@@ -7,7 +7,6 @@ which is sampled at twice as many nodes as it has coefficients.  Dimensionless.
 from __future__ import annotations
 
 import numpy as np
-from scipy import fft
 
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
@@ -53,10 +52,8 @@ def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArra
     found: list[tuple[IntArray, FloatArray]] = []
     for size in np.unique(sizes):
         who = np.flatnonzero(sizes == size)
-        halved = np.zeros((who.size, 2 * size))
-        halved[:, :size] = np.stack([charges[i] for i in who]) / 2
-        halved[:, 0] *= 2
-        found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
+        series = np.stack([charges[i] for i in who])
+        found.append((who, chebyshev.at_nodes(series, 2 * int(size))[:, ::-1]))
     return found
 
 
