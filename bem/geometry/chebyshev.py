@@ -112,10 +112,10 @@ def at_nodes(series: FloatArray, n: int) -> FloatArray:
     >>> bool(np.allclose(at_nodes(np.array([0.0, 1.0]), 4), basis(4).nodes))
     True
     """
-    if n <= SMALL_TRANSFORM:
-        return np.asarray(series @ _cosines(n)[:, : series.shape[-1]].T)
-    twice: FloatArray = import_module("scipy.fft").dct(series, type=3, n=n, axis=-1)
-    return np.asarray((twice + series[..., :1]) / 2)
+    if n > SMALL_TRANSFORM:
+        twice: FloatArray = import_module("scipy.fft").dct(series, type=3, n=n, axis=-1)
+        return np.asarray((twice + series[..., :1]) / 2)
+    return np.asarray(series @ _cosines(n)[:, : series.shape[-1]].T)
 
 
 @lru_cache(maxsize=SMALL_TRANSFORM)
