@@ -170,7 +170,7 @@ def march(
             faces = grid.faces * extent[load, node] - barrier[load, node]
             content[load] = _exact_contents(loads[load], variance[load, node], faces, bool(has_image[load]))
 
-    start = int(first.min())
+    start, beginnings = int(first.min()), set(first.tolist())
     begin_at(start)
     n_steps = steps_of(variance, barrier) if n_steps is None else n_steps
     steps = _steps(extent[:, start:], barrier[:, start:], variance[:, start:], n_steps[start:])
@@ -186,7 +186,7 @@ def march(
             content = _advance(grid, content, steps.drifting(step, *mean))
         if steps.reaches[step]:
             area[:, cell + 1] = np.where(first <= cell, content.sum(axis=1), area[:, cell + 1])
-            if cell + 1 in first:
+            if cell + 1 in beginnings:
                 begin_at(cell + 1)
     faces = grid.faces * extent[:, -1:] - barrier[:, -1:]
     return March(area, StressDistribution(faces, content / np.diff(faces, axis=1)))
