@@ -51,11 +51,12 @@ def nodes(charge: FloatArray) -> FloatArray:
 def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArray]]:
     """Patches with series of equal length, and the values of these at their nodes by rows."""
     sizes = np.array([charge.size for charge in charges])
+    joined, starts = np.concatenate(charges), np.cumsum(sizes) - sizes
     found: list[tuple[IntArray, FloatArray]] = []
-    for size in np.unique(sizes):
+    for size in np.unique(sizes).tolist():
         who = np.flatnonzero(sizes == size)
         halved = np.zeros((who.size, 2 * size))
-        halved[:, :size] = np.stack([charges[i] for i in who]) / 2
+        halved[:, :size] = joined[starts[who, None] + np.arange(size)] / 2
         halved[:, 0] *= 2
         found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
     return found
