@@ -1,7 +1,7 @@
 """Area with adhesion from the edges of the contact: pairs of ensembles, the two coefficients, and the hold-out.
 
 The plan is the data file of the theory (persson/adhesive_edges.json): spectra, loads, works of adhesion (theta, over
-the elastic energy of full contact), realisations and seed root, of the fit and of the hold-out.  Every realisation is
+the elastic energy of full contact), realisations and seed root, of the fit and of two hold-outs.  Every realisation is
 solved without and with adhesion on the same phases, which are independent between groups (contact_slope.py).  What is
 compared is the mean area with adhesion; the theory takes that without adhesion from the same realisations (its law
 p_d(A) is moved onto it, at every load), so that what both share cancels, and for the area alone from contact_slope.py.
@@ -33,6 +33,7 @@ from validation.studies.contact_slope import MODULUS, RMS_SLOPE, lines_of, name_
 from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-adhesive-edges-study/1"
+PARTS = ("fit", "hold_out", "second_hold_out")
 FILE = "adhesive-edges.json"
 FLOOR, QUICK = 0.02, 2
 SAME_LOAD, DEEPEST = 1e-7, 1e-4  # of E*; separation in rms heights, before which the load stops the path
@@ -42,7 +43,7 @@ Group = Mapping[str, Any]
 
 def member(group: Group, loads: FloatArray, root: int, k: int, theta: float) -> Member:
     """Realisation k of a seed root, at loads over E* h'_rms, with adhesion theta or (0) without."""
-    dry = contact_slope.member(group, loads, root, k)
+    dry = contact_slope.member(group, loads[loads <= group.get("loads_up_to", np.inf)], root, k)
     if theta == 0:
         return Member(f"{dry.name}-t0", dry.scene)
     lines, targets = lines_of(group), dry.scene["loading"]["targets"]
@@ -107,12 +108,14 @@ def misses(
 ) -> FloatArray:
     """ln(A_theory / A_ensemble) and its error, (2, n), of a part of the data file; of its domain alone if `inside`."""
     found = []
-    domain = data()["domain"]
-    loads = np.array(part["loads_over_E*h'"])
+    domain, which = data()["domain"], "ratio_error" if paired else "wet_error"
+    every = np.array(part["loads_over_E*h'"])
     for group in part["groups"]:
         lines = lines_of(group)
         for theta, one in zip(part["thetas"], group["areas"], strict=True):
-            dry, wet = (np.array(one[name], dtype=np.float64) for name in ("dry", "wet"))
+            rows = np.array([one[name] for name in ("dry", "wet", which)], dtype=np.float64)
+            there = np.isfinite(rows[0])
+            loads, (dry, wet, error) = every[there], rows[:, there]
             theory = (
                 paired_areas(lines, loads, dry, theta, coefficients)
                 if paired
@@ -123,7 +126,6 @@ def misses(
                 work = theta * lines.full_contact_energy
                 cases = (groups_of(lines, load * RMS_SLOPE, area, work) for load, area in zip(loads, wet, strict=True))
                 kept &= np.array([not outside(domain, case) for case in cases])
-            error = np.array(one["ratio_error" if paired else "wet_error"], dtype=np.float64)
             found.append(np.stack([np.log(theory / wet), error])[:, kept])
     return np.concatenate(found, axis=1)
 
@@ -166,7 +168,7 @@ def run(
         Opens the executor (executors.py).
     """
     parts = {}
-    for name in ("fit", "hold_out"):
+    for name in PARTS:
         made = ensembles_of(data()[name], folder / name, quick, report, jobs, opener)
         if made is None:
             return 1
