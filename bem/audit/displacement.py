@@ -32,7 +32,7 @@ ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 ROUNDING = 1e-16
 LONGEST_SERIES = 1 << 16  # modes of a layer
-LARGEST_BLOCK = 1 << 19  # pairs of points and patches at a time
+LARGEST_BLOCK = 1 << 16  # pairs of points and patches at a time: memory of larger arrays is asked for anew each time
 TINY = 1e-300  # keeps sin(y)/y defined at 0
 LEAST_BOXES, BOXES_PER_ROOT = 8, 4.0  # boxes of the circle, over the root of the number of patches (measured)
 CLEAR = 3.0  # half boxes, and then a width of the patch, from the center of a box to that of the nearest far patch

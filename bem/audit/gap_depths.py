@@ -45,10 +45,9 @@ def gap_depths(
     """
     contact_level = penetration - profile.max_height
     waves = width * (profile.max_order / (2 * np.pi))
-    series = _displacement_series(field, width, _rounded(16 + 6 * np.sqrt(waves)), resolved)
-    unresolved = np.flatnonzero([not np.max(np.abs(part[-3:])) <= resolved for part in series])
+    series, unresolved = _displacement_series(field, width, _rounded(8 + 20 * waves**0.3), resolved)
     lengths = np.array([part.size for part in series])
-    grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 2 * lengths))
+    grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 4 * lengths))
     integrals = width * (np.array([part @ _moments(part.size) for part in series]) - contact_level)
     lowest_at = np.empty(field.count)
     suspects = [(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))]
@@ -85,23 +84,26 @@ def gap_depths(
 
 def _displacement_series(
     field: DisplacementField, width: FloatArray, samples: IntArray, resolved: float
-) -> list[FloatArray]:
-    """Chebyshev coefficients of u in every gap, doubled in number until they have decayed or are too many."""
+) -> tuple[list[FloatArray], IntArray]:
+    """Chebyshev coefficients of u in every gap, doubled in number until they have decayed; gaps that need too many."""
     series: list[FloatArray] = [np.empty(0)] * field.count
-    pending = np.arange(field.count)
+    pending, too_many = np.arange(field.count), []
     while pending.size:
-        classes = [(size, pending[samples[pending] == size]) for size in np.unique(samples[pending])]
+        classes = [(int(size), pending[samples[pending] == size]) for size in np.unique(samples[pending])]
         points = [_clustered(width, who, size) for size, who in classes]
         u = field.in_gaps(GapPoints(*(np.concatenate([getattr(p, f.name) for p in points]) for f in fields(GapPoints))))
         unresolved = []
         for (size, who), part in zip(classes, np.split(u, np.cumsum([p.gap.size for p in points])[:-1]), strict=True):
             rows = dct_2(part.reshape(who.size, size)) / size
-            for i, row in zip(who, rows, strict=True):
+            for i, row in zip(who.tolist(), rows, strict=True):
                 series[i] = row
-            unresolved.append(who[(np.abs(rows[:, -3:]).max(axis=1) > resolved) & (2 * size <= MAX_GAP_SAMPLES)])
+            last = np.abs(rows[:, -3:]).max(axis=1)
+            again = (last > resolved) & (2 * size <= MAX_GAP_SAMPLES)
+            unresolved.append(who[again])
+            too_many.append(who[~again & ~(last <= resolved)])  # or no numbers
         pending = np.sort(np.concatenate(unresolved))
         samples[pending] *= 2
-    return series
+    return series, np.sort(np.concatenate(too_many))
 
 
 def _rounded(number: FloatArray) -> IntArray:
