@@ -1,23 +1,22 @@
 """The path that a scene calls for: convex without adhesion, else event by event, with a flaw where the scene has one.
 
-A flaw that the pressure shuts where it would open is a mistake of the scene.
+A flaw that the pressure shuts where it would open is a mistake of the scene.  The modules of the other path are not
+imported.
 """
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bem.continuation.opening import flaw_of
-from bem.continuation.path import Path
-from bem.continuation.points_with_edges import Point, WithEdges
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.loading_path import LoadingPath
-from bem.nonadhesive.completed_body import CompletedBody
-from bem.nonadhesive.convex_path import ContactPoint, ConvexPath, ConvexPoint
 from bem.problem import Problem, increments_of
 from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
+
+if TYPE_CHECKING:
+    from bem.continuation.points_with_edges import Point, WithEdges
+    from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
 TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
 
@@ -34,13 +33,19 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
     highest = positions[heights >= heights.max() - TOUCHING]
     increments = increments_of(scene, problem)
     if problem.law is None:
+        from bem.nonadhesive.completed_body import CompletedBody
+        from bem.nonadhesive.convex_path import ConvexPath
+
         body = CompletedBody(complete, problem.profile.max_height, problem.compliance_ratio)
         convex: LoadingPath[ConvexPoint, ContactPoint] = ConvexPath(
             problem.elastic, problem.control, increments, body, highest
         )
         return convex
-    equilibrium = import_module("bem.adhesive.equilibrium")
-    system = equilibrium.System(problem.elastic, problem.law, problem.control)
+    from bem.adhesive.equilibrium import System
+    from bem.continuation.opening import flaw_of
+    from bem.continuation.path import Path
+
+    system = System(problem.elastic, problem.law, problem.control)
     width, flaw = scene.loading.flaw, None
     if width is not None and problem.control.load_weight > 0:
         flaw = flaw_of(system, complete, width / problem.scales.length, increments.fine.tolerance)

@@ -10,17 +10,15 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.continuation.points_with_edges import Point
 from bem.geometry.patches import PatchPressure
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.loading_path import LoadingPath
 from bem.loading.path_events import PathEvent
-from bem.nonadhesive.convex_path import ConvexPoint
 from bem.problem import Problem
 from bem.scene.effects import effects_of
 from bem.scene.plausibility import cautions_of, groups_of, pressure_groups
@@ -30,7 +28,11 @@ from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
 from bem.states import Cost, Place, complete_state, equilibrium_state, event_of, separated_state
 
-AnyPoint = Point | ConvexPoint
+if TYPE_CHECKING:
+    from bem.continuation.points_with_edges import Point
+    from bem.nonadhesive.convex_path import ConvexPoint
+
+    AnyPoint = Point | ConvexPoint
 
 
 @dataclass

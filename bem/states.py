@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bem.audit import certificate, gap_certificate
+from bem.audit import certificate
 from bem.elastic.collocation import Evaluation
 from bem.flat import FlatState
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.path_events import PathEvent
-from bem.nonadhesive.gap_series import GapEvaluation
 from bem.problem import Problem
 from bem.scene.result import Certificate, ErrorEstimate, Event, EventError, State
+
+if TYPE_CHECKING:
+    from bem.nonadhesive.gap_series import GapEvaluation
 
 SAFETY = 3.0  # error estimates are this multiple of what a finer evaluation still changes
 ROUNDING = 1e-13  # floor of error estimates, dimensionless
@@ -67,7 +70,7 @@ def equilibrium_state(
     patches = state.patches.canonical()
     mean_pressure = problem.mean_pressure(state.load)
     penetration = state.penetration * scales.height
-    apart = state.separation * scales.height if isinstance(state, GapEvaluation) else None  # no difference of heights
+    apart = None if isinstance(state, Evaluation) else state.separation * scales.height  # no difference of heights
     return State(
         branch=place.branch,
         penetration=penetration,
@@ -110,7 +113,9 @@ def _judged(
     problem: Problem, state: Evaluation | GapEvaluation, assessment: Assessment, tolerance: float
 ) -> certificate.Certificate:
     """The certificate, by pressures or by gaps, whichever were the unknowns."""
-    if isinstance(state, GapEvaluation):
+    if not isinstance(state, Evaluation):
+        from bem.audit import gap_certificate  # only the last gaps
+
         gaps = state.gaps
         return gap_certificate.certify_gaps(
             problem.profile,

@@ -14,6 +14,7 @@ Unit of length: the period.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -93,10 +94,7 @@ def nodal_profile(nodes: FaceNodes, function: Callable[[FloatArray], FloatArray]
     """
     p = nodes.order
     ends = nodes.x[::p]
-    gauss, weights = np.polynomial.legendre.leggauss(p + 4)
-    t = 0.5 * (gauss + 1.0)
-    shapes = np.array([interpolate(t, np.linspace(0.0, 1.0, p + 1), row, p) for row in np.eye(p + 1)])
-    moments = np.polynomial.legendre.legvander(gauss, p - 2).T * weights
+    t, shapes, moments = _moments(p)
     at_ends = function(ends)
     inside = function(ends[:-1, None] + np.diff(ends)[:, None] * t)
     rest = inside - at_ends[:-1, None] * shapes[0] - at_ends[1:, None] * shapes[-1]
@@ -106,3 +104,12 @@ def nodal_profile(nodes: FaceNodes, function: Callable[[FloatArray], FloatArray]
     for k in range(1, p):
         values[k::p] = inner[:, k - 1]
     return values
+
+
+@cache
+def _moments(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gauss points (n,) of a facet on [0, 1], its shape functions there, (order + 1, n), and what takes moments."""
+    gauss, weights = np.polynomial.legendre.leggauss(order + 4)
+    t = 0.5 * (gauss + 1.0)
+    shapes = np.array([interpolate(t, np.linspace(0.0, 1.0, order + 1), row, order) for row in np.eye(order + 1)])
+    return t, shapes, np.polynomial.legendre.legvander(gauss, order - 2).T * weights

@@ -170,7 +170,7 @@ def march(
             faces = grid.faces * extent[load, node] - barrier[load, node]
             content[load] = _exact_contents(loads[load], variance[load, node], faces, bool(has_image[load]))
 
-    start = int(first.min())
+    start, beginnings = int(first.min()), set(first.tolist())
     begin_at(start)
     n_steps = steps_of(variance, barrier) if n_steps is None else n_steps
     steps = _steps(extent[:, start:], barrier[:, start:], variance[:, start:], n_steps[start:])
@@ -186,7 +186,7 @@ def march(
             content = _advance(grid, content, steps.drifting(step, *mean))
         if steps.reaches[step]:
             area[:, cell + 1] = np.where(first <= cell, content.sum(axis=1), area[:, cell + 1])
-            if cell + 1 in first:
+            if cell + 1 in beginnings:
                 begin_at(cell + 1)
     faces = grid.faces * extent[:, -1:] - barrier[:, -1:]
     return March(area, StressDistribution(faces, content / np.diff(faces, axis=1)))
@@ -313,18 +313,18 @@ def _relaxation(
 def _advance(grid: _Grid, content: FloatArray, terms: FloatArray) -> FloatArray:
     """One Runge-Kutta step of the cell contents (n_loads, n_cells); `terms` (3, n_loads, 4) of its stages."""
     bands = np.matmul(terms[:, None], grid.operators)
-    slopes: list[FloatArray] = []
+    changes: list[FloatArray] = []
     for stage, weights in enumerate(STAGE_WEIGHTS):
-        right = content.copy()
-        for weight, slope in zip(weights, slopes, strict=True):
-            right += weight / GAMMA * slope
-        solution = _solve(bands[stage], right.copy())
-        slopes.append(solution - right)
+        right = content
+        for weight, change in zip(weights, changes, strict=True):
+            right = right + weight / GAMMA * change
+        solution = _solve(bands[stage], right)
+        changes.append(solution - right)
     return solution
 
 
 def _solve(bands: FloatArray, right: FloatArray) -> FloatArray:
-    """(1 - GAMMA L) Q = right, all loads as one tridiagonal system (no band reaches from load to load); in place."""
+    """(1 - GAMMA L) Q = right, all loads as one tridiagonal system (no band reaches from load to load)."""
     *_, solution, info = dgtsv(
         bands[0].ravel()[1:],
         bands[1].ravel(),
@@ -333,7 +333,6 @@ def _solve(bands: FloatArray, right: FloatArray) -> FloatArray:
         overwrite_dl=True,
         overwrite_d=True,
         overwrite_du=True,
-        overwrite_b=True,
     )
     if info != 0:
         raise ArithmeticError(f"singular diffusion step (LAPACK dgtsv info {info})")

@@ -137,7 +137,7 @@ def certify(
         verdict.reasons.extend(adhesion.objections(demands.hessian_asymmetry))
         eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
     truncation = verdict.judge("truncation", _truncation(pressure), demands.truncation, "on patch")
-    magnitude = max(1.0, max(float(np.max(np.abs(q))) for q in pressure.charges))
+    magnitude = max(1.0, float(np.max(np.abs(np.concatenate(pressure.charges)))))
     misfit, least = _contact_residuals(profile, displacement, penetration), ROUNDING * magnitude
     residual = verdict.judge("contact residual", misfit, max(demands.contact_residual, least), "on patch")
     depth, gap_integrals, unresolved = gap_depths(profile, displacement, penetration, behind, RESOLVED * magnitude)
@@ -178,11 +178,8 @@ class Verdict:
 
 def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> FloatArray:
     """|K|K|/(4 w) - 1|, or |K| over that of a flat punch of equal load, (2 L,); series summed without rounding."""
-    ends = [
-        [math.fsum(q[0::2]) - math.fsum(q[1::2]) for q in pressure.charges],
-        [math.fsum(q) for q in pressure.charges],
-    ]
-    regular = np.array(ends).ravel()
+    even, odd = np.array([(math.fsum(q[0::2].tolist()), math.fsum(q[1::2].tolist())) for q in pressure.charges]).T
+    regular = np.concatenate([even - odd, even + odd])
     if work_of_adhesion is None:
         loads = np.array([max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges])
         return np.asarray(np.abs(regular) / np.tile(loads, 2))

@@ -11,8 +11,8 @@ from dataclasses import fields
 from functools import lru_cache
 
 import numpy as np
-from scipy.fft import dct, idct
 
+from bem.audit.cosine_transforms import dct_2, dct_3
 from bem.audit.displacement import DisplacementField, GapPoints
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.profile import Profile
@@ -45,10 +45,9 @@ def gap_depths(
     """
     contact_level = penetration - profile.max_height
     waves = width * (profile.max_order / (2 * np.pi))
-    series = _displacement_series(field, width, _rounded(16 + 6 * np.sqrt(waves)), resolved)
-    unresolved = np.flatnonzero([not np.max(np.abs(part[-3:])) <= resolved for part in series])
+    series, unresolved = _displacement_series(field, width, _rounded(8 + 20 * waves**0.3), resolved)
     lengths = np.array([part.size for part in series])
-    grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 2 * lengths))
+    grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 4 * lengths))
     integrals = width * (np.array([part @ _moments(part.size) for part in series]) - contact_level)
     lowest_at = np.empty(field.count)
     suspects = [(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))]
@@ -56,8 +55,8 @@ def gap_depths(
         who = np.flatnonzero(grid == size)
         padded = np.zeros((who.size, size))
         for row, i in zip(padded, who, strict=True):
-            row[: lengths[i]] = series[i] * size
-        u = idct(padded, type=2, axis=1)
+            row[: lengths[i]] = series[i]
+        u = dct_3(padded) / 2
         contact = profile.height(field.positions(_clustered(width, who, size))) + contact_level
         gap = u - contact.reshape(u.shape)
         lowest = gap.min(axis=1)
@@ -85,23 +84,26 @@ def gap_depths(
 
 def _displacement_series(
     field: DisplacementField, width: FloatArray, samples: IntArray, resolved: float
-) -> list[FloatArray]:
-    """Chebyshev coefficients of u in every gap, doubled in number until they have decayed or are too many."""
+) -> tuple[list[FloatArray], IntArray]:
+    """Chebyshev coefficients of u in every gap, doubled in number until they have decayed; gaps that need too many."""
     series: list[FloatArray] = [np.empty(0)] * field.count
-    pending = np.arange(field.count)
+    pending, too_many = np.arange(field.count), []
     while pending.size:
-        classes = [(size, pending[samples[pending] == size]) for size in np.unique(samples[pending])]
+        classes = [(int(size), pending[samples[pending] == size]) for size in np.unique(samples[pending])]
         points = [_clustered(width, who, size) for size, who in classes]
         u = field.in_gaps(GapPoints(*(np.concatenate([getattr(p, f.name) for p in points]) for f in fields(GapPoints))))
         unresolved = []
         for (size, who), part in zip(classes, np.split(u, np.cumsum([p.gap.size for p in points])[:-1]), strict=True):
-            rows = dct(part.reshape(who.size, size), type=2, axis=1) / size
-            for i, row in zip(who, rows, strict=True):
+            rows = dct_2(part.reshape(who.size, size)) / size
+            for i, row in zip(who.tolist(), rows, strict=True):
                 series[i] = row
-            unresolved.append(who[(np.abs(rows[:, -3:]).max(axis=1) > resolved) & (2 * size <= MAX_GAP_SAMPLES)])
+            last = np.abs(rows[:, -3:]).max(axis=1)
+            again = (last > resolved) & (2 * size <= MAX_GAP_SAMPLES)
+            unresolved.append(who[again])
+            too_many.append(who[~again & ~(last <= resolved)])  # or no numbers
         pending = np.sort(np.concatenate(unresolved))
         samples[pending] *= 2
-    return series
+    return series, np.sort(np.concatenate(too_many))
 
 
 def _rounded(number: FloatArray) -> IntArray:
@@ -139,7 +141,7 @@ def _moments(size: int) -> FloatArray:
     2/(1 - j^2) for even j.
     """
     angle = (np.arange(WAVE_TERMS) + 0.5) * (np.pi / WAVE_TERMS)
-    wave: FloatArray = (dct(np.cos(np.pi / 2 * np.cos(angle)), type=2) / WAVE_TERMS)[::2]
+    wave = (dct_2(np.cos(np.pi / 2 * np.cos(angle))) / WAVE_TERMS)[::2]
     wave[0] /= 2
     even, order = 2 * np.arange(wave.size), np.arange(0, size, 2)[:, None]
     moments = np.zeros(size)

@@ -15,8 +15,6 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol, TextIO
 
-from tqdm import tqdm
-
 from bem.compiled.kernels import IN_USE
 from bem.scene.cost_prediction import Cost
 from bem.scene.result import Caution, Effect, Progress, Result
@@ -115,6 +113,8 @@ class BarReporter:
     """A bar over the targets, for a terminal."""
 
     def __init__(self, stream: TextIO, forecast: Forecast | None = None) -> None:
+        from tqdm import tqdm
+
         self.forecast = forecast
         self.bar = tqdm(total=None, file=stream, unit="target", mininterval=BAR_SECONDS, dynamic_ncols=True)
 

@@ -27,14 +27,13 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 from scipy.linalg import lapack
-from scipy.special import zeta
 
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure
+from bem.geometry.zeta import zeta
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gaps import Gaps
 
@@ -192,8 +191,7 @@ class GapEvaluation:
                 values = self.pressure_at(
                     middle[i] + r[i] * np.cos(angle), beside, np.where(nearer_right, from_right, from_left)
                 )
-                charge: FloatArray = fft.dct(values * r[i] * np.sin(angle), type=2) / size
-                charge[0] /= 2
+                charge = chebyshev.coefficients(values * r[i] * np.sin(angle))
                 if np.max(np.abs(charge[-3:])) <= DECAYED * np.max(np.abs(charge)) or size > LONGEST_SERIES:
                     break
                 size *= 2

@@ -18,8 +18,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import fft
 
 from bem.elastic.collocation import Elastic
 from bem.geometry.arrays import FloatArray, IntArray
@@ -116,7 +114,7 @@ def grid_problem(elastic: Elastic) -> GridProblem:
     compliance = np.zeros(x.size // 2 + 1)
     compliance[1:] = 1 / np.arange(1, compliance.size)
     if elastic.kernel is not None:
-        series = fft.rfft(elastic.kernel.field(x, np.zeros(1), np.ones(1)))[1:] * (2 / x.size)
+        series = np.fft.rfft(elastic.kernel.field(x, np.zeros(1), np.ones(1)))[1:] * (2 / x.size)
         compliance[1:] -= series.real
     compliance[1:] = np.maximum(compliance[1:], SOFTEST * compliance[1])
     return GridProblem(height - elastic.profile.max_height, compliance)
@@ -124,7 +122,7 @@ def grid_problem(elastic: Elastic) -> GridProblem:
 
 def _filtered(values: FloatArray, factor: FloatArray) -> FloatArray:
     """Values with every mode multiplied, (n,)."""
-    return np.asarray(fft.irfft(fft.rfft(values) * factor, values.size))
+    return np.fft.irfft(np.fft.rfft(values) * factor, values.size)
 
 
 def _minimiser(operator: FloatArray, drive: FloatArray, mean: float | None) -> FloatArray:
@@ -158,17 +156,19 @@ def _descent(operator: FloatArray, drive: FloatArray, mean: float | None, z: Flo
     inverse = 1 / np.where(operator > 0, operator, operator[1])
     direction, force, last = np.zeros(z.size), np.zeros(z.size), np.inf
     for _ in range(ITERATIONS):
+        positive = z > 0
         slope = _filtered(z, operator) - drive
         if mean is not None:
-            slope -= slope[z > 0].mean()
-        free = (z > 0) | (slope < 0)
-        before, force = force, np.where(free, slope, 0.0)
+            slope -= _mean(slope, positive.astype(np.float64))
+        free = (positive | (slope < 0)).astype(np.float64)
+        before, force = force, slope * free
         miss = _within(free, _filtered(force, inverse), mean)
         if float(np.abs(miss).sum()) <= CONVERGED * float(z.sum()):
             break
         size = float(force @ miss)
-        conjugate = max(0.0, (size - float(before @ miss)) / last)
-        direction, last = np.where(free, miss + conjugate * direction, 0.0), size
+        direction *= max(0.0, (size - float(before @ miss)) / last)
+        direction = (direction + miss) * free
+        last = size
         response = _within(free, _filtered(direction, operator), mean)
         bend = float(response @ direction)
         if bend <= 0:
@@ -179,10 +179,14 @@ def _descent(operator: FloatArray, drive: FloatArray, mean: float | None, z: Flo
     return z
 
 
-def _within(free: NDArray[np.bool_], values: FloatArray, mean: float | None) -> FloatArray:
+def _mean(values: FloatArray, weight: FloatArray) -> float:
+    """Mean where the weight is 1 instead of 0."""
+    return float(values @ weight) / float(weight.sum())
+
+
+def _within(free: FloatArray, values: FloatArray, mean: float | None) -> FloatArray:
     """Values where the unknown is free, zero elsewhere; less their mean where that of the unknown is prescribed."""
-    level = 0.0 if mean is None else float(values[free].mean())
-    return np.where(free, values - level, 0.0)
+    return np.asarray((values if mean is None else values - _mean(values, free)) * free)
 
 
 def _intervals(values: FloatArray, drive: FloatArray, power: float) -> Patches:

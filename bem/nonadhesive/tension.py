@@ -7,7 +7,7 @@ which is sampled at twice as many nodes as it has coefficients.  Dimensionless.
 from __future__ import annotations
 
 import numpy as np
-from scipy import fft
+from numpy.typing import NDArray
 
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
@@ -50,13 +50,12 @@ def nodes(charge: FloatArray) -> FloatArray:
 def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArray]]:
     """Patches with series of equal length, and the values of these at their nodes by rows."""
     sizes = np.array([charge.size for charge in charges])
+    joined, starts = np.concatenate(charges), np.cumsum(sizes) - sizes
     found: list[tuple[IntArray, FloatArray]] = []
-    for size in np.unique(sizes):
+    for size in np.unique(sizes).tolist():
         who = np.flatnonzero(sizes == size)
-        halved = np.zeros((who.size, 2 * size))
-        halved[:, :size] = np.stack([charges[i] for i in who]) / 2
-        halved[:, 0] *= 2
-        found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
+        series = joined[starts[who, None] + np.arange(size)]
+        found.append((who, chebyshev.at_nodes(series, 2 * size)[:, ::-1]))
     return found
 
 
@@ -64,21 +63,19 @@ def under_tension(pressure: PatchPressure, rounded: float) -> dict[int, list[tup
     """Patches whose pressure is tensile somewhere inside: first and last nodes of the parts of each that are not."""
     found: dict[int, list[tuple[int, int]]] = {}
     for who, values in _at_nodes(pressure.charges):
-        most = values.max(axis=1)
-        for k in np.flatnonzero((values.min(axis=1) <= -TENSILE * most - rounded) | (most <= 0)):
-            parts = _compressive(values[k], float(pressure.charges[who[k]][0]), rounded)
-            if parts != [(0, values.shape[1] - 1)]:
-                found[int(who[k])] = parts
+        most, mean = values.max(axis=1), np.array([pressure.charges[i][0] for i in who])
+        compressive = values > (-TENSILE * most - rounded)[:, None]
+        parts = compressive[:, 0] + np.count_nonzero(compressive[:, 1:] > compressive[:, :-1], axis=1)
+        in_one = np.all(compressive, axis=1) | ((parts == 1) & (mean > 0))  # tension at the ends alone moves these
+        for k in np.flatnonzero(~(in_one & (most > 0))):
+            found[int(who[k])] = _compressive(compressive[k], bool(mean[k] > 0)) if most[k] > 0 else []
     return found
 
 
-def _compressive(values: FloatArray, mean: float, rounded: float) -> list[tuple[int, int]]:
+def _compressive(compressive: NDArray[np.bool_], is_loaded: bool) -> list[tuple[int, int]]:
     """First and last nodes of the parts of a patch in compression; where the patch carries a load, its ends are."""
-    if values.max() <= 0:
-        return []
-    compressive = values > -TENSILE * values.max() - rounded
     starts = np.flatnonzero(compressive & ~np.append(False, compressive[:-1]))
     stops = np.flatnonzero(compressive & ~np.append(compressive[1:], False))
-    if mean > 0:
-        starts[0], stops[-1] = 0, values.size - 1
+    if is_loaded:
+        starts[0], stops[-1] = 0, compressive.size - 1
     return list(zip(starts.tolist(), stops.tolist(), strict=True))

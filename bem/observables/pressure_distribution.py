@@ -318,12 +318,16 @@ def _crossings(branches: Branches, row: IntArray, level: FloatArray) -> FloatArr
 def _bracketed(
     function: Callable[[FloatArray, IntArray], tuple[FloatArray, FloatArray]], low: FloatArray, high: FloatArray
 ) -> FloatArray:
-    """Roots of many functions between bounds of opposite sign, by Newton's method with bisection as a guard, (m,)."""
+    """Roots of many functions between bounds of opposite sign, by Newton's method with bisection as a guard, (m,).
+
+    Where steps shrink quadratically, each over the square of the one before it is constant: the step that would follow
+    is known, and the last one where that is rounding.
+    """
     low, high = low.copy(), high.copy()
     every = np.arange(low.size)
     resolution = 1e-13 * (high - low)
     falling = function(low, every)[0] > 0
-    root = (low + high) / 2
+    root, last = (low + high) / 2, np.zeros(low.size)  # the size of the last step, zero where that was no Newton step
     active = every
     for _ in range(100):
         if active.size == 0:
@@ -335,10 +339,12 @@ def _bracketed(
         low[active] = np.where(beyond, low[active], here)
         with np.errstate(divide="ignore", invalid="ignore"):
             step = value / slope
-        newton = here - step
+        newton, size, before = here - step, np.abs(step), last[active]
         inside = (newton > low[active]) & (newton < high[active])
         root[active] = np.where(inside, newton, (low[active] + high[active]) / 2)
-        found = (np.abs(root[active] - here) <= resolution[active]) | (value == 0)
+        last[active] = np.where(inside, size, 0.0)
+        follows = inside & (2 * size < before) & (size**3 <= resolution[active] * before**2)
+        found = follows | (np.abs(root[active] - here) <= resolution[active]) | (value == 0)
         root[active] = np.where(value == 0, here, root[active])
         active = active[~found]
     raise ArithmeticError(f"{active.size} crossings of the pressure were not located in 100 steps")

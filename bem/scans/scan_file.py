@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 
 from bem.geometry.arrays import FloatArray
 from bem.scans.instrument_file import InstrumentScan, is_instrument_file, read_instrument
+from bem.scans.scan_keys import METRES
 from bem.scans.scan_text import DELIMITERS, Refusal, ScanFileError, TextTable, read_table
-from bem.scans.scan_units import METRES, Statement, resolved, statements
-
-SCAN_KEYS = ("unit_x", "unit_h", "decimal", "columns", "spacing", "row", "channel")  # of [profile]: how it is read
+from bem.scans.scan_units import Statement, resolved, statements
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,7 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray
 from bem.scans.scan_file import RawScan
+from bem.scans.scan_keys import DEFAULTS
 from bem.scans.scan_text import FEWEST, Refusal, ScanFileError
 
 UNIFORMITY = 1e-3  # admitted deviation of a position, in sample distances
@@ -40,13 +41,6 @@ TAPER = 0.1  # of the line, at either end
 DRAWN = 4000  # samples kept for figures
 MOST_MISSING = 0.5  # of the samples
 DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
-DEFAULTS = {
-    "missing": "refuse",
-    "outliers": "keep",
-    "detrend": "mean",
-    "periodic": "as_is",
-    "unequal_spacing": "refuse",
-}
 
 Line = tuple[FloatArray, FloatArray]
 Step = dict[str, Any]

@@ -12,9 +12,9 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from bem.scans.scan_keys import METRES
 from bem.scans.scan_text import Reading, Refusal, TextTable
 
-METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 ALLOWED = ", ".join(f'"{unit}"' for unit in METRES)
 SPELT = {"µm": "um", "μm": "um", "micron": "um", "microns": "um", "mum": "um"}
 SPELT |= {

@@ -25,7 +25,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from bem.scans.scan_units import METRES
+from bem.scans.scan_keys import METRES
 from bem.scene.result import Caution, State
 from bem.scene.scene import Scene
 

@@ -59,24 +59,26 @@ def digest(content: Mapping[str, Any]) -> str:
 
 
 @cache
-def installed_version(package: str = "linecontact") -> str:
-    """Version of an installed package, by default this one: `bem.__version__`."""
+def installed_version() -> str:
+    """Version of this package, as it is installed: `bem.__version__`."""
     try:
-        return metadata.version(package)
+        return metadata.version("linecontact")
     except metadata.PackageNotFoundError:
         return "not installed"
 
 
 def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
     """Versions, kernels, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
-    from bem.compiled.kernels import IN_USE  # loads SciPy's linear algebra, which reading a result does without
+    import scipy  # which reading a result does without
+
+    from bem.compiled.kernels import IN_USE
 
     return {
         "linecontact": installed_version(),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
         "numpy": np.__version__,
-        "scipy": installed_version("scipy"),
+        "scipy": scipy.__version__,
         "kernels": IN_USE,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "scene_sha256": digest(resolved_scene),

@@ -17,15 +17,13 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown
-from bem.scans.scan_file import SCAN_KEYS, read_scan
-from bem.scans.scan_preparation import DEFAULTS, Scan, Step, prepare
-from bem.scans.scan_text import ScanFileError
+from bem.scans.scan_keys import DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
@@ -55,6 +53,9 @@ from bem.scene.scene_tables import (
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.targets import expanded, found, merged, origin
+
+if TYPE_CHECKING:
+    from bem.scans.scan_preparation import Scan, Step
 
 __all__ = ["LoadingTable", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
@@ -243,6 +244,10 @@ def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
+    from bem.scans.scan_file import read_scan
+    from bem.scans.scan_preparation import prepare
+    from bem.scans.scan_text import ScanFileError
+
     name = profile["file"]
     try:
         scan = prepare(read_scan(base_dir / name, profile), profile)

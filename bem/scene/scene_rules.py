@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,8 +16,10 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import Mistake as Mistake
 from bem.geometry.ranges import harmonic_mistakes
 from bem.geometry.ranges import shown as shown
-from bem.scans.scan_file import SCAN_KEYS
-from bem.scans.scan_preparation import DEFAULTS, Scan
+from bem.scans.scan_keys import DEFAULTS, SCAN_KEYS
+
+if TYPE_CHECKING:
+    from bem.scans.scan_preparation import Scan
 
 SAMPLED_HARMONICS = 1000  # default cut of a scan
 REQUIRED = {

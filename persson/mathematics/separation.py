@@ -15,6 +15,8 @@ Limits: sigma_0 > 0 (the integral diverges at zero load); one branch of states f
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
@@ -56,7 +58,14 @@ def adhesive_part(loads: FloatArray, excess_energy: FloatArray) -> float:
         return 0.0
     position = np.log(loads)
     interpolant = Chebyshev.fit(position, excess_energy, loads.size - 1)
-    point, weight = np.polynomial.legendre.leggauss(QUADRATURE)
+    point, weight = _rule(QUADRATURE)
     half, centre = (position[-1] - position[0]) / 2, (position[-1] + position[0]) / 2
     x = centre + half * point
     return float(half * np.sum(weight * interpolant.deriv()(x) * np.exp(-x)))
+
+
+@cache
+def _rule(count: int) -> tuple[FloatArray, FloatArray]:
+    """Points and weights of Gauss and Legendre, (count,) each."""
+    point, weight = np.polynomial.legendre.leggauss(count)
+    return point, weight

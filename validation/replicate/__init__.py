@@ -12,14 +12,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 from bem.command_line.console import scene_text
 from bem.scene.result_file import CorruptResultError
 from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, OtherSceneError, read_member, run_ensemble
+from validation.harness.execution import Ended, run_in_processes
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance
 from validation.harness.runner import Listener, Note, failed_record, record_of
@@ -79,13 +81,10 @@ def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Listener
     facts = provenance()
     begun = time.monotonic()
     outcome = run_ensemble(all_members(size), folder / "members", jobs, say, opener)
-    evidence = gather(size, folder / "members", outcome.failed)
     say(Note("figures and statements"))
-    topics = [_record(case) for case in cases(evidence)]
+    evidence = gather(size, folder / "members", outcome.failed)
+    topics = _topics(evidence, folder, outcome.failed, jobs)
     records = [_record(_summary(topics)), *topics]
-    for record in records:
-        for figure in record.figures:
-            write_figure(figure, folder / FIGURES)
     return Report(
         schema_=SCHEMA,
         level="replicate" if size == PAPER else "replicate, short form",
@@ -95,6 +94,45 @@ def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Listener
         cases=records,
         changes=[],
     )
+
+
+def _topics(evidence: Evidence, folder: Path, failed: Mapping[str, str], jobs: int) -> list[CaseRecord]:
+    """Records of all topics, their figures written, in processes of this machine that begin with what takes longest."""
+    asked = cases(evidence)
+    if jobs == 1:
+        return [_written(case, folder) for case in asked]
+    from_store = partial(_written_from, evidence.size, folder, tuple(failed.items()))
+    order = sorted(range(len(TOPICS)), key=lambda index: TOPICS[index][-1] is not pressure.compute)
+    records: dict[int, CaseRecord] = {}
+    with closing(run_in_processes(from_store, order, jobs)) as events:
+        for event in events:
+            if isinstance(event, Ended):
+                answer = event.answer
+                if isinstance(answer, OSError):  # the figures cannot be written
+                    raise answer
+                if isinstance(answer, Exception):
+                    answer = failed_record(asked[event.item], f"{type(answer).__name__}: {answer}", 0.0)
+                records[event.item] = answer
+    return [records[index] for index in range(len(TOPICS))]
+
+
+def _written_from(size: Size, folder: Path, failed: tuple[tuple[str, str], ...], index: int) -> CaseRecord:
+    """In a worker: the record of a topic from what is stored, its figures written."""
+    return _written(cases(_gathered(size, folder, failed))[index], folder)
+
+
+@lru_cache(maxsize=1)
+def _gathered(size: Size, folder: Path, failed: tuple[tuple[str, str], ...]) -> Evidence:
+    """In a worker, once for all of its topics."""
+    return gather(size, folder / "members", dict(failed))
+
+
+def _written(case: Case, folder: Path) -> CaseRecord:
+    """The record of a topic, its figures written."""
+    record = _record(case)
+    for figure in record.figures:
+        write_figure(figure, folder / FIGURES)
+    return record
 
 
 def gather(size: Size, folder: Path, failed: Mapping[str, str]) -> Evidence:

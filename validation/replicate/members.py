@@ -112,7 +112,8 @@ def hurst(size: Size) -> dict[float, list[Member]]:
 
 def all_members(size: Size) -> list[Member]:
     """Everything, the long runs first."""
-    others = [member for group in hurst(size).values() for member in group]
+    groups = hurst(size)
+    others = [member for exponent in sorted(groups) for member in groups[exponent]]  # the roughest take longest
     return [*loading(size), shapes(size), high_load(size), *others]
 
 

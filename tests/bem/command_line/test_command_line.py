@@ -355,11 +355,12 @@ def test_checkpoint_is_written_for_a_target_but_seldom_in_between(scene, tmp_pat
     assert stored == [1, 1, 1, 4]
 
 
-def test_figures_and_layer_are_not_imported_to_check(scene):
+def test_figures_bars_and_layer_are_not_imported_to_check(scene):
     code = "import sys; import bem.__main__ as c; c.main(['check', sys.argv[1]]); print(sorted(sys.modules))"
     process = subprocess.run([sys.executable, "-c", code, str(scene)], capture_output=True, text=True, check=True)
     modules = process.stdout.splitlines()[-1]
     assert "'matplotlib'" not in modules
+    assert "'tqdm'" not in modules
     assert "'bem.elastic.layer'" not in modules
 
 

@@ -16,7 +16,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from bem.scans.scan_file import SCAN_KEYS, RawScan, read_scan
+from bem.scans.scan_file import RawScan, read_scan
+from bem.scans.scan_keys import SCAN_KEYS
 from bem.scene.atomic_file import write_atomically
 from bem.scene.scene import Scene
 from validation.references.adapters import changed
