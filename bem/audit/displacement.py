@@ -23,8 +23,8 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import dct
 
-from bem.audit.cosine_transforms import dct_1, dct_2
 from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 
@@ -219,7 +219,7 @@ class DisplacementField:
             which = (np.cumsum(modes) - modes)[j, None] + np.arange(size)
             apart = (nodes[i] - 2 * np.pi * base[i, j, None])[:, :, None] - sources[which][:, None, :]
             np.add.at(values, i, np.einsum("ijk,ik->ij", _periodic_rest(apart, near[i, j]), charges[which]))
-        series = dct_2(values).T / terms
+        series: FloatArray = dct(values, type=2, axis=1).T / terms
         series[0] /= 2
         return Boxes(half, start, patch, center, series)
 
@@ -284,7 +284,7 @@ def regular_part(charge: FloatArray, n: int) -> FloatArray:
     padded = np.zeros((*charge.shape[:-1], n + 1))
     padded[..., : charge.shape[-1]] = charge / 2
     padded[..., 0] = charge[..., 0]
-    return dct_1(padded)
+    return np.asarray(dct(padded, type=1))
 
 
 @lru_cache(maxsize=256)

@@ -11,8 +11,8 @@ from dataclasses import fields
 from functools import lru_cache
 
 import numpy as np
+from scipy.fft import dct, idct
 
-from bem.audit.cosine_transforms import dct_2, dct_3
 from bem.audit.displacement import DisplacementField, GapPoints
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.profile import Profile
@@ -55,8 +55,8 @@ def gap_depths(
         who = np.flatnonzero(grid == size)
         padded = np.zeros((who.size, size))
         for row, i in zip(padded, who, strict=True):
-            row[: lengths[i]] = series[i]
-        u = dct_3(padded) / 2
+            row[: lengths[i]] = series[i] * size
+        u = idct(padded, type=2, axis=1)
         contact = profile.height(field.positions(_clustered(width, who, size))) + contact_level
         gap = u - contact.reshape(u.shape)
         lowest = gap.min(axis=1)
@@ -94,7 +94,7 @@ def _displacement_series(
         u = field.in_gaps(GapPoints(*(np.concatenate([getattr(p, f.name) for p in points]) for f in fields(GapPoints))))
         unresolved = []
         for (size, who), part in zip(classes, np.split(u, np.cumsum([p.gap.size for p in points])[:-1]), strict=True):
-            rows = dct_2(part.reshape(who.size, size)) / size
+            rows = dct(part.reshape(who.size, size), type=2, axis=1) / size
             for i, row in zip(who.tolist(), rows, strict=True):
                 series[i] = row
             last = np.abs(rows[:, -3:]).max(axis=1)
@@ -141,7 +141,7 @@ def _moments(size: int) -> FloatArray:
     2/(1 - j^2) for even j.
     """
     angle = (np.arange(WAVE_TERMS) + 0.5) * (np.pi / WAVE_TERMS)
-    wave = (dct_2(np.cos(np.pi / 2 * np.cos(angle))) / WAVE_TERMS)[::2]
+    wave: FloatArray = (dct(np.cos(np.pi / 2 * np.cos(angle)), type=2) / WAVE_TERMS)[::2]
     wave[0] /= 2
     even, order = 2 * np.arange(wave.size), np.arange(0, size, 2)[:, None]
     moments = np.zeros(size)

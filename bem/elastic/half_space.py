@@ -10,10 +10,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from scipy.special import zeta
 
 from bem.geometry.arrays import FloatArray
 from bem.geometry.chebyshev import Basis, basis_nodes
-from bem.geometry.zeta import zeta
 
 TERMS, WIDEST_SERIES = 8, 0.4  # of log sinc; (0.4 / pi)^18 / 9 = 1e-17
 LARGEST_SERIES = 96  # nodes; tables of more are not kept

@@ -16,9 +16,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from importlib import import_module
 
 import numpy as np
+from scipy.fft import dct
 
 from bem.geometry.arrays import FloatArray, IntArray
 
@@ -99,37 +99,15 @@ def coefficients(samples: FloatArray) -> FloatArray:
     n = samples.shape[-1]
     if n <= SMALL_TRANSFORM:
         return np.asarray(samples @ _transform(n))
-    series: FloatArray = import_module("scipy.fft").dct(samples, type=2, axis=-1) / n
+    series: FloatArray = dct(samples, type=2, axis=-1) / n
     series[..., 0] /= 2
     return series
-
-
-def at_nodes(series: FloatArray, n: int) -> FloatArray:
-    """Values at n nodes, along the last axis, of series with at most as many coefficients.
-
-    Examples
-    --------
-    >>> bool(np.allclose(at_nodes(np.array([0.0, 1.0]), 4), basis(4).nodes))
-    True
-    """
-    if n > SMALL_TRANSFORM:
-        twice: FloatArray = import_module("scipy.fft").dct(series, type=3, n=n, axis=-1)
-        return np.asarray((twice + series[..., :1]) / 2)
-    return np.asarray(series @ _cosines(n)[:, : series.shape[-1]].T)
-
-
-@lru_cache(maxsize=SMALL_TRANSFORM)
-def _cosines(n: int) -> FloatArray:
-    """T_k at the nodes, (n, n), k along the columns: from the first quarter of a period, so that all digits hold."""
-    quarter = np.append(np.cos(np.arange(n) * (np.pi / (2 * n))), 0.0)
-    period = np.concatenate([quarter, -quarter[n - 1 :: -1], -quarter[1:], quarter[n - 1 : 0 : -1]])
-    return np.asarray(period[np.outer(2 * np.arange(n) + 1, np.arange(n)) % (4 * n)])
 
 
 @lru_cache(maxsize=SMALL_TRANSFORM)
 def _transform(n: int) -> FloatArray:
     """Matrix of `coefficients`, applied from the right, (n, n): faster than a fast transform where n is small."""
-    matrix = _cosines(n) * (2 / n)
+    matrix: FloatArray = dct(np.eye(n), type=2, axis=-1) / n
     matrix[:, 0] /= 2
     return matrix
 

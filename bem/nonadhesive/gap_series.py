@@ -27,13 +27,14 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 from scipy.linalg import lapack
+from scipy.special import zeta
 
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure
-from bem.geometry.zeta import zeta
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gaps import Gaps
 
@@ -191,7 +192,8 @@ class GapEvaluation:
                 values = self.pressure_at(
                     middle[i] + r[i] * np.cos(angle), beside, np.where(nearer_right, from_right, from_left)
                 )
-                charge = chebyshev.coefficients(values * r[i] * np.sin(angle))
+                charge: FloatArray = fft.dct(values * r[i] * np.sin(angle), type=2) / size
+                charge[0] /= 2
                 if np.max(np.abs(charge[-3:])) <= DECAYED * np.max(np.abs(charge)) or size > LONGEST_SERIES:
                     break
                 size *= 2

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
@@ -54,8 +55,10 @@ def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArra
     found: list[tuple[IntArray, FloatArray]] = []
     for size in np.unique(sizes).tolist():
         who = np.flatnonzero(sizes == size)
-        series = joined[starts[who, None] + np.arange(size)]
-        found.append((who, chebyshev.at_nodes(series, 2 * size)[:, ::-1]))
+        halved = np.zeros((who.size, 2 * size))
+        halved[:, :size] = joined[starts[who, None] + np.arange(size)] / 2
+        halved[:, 0] *= 2
+        found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
     return found
 
 

@@ -361,7 +361,6 @@ def test_the_certificate_shares_no_code_with_the_solver(module):
     tree = ast.parse(Path(module.__file__).read_text())
     imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     assert {name for name in imported if name.startswith("bem")} <= {
-        "bem.audit.cosine_transforms",
         "bem.audit.displacement",
         "bem.audit.gap_depths",
         "bem.geometry.arrays",

@@ -99,14 +99,3 @@ def test_modes_resolve_the_field_of_a_neighbour(clearance, tolerance):
 def test_sizes_are_rounded_up_and_not_far(number, ratio):
     size = int(chebyshev.rounded_up(np.array([number]), ratio)[0])
     assert number <= size <= max(8, number + 2, np.ceil(ratio * number))
-
-
-@pytest.mark.parametrize("size", [16, 256, 300], ids=["matrix", "largest matrix", "fast"])
-@pytest.mark.parametrize("rows", [(), (2,)], ids=["one", "rows"])
-def test_series_have_the_values_of_their_polynomials_at_nodes(size, rows):
-    series = np.random.default_rng(1).normal(size=(*rows, size // 2))
-    angle = (2 * np.arange(size) + 1) * (np.pi / (2 * size))
-    expected = series @ np.cos(np.outer(np.arange(size // 2), angle))
-    found = chebyshev.at_nodes(series, size)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=3e-12)  # measured 1e-12, of the angles of expected
-    np.testing.assert_allclose(chebyshev.coefficients(found)[..., : size // 2], series, rtol=0, atol=5e-15)  # 1.8e-15
