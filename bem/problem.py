@@ -151,7 +151,7 @@ def _critical_intensity(problem: Problem) -> float:
     critical, ratio = 2 * float(np.sqrt(problem.law.least_work)), problem.compliance_ratio
     if ratio is None:
         return critical
-    orders = problem.profile.orders
+    orders = problem.profile.orders.astype(np.float64)
     pressure = orders * problem.profile.amplitudes
     return critical * float(np.linalg.norm(pressure) / np.linalg.norm(pressure / ratio(orders)))
 
