@@ -11,52 +11,39 @@ from in_this_process import here
 from matplotlib.colors import LogNorm, Normalize
 
 from validation import __main__ as command_line
+from validation.corpus import maps as corpus
 from validation.harness.ensemble import Outcome
 from validation.report.map_figures import Map, draw, table_of, write_map
-from validation.studies import maps, maps_coarse
+from validation.studies import maps
 
 
 def test_full_study_covers_the_axes():
-    points = [point for plane in maps.planes(maps.FULL_AXES) for point in plane.points]
+    points = [point for plane in corpus.planes(corpus.FULL_AXES) for point in plane.points]
     assert {point.hurst for point in points} >= {0.3, 0.9}
     assert {point.harmonics for point in points} >= {10, 4000}
     assert {point.theta for point in points} >= {0.0, 1.0}
     assert {point.thickness for point in points} >= {None, 0.01}
 
 
-def test_coarse_study_spans_hurst_adhesion_and_layers_like_the_full_one():
-    fine, coarse = (
-        [point for plane in maps.planes(axes) for point in plane.points] for axes in (maps.FULL_AXES, maps.COARSE_AXES)
-    )
-    assert len(coarse) < len(fine)
-    for name in ("hurst", "theta"):
-        reach = [(min(getattr(p, name) for p in points), max(getattr(p, name) for p in points))
-                 for points in (fine, coarse)]  # fmt: skip
-        assert reach[0] == reach[1]
-    assert {point.thickness for point in coarse} == {point.thickness for point in fine}
-
-
 @pytest.mark.parametrize(
     ("words", "jobs"), [(["--jobs", "3"], 3), ([], os.cpu_count())], ids=["three processes", "as many as cores"]
 )
-@pytest.mark.parametrize("name", ["maps", "maps-coarse"])
-def test_study_runs_on_any_executor(name, words, jobs, tmp_path, monkeypatch):
+def test_study_runs_on_any_executor(words, jobs, tmp_path, monkeypatch):
     seen = []
     monkeypatch.setattr(maps, "run_over", lambda axes, *rest: seen.append((axes, rest[-2])) or 0)
-    monkeypatch.setattr(maps_coarse, "run_over", maps.run_over)
-    assert command_line.main(["study", name, *words, "--out", str(tmp_path)]) == 0
-    assert seen == [(maps.FULL_AXES if name == "maps" else maps.COARSE_AXES, jobs)]
+    assert command_line.main(["study", "maps", *words, "--out", str(tmp_path)]) == 0
+    assert seen == [(corpus.FULL_AXES, jobs)]
 
 
 def test_realisations_of_a_point_differ_in_their_seed_alone():
-    one, two = (maps.member_of(maps.Point(0.7, 20, 0.1, None), k) for k in range(2))
+    one, two = (corpus.member_of(corpus.Point(0.7, 20, 0.1, None), k) for k in range(2))
     assert one.scene["profile"].pop("seed") != two.scene["profile"].pop("seed")
     assert one.scene["profile"] == two.scene["profile"]
 
 
 def test_names_of_members_differ():
-    points = {point for plane in maps.planes(maps.FULL_AXES) for point in plane.points}
-    assert len({maps.member_of(point, 0).name for point in points}) == len(points)
+    points = {point for plane in corpus.planes(corpus.FULL_AXES) for point in plane.points}
+    assert len({corpus.member_of(point, 0).name for point in points}) == len(points)
 
 
 def state(penetration, pressure, area, branch="loading"):
@@ -64,14 +51,14 @@ def state(penetration, pressure, area, branch="loading"):
 
 
 def test_slope_is_that_of_the_loading_branch_within_the_window():
-    unit = maps.MODULUS * 0.2
+    unit = corpus.MODULUS * 0.2
     line = [state(0.0, p * unit, 0.01 + 2.5 * p) for p in (0.01, 0.02, 0.04, 0.05)]
     others = [state(0.0, unit, 0.1, "unloading"), state(0.0, unit, 0.5)]
-    assert maps.area_slope([*line, *others], 0.2) == pytest.approx(2.5, rel=1e-12)
+    assert corpus.area_slope([*line, *others], 0.2) == pytest.approx(2.5, rel=1e-12)
 
 
 def test_slope_of_two_states_is_none():
-    assert maps.area_slope([state(0.0, 1.0, 0.03), state(0.0, 2.0, 0.05)], 0.2) is None
+    assert corpus.area_slope([state(0.0, 1.0, 0.03), state(0.0, 2.0, 0.05)], 0.2) is None
 
 
 def test_integral_of_a_rectangular_loop_is_its_area():
@@ -82,17 +69,17 @@ def test_integral_of_a_rectangular_loop_is_its_area():
         state(2.0, 1.0, 0.1),
         state(0.0, 1.0, 0.1),
     ]
-    assert maps.loop_integral(loop) == pytest.approx(4.0)
+    assert corpus.loop_integral(loop) == pytest.approx(4.0)
 
 
 @pytest.mark.parametrize(("integral", "failures"), [(0.9, 0), (0.3, 1), (-1.0, 1)], ids=["near", "far", "other sign"])
 def test_loop_that_does_not_balance_is_a_failure(integral, failures):
-    made = maps.Run("one", "converged", 2.0, 1.0, integral, 10.0, 0.03, 1.0, -1.0, 20, 0)
+    made = corpus.Run("one", "converged", 2.0, 1.0, 0.1, integral, 10.0, 0.03, 1.0, 20, 0)
     assert len(list(maps._failures(Outcome((), ("one",)), [made]))) == failures
 
 
 def test_state_that_is_not_certified_is_a_failure():
-    made = maps.Run("one", "converged", 2.0, 1.0, 1.0, 10.0, 0.03, 1.0, -1.0, 20, 1)
+    made = corpus.Run("one", "converged", 2.0, 1.0, 0.1, 1.0, 10.0, 0.03, 1.0, 20, 1)
     assert list(maps._failures(Outcome((), ("one",)), [made])) == ["one: 1 of 20 states are not certified"]
 
 
@@ -142,7 +129,9 @@ def test_quick_study_balances_and_goes_on_where_it_ended(tmp_path):
     notes = []
     assert maps.run(tmp_path, True, notes.append, 1, here) == 0
     assert {path.name for path in tmp_path.glob("*.csv")} == {
-        f"{plane}-{quantity}.csv" for plane in ("roughness", "adhesion", "layer") for quantity in ("slope", "loop")
+        f"{plane}-{quantity}.csv"
+        for plane in ("roughness", "adhesion", "layer")
+        for quantity in ("slope", "loop", "tension")
     }
     again = []
     assert maps.run(tmp_path, True, again.append, 1, here) == 0
@@ -151,3 +140,19 @@ def test_quick_study_balances_and_goes_on_where_it_ended(tmp_path):
     assert [float(line[2]) for line in values if float(line[1]) == 0.0] == [0.0, 0.0]
     assert all(float(line[2]) > 0 for line in values if float(line[1]) > 0)
     assert np.isfinite([float(line[2]) for line in values]).all()
+
+
+def test_stored_maps_are_whole_and_without_failures():
+    stored = corpus.stored_runs()
+    points = {point for plane in corpus.planes(corpus.FULL_AXES) for point in plane.points}
+    names = {corpus.member_of(point, k).name for point in points for k in range(corpus.FULL_AXES.seeds)}
+    assert set(stored) == names
+    assert all(run.not_certified == 0 for run in stored.values())
+    assert list(maps._failures(Outcome((), tuple(stored)), list(stored.values()))) == []
+
+
+def test_tension_is_the_largest_on_the_way_and_none_where_the_loop_does_not_close():
+    stored = corpus.stored_runs().values()
+    assert all((run.tension is None) == (run.status != "converged") for run in stored)
+    assert all(run.tension == 0 for run in stored if run.work_of_adhesion == 0)
+    assert all(run.tension > 0 for run in stored if run.work_of_adhesion > 0 and run.tension is not None)

@@ -14,6 +14,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.paths.path_convergence",
     "validation.cases.rough_profiles.paper_profile",
     "validation.cases.rough_profiles.hurst_exponents",
+    "validation.cases.rough_profiles.hysteresis_maps",
     "validation.cases.finite_elements.fem_closed_forms",
     "validation.cases.finite_elements.fem_closure",
     "validation.cases.finite_elements.fem_equilibria",

@@ -11,7 +11,6 @@ STUDIES: dict[str, str] = {
     "cost": "seconds, memory and counts of the paper's profile against harmonics; path convergence",
     "stability": "the hard cases of all codes: converged, correct and refused counted apart, over a fixed denominator",
     "maps": "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness",
-    "maps-coarse": "the same maps on coarser axes, in minutes",
     "faults": "would the suite notice: faults put into the running code, what catches them, how small they may be",
     "adhesive-edges": "area with adhesion from the edges of the contact: pairs of ensembles, coefficients, hold-out",
     "contact-slope": "area without adhesion from the slope over the contact: ensembles, coefficients, hold-out",
@@ -20,7 +19,7 @@ STUDIES: dict[str, str] = {
 
 OF_A_SCENE = "scene"  # the study of one scene, in own_scene/: it takes a scene file and options of its own
 
-ON_EXECUTORS = ("maps", "maps-coarse", "adhesive-edges", "contact-slope", "theory-correction")
+ON_EXECUTORS = ("maps", "adhesive-edges", "contact-slope", "theory-correction")
 IN_PROCESSES = ("stability",)  # one at a time unless asked otherwise, so that seconds compare
 IN_FOLDERS = ("work-precision", "faults", "theory-correction")
 
@@ -30,8 +29,8 @@ def module_of(name: str) -> str:
 
     Examples
     --------
-    >>> module_of("maps-coarse"), module_of("faults")
-    ('validation.studies.maps_coarse', 'validation.studies.faults.faults')
+    >>> module_of("contact-slope"), module_of("faults")
+    ('validation.studies.contact_slope', 'validation.studies.faults.faults')
     """
     module = name.replace("-", "_")
     return f"{__name__}.{module}.{module}" if name in IN_FOLDERS else f"{__name__}.{module}"

@@ -1,44 +1,20 @@
-"""Maps beyond the paper: slope of the area curve and area of the hysteresis loop over what the paper held fixed.
+"""Maps beyond the paper, computed: slope of the area curve, hysteresis loop and pull-off (validation/corpus/maps.py).
 
-Three planes through the paper's profile (H = 0.7, half-space, little adhesion); every point has realisations of its
-own:
-
-    roughness   Hurst exponent 0.3 to 0.9 against bandwidth (number of harmonics) 10 to 4000
-    adhesion    Hurst exponent 0.3 to 0.9 against adhesion from none to sticky
-    layer       thickness from a hundredth of the period to the half-space against adhesion
-
-Adhesion is theta = gamma / U, U = E* sum q_m h_m^2 / 8 the elastic energy of full contact per nominal area (the
-paper's 0.03 J/m^2 is theta = 0.03): at theta ~ 1 roughness no longer keeps the surfaces apart.  Every realisation is
-loaded from first touch to s = h_rms / 2 and unloaded until it is off.
-
-    slope   b of A/A0 = a + b p/(E* h'_rms), least squares over the loading states with A/A0 in `FITTED`
-    loop    energy lost in the loop, the sum of the energies released at the instabilities, J/m^2, shown over gamma
-
-The loop is also the closed integral of p dDelta, here by the trapezoidal rule over the states of the path: it is
-coarse, since jumps are spread over an increment, but independent, and a difference beyond `BALANCE` is a failure.
-Without adhesion the path is reversible and the loop is zero.  A path that jumps into complete contact, or ends
-otherwise, has no loop: its status is shown in place of a number.  In the thinnest layer increments a fifth as large
-change the loop by up to 12 % (measured).  Cost of `FULL_AXES`: estimated at six hundred core minutes; of `COARSE_AXES`
-(maps_coarse.py): 3.3 a realisation of every point, measured.  Realisations are stored one by one, on any executor
-(ensemble.py), and a second run continues where the first ended.
-
-Source of the problem: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601; of the layer:
-Carbone, Mangialardi, J. Mech. Phys. Solids 56 (2008) 684.  Limits: one period, plane strain.
+The loop of every path is compared with the closed integral of p dDelta, which is coarse, since jumps are spread over
+an increment, but independent: a difference beyond `BALANCE` is a failure.  In the thinnest layer increments a fifth as
+large change it by up to 12 % (measured).  Cost of the 396 realisations: 40 core minutes, measured.  They are stored
+one by one, on any executor (ensemble.py), and a second run continues where the first ended.  maps.json, copied to
+validation/corpus, is what the case `hysteresis-maps` shows.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from bem.geometry.profile import Profile
-from bem.scene.result import FINAL_STATUSES, Result, State
-from validation.harness.ensemble import Member, Outcome, member_seed, read_member, run_ensemble
+from validation.corpus.maps import FULL_AXES, TINY_AXES, Axes, Run, maps_over, member_of, planes, reduced
+from validation.harness.ensemble import Outcome, read_member, run_ensemble
 from validation.harness.executors import Opener, local_processes
 from validation.harness.runner import Listener, Note
 from validation.report.map_figures import Map, write_map
@@ -46,141 +22,8 @@ from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-maps/1"
 FILE = "maps.json"
-PERIOD, RMS_HEIGHT = 0.01, 50e-6
-YOUNGS_MODULUS, POISSON_RATIO = 1e6, 0.5
-MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
-DEEPEST = 0.5  # separation at the turning point, of h_rms
-FITTED = (0.02, 0.15)  # contact fractions
-ROOT = 2009  # of the seeds
-SLOPE_TITLE = "slope b of A/A0 = a + b p/(E* h'rms)"
-LOOP_TITLE = "hysteresis loop area / work of adhesion"
-OFF = 6.0  # rms heights beyond first touch, where a sticky profile has come off
-LOADING_TARGETS = 24  # without adhesion, where the path has no increments of its own
 BALANCE = 0.5  # largest difference of the two loop areas, of the larger; 0.27 measured
 COARSE = 0.01  # and of int |p| dDelta, which the trapezoidal rule is coarse against in thin layers; 0.003 measured
-
-
-@dataclass(frozen=True)
-class Point:
-    """One point of a map; thickness in periods, None for the half-space."""
-
-    hurst: float
-    harmonics: int
-    theta: float
-    thickness: float | None
-
-
-@dataclass(frozen=True)
-class Plane:
-    """Two axes of points, `axis` naming the fields of `Point` that vary."""
-
-    name: str
-    axis: tuple[str, str]
-    points: tuple[Point, ...]
-
-
-@dataclass(frozen=True)
-class Run:
-    """What one realisation gave; None where it has no such number."""
-
-    name: str
-    status: str
-    slope: float | None
-    loop: float | None
-    integral: float
-    work: float
-    work_of_adhesion: float
-    turning_pressure: float
-    pull_off: float
-    states: int
-    not_certified: int
-
-
-@dataclass(frozen=True)
-class Axes:
-    """How finely the planes are covered, and by how many realisations a point."""
-
-    hursts: tuple[float, ...]
-    bandwidths: tuple[int, ...]
-    thetas: tuple[float, ...]
-    thicknesses: tuple[float | None, ...]
-    harmonics: int  # of the planes that do not vary them
-    seeds: int
-
-
-FULL_AXES = Axes(
-    hursts=(0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9),
-    bandwidths=(10, 30, 100, 300, 1000, 2000, 4000),
-    thetas=(0.0, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0),
-    thicknesses=(0.01, 0.03, 0.1, 0.3, None),
-    harmonics=250,
-    seeds=3,
-)
-COARSE_AXES = Axes(
-    hursts=(0.3, 0.5, 0.7, 0.9),
-    bandwidths=(10, 30, 100, 300),
-    thetas=(0.0, 0.003, 0.03, 0.1, 0.3, 1.0),
-    thicknesses=(0.01, 0.03, 0.1, 0.3, None),
-    harmonics=60,
-    seeds=4,
-)
-TINY_AXES = Axes(
-    hursts=(0.3, 0.7), bandwidths=(10, 20), thetas=(0.0, 0.1), thicknesses=(0.1, None), harmonics=12, seeds=1
-)
-
-
-def planes(axes: Axes) -> tuple[Plane, ...]:
-    """The planes of the study; H = 0.7 where the thickness varies, theta = 0.03 where the bandwidth does."""
-    middle = axes.harmonics
-    by_bandwidth = tuple(Point(h, m, 0.03, None) for h in axes.hursts for m in axes.bandwidths)
-    by_adhesion = tuple(Point(h, middle, t, None) for h in axes.hursts for t in axes.thetas)
-    by_thickness = tuple(Point(0.7, middle, t, d) for d in axes.thicknesses for t in axes.thetas)
-    return (
-        Plane("roughness", ("hurst", "harmonics"), by_bandwidth),
-        Plane("adhesion", ("hurst", "theta"), by_adhesion),
-        Plane("layer", ("thickness", "theta"), by_thickness),
-    )
-
-
-def member_of(point: Point, k: int) -> Member:
-    """Realisation k of a point."""
-    surface = Profile.self_affine(PERIOD, point.hurst, RMS_HEIGHT, point.harmonics, member_seed(ROOT, k))
-    count = 1 if point.theta > 0 else LOADING_TARGETS
-    loading = np.linspace(DEEPEST * RMS_HEIGHT, 0.95 * surface.max_height, count)[::-1].tolist()
-    scene: dict[str, Any] = {
-        "title": f"map: H = {point.hurst:g}, {point.harmonics} harmonics, theta = {point.theta:g}",
-        "solid": {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO},
-        "profile": {
-            "kind": "self_affine",
-            "period": PERIOD,
-            "hurst": point.hurst,
-            "rms_height": RMS_HEIGHT,
-            "harmonics": point.harmonics,
-            "seed": member_seed(ROOT, k),
-        },
-        "loading": {
-            "control": "separation",
-            "targets": [*loading, surface.max_height + OFF * RMS_HEIGHT],
-        },
-    }
-    if point.theta > 0:
-        scene["adhesion"] = {"work_of_adhesion": point.theta * full_contact_energy(surface)}
-    if point.thickness is not None:
-        scene["layer"] = {"thickness": point.thickness * PERIOD}
-    depth = "half-space" if point.thickness is None else f"d{point.thickness:g}"
-    return Member(f"H{point.hurst:g}-M{point.harmonics}-t{point.theta:g}-{depth}-{k:02d}", scene)
-
-
-def full_contact_energy(surface: Profile) -> float:
-    """Elastic energy of full contact with the half-space, J/m^2.
-
-    Examples
-    --------
-    >>> wave = Profile.from_harmonics(1.0, [1], [0.01])
-    >>> round(full_contact_energy(wave) / (MODULUS * 2 * np.pi * 0.01**2 / 8), 12)
-    1.0
-    """
-    return MODULUS * float(np.sum(surface.q0 * surface.orders * surface.amplitudes**2)) / 8
 
 
 def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
@@ -193,17 +36,17 @@ def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Open
 
 def run_over(axes: Axes, folder: Path, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
     """Run the study over given axes: members/, maps.json, and every map as SVG, PDF and CSV go to the folder."""
-    chosen, seeds = planes(axes), axes.seeds
-    members = {(point, k): member_of(point, k) for plane in chosen for point in plane.points for k in range(seeds)}
-    ordered = sorted(members.values(), key=lambda member: -int(member.scene["profile"]["harmonics"]))  # long ones first
+    members = [member_of(point, k) for plane in planes(axes) for point in plane.points for k in range(axes.seeds)]
+    each = {member.name: member for member in members}
+    ordered = sorted(each.values(), key=lambda member: -int(member.scene["profile"]["harmonics"]))  # long ones first
     outcome = run_ensemble(ordered, folder / "members", jobs, report, opener)
     runs = {
-        key: reduced(member.name, read_member(member, folder / "members"))
-        for key, member in members.items()
-        if member.name not in outcome.failed
+        name: reduced(name, read_member(member, folder / "members"))
+        for name, member in each.items()
+        if name not in outcome.failed
     }
     failures = list(_failures(outcome, list(runs.values())))
-    maps = [found for plane in chosen for found in maps_of(plane, runs, seeds)]
+    maps = maps_over(axes, runs)
     for found in maps:
         write_map(found, folder)
         print(text_table([found.row_label, *map(str, found.columns)], _shown(found)))
@@ -212,89 +55,6 @@ def run_over(axes: Axes, folder: Path, report: Listener, jobs: int = 1, opener: 
         report(Note(f"FAILED {line}"))
     print(f"{len(runs)} realisations, {len(maps)} maps, {len(failures)} failures; {folder / FILE}")
     return 1 if failures else 0
-
-
-def reduced(name: str, result: Result) -> Run:
-    """The numbers of one realisation."""
-    adhesion = result.scene["adhesion"]
-    touching = [state for state in result.states if state.n_patches]
-    ended = result.status if result.states[-1].status == "separated" or result.status not in FINAL_STATUSES else "stuck"
-    joined = any(state.status == "complete_contact" for state in result.states)
-    status = "complete contact" if joined else ended
-    return Run(
-        name=name,
-        status=status,
-        slope=area_slope(touching, _surface(result).rms_slope),
-        loop=float(sum(event.energy_released or 0.0 for event in result.events)) if status == "converged" else None,
-        integral=loop_integral(touching),
-        work=float(
-            np.sum(np.abs(np.diff([s.penetration for s in touching]) * [s.mean_pressure for s in touching[1:]]))
-        ),
-        work_of_adhesion=0.0 if adhesion is None else float(adhesion["work_of_adhesion"]),
-        turning_pressure=max((state.mean_pressure for state in touching), default=0.0),
-        pull_off=min((state.mean_pressure for state in touching), default=0.0),
-        states=len(result.states),
-        not_certified=sum(not state.certificate.ok for state in result.states),
-    )
-
-
-def area_slope(states: Sequence[State], rms_slope: float) -> float | None:
-    """b of A/A0 = a + b p/(E* h'_rms) on the loading branch; None with fewer than three states to fit."""
-    chosen = [s for s in states if s.branch == "loading" and FITTED[0] <= s.contact_fraction <= FITTED[1]]
-    if len(chosen) < 3:
-        return None
-    load = [state.mean_pressure / (MODULUS * rms_slope) for state in chosen]
-    return float(np.polyfit(load, [state.contact_fraction for state in chosen], 1)[0])
-
-
-def loop_integral(touching: Sequence[State]) -> float:
-    """Closed integral of p dDelta in J/m^2 by the trapezoidal rule; apart, the pressure is zero and adds nothing."""
-    depth = [state.penetration for state in touching]
-    return float(np.trapezoid([state.mean_pressure for state in touching], depth)) if touching else 0.0
-
-
-def maps_of(plane: Plane, runs: dict[tuple[Point, int], Run], seeds: int) -> Iterator[Map]:
-    """The slope and the loop over a plane: mean and standard error over the realisations."""
-    first, second = plane.axis
-    rows = list(dict.fromkeys(getattr(point, first) for point in plane.points))
-    columns = list(dict.fromkeys(getattr(point, second) for point in plane.points))
-    for quantity, label in (("slope", SLOPE_TITLE), ("loop", LOOP_TITLE)):
-        cells = []
-        for row in rows:
-            line = []
-            for column in columns:
-                point = next(p for p in plane.points if (getattr(p, first), getattr(p, second)) == (row, column))
-                line.append(_cell([runs[point, k] for k in range(seeds) if (point, k) in runs], quantity))
-            cells.append(line)
-        yield Map(
-            name=f"{plane.name}-{quantity}",
-            title=label,
-            row_label="thickness / period" if first == "thickness" else "Hurst exponent",
-            column_label="harmonics" if second == "harmonics" else "theta = gamma / U",
-            rows=["half-space" if row is None else f"{row:g}" for row in rows],
-            columns=[f"{column:g}" for column in columns],
-            values=[[value for value, _, _ in line] for line in cells],
-            errors=[[error for _, error, _ in line] for line in cells],
-            notes=[[note for _, _, note in line] for line in cells],
-        )
-
-
-def _cell(runs: Sequence[Run], quantity: str) -> tuple[float | None, float | None, str]:
-    """Mean, standard error, and what is to be said of the realisations without a number."""
-    if quantity == "loop":
-        values = [
-            one.loop / one.work_of_adhesion if one.work_of_adhesion else one.loop
-            for one in runs
-            if one.loop is not None
-        ]
-    else:
-        values = [one.slope for one in runs if one.slope is not None]
-    without = [one.status for one in runs if (one.loop if quantity == "loop" else one.slope) is None]
-    note = ", ".join(f"{without.count(status)} {status}" for status in dict.fromkeys(without))
-    if not values:
-        return None, None, note or "no result"
-    error = float(np.std(values, ddof=1) / math.sqrt(len(values))) if len(values) > 1 else None
-    return float(np.mean(values)), error, note
 
 
 def _failures(outcome: Outcome, runs: Sequence[Run]) -> Iterator[str]:
@@ -314,8 +74,3 @@ def _shown(found: Map) -> list[list[Any]]:
         [row, *(note if value is None else value for value, note in zip(values, notes, strict=True))]
         for row, values, notes in zip(found.rows, found.values, found.notes, strict=True)
     ]
-
-
-def _surface(result: Result) -> Profile:
-    table = result.scene["profile"]
-    return Profile.self_affine(table["period"], table["hurst"], table["rms_height"], table["harmonics"], table["seed"])

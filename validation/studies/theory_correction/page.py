@@ -197,7 +197,7 @@ def _uncertainties_without_adhesion() -> Table:
 def _uncertainties_with_adhesion() -> Table:
     stored = adhesive_edges.data()
     return Table(
-        caption="With adhesion, how certain: rms relative error on two hold-outs of pairs, of the area, and of the area "
+        caption="With adhesion, how certain: rms relative error on two hold-outs of pairs, of the area and of the area "
         "where that without adhesion is given; the noise of the ensembles in both. "
         f"{in_words(stored['domain'])} `outside` of the answer names what a case does not keep to.",
         columns=["spectra", "loads", "area, rms", "noise of it", "area for given area without adhesion, rms",
