@@ -26,6 +26,7 @@ from bem.scene.scene import Scene
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
 EQUAL, ALIKE = 1e-12, 1e-5  # of the rms height: crests that are as high as the highest, and nearly so
 ALIKE_ACCURACY = 1e-3  # of the accuracies between targets, where crests are nearly as high as the highest
+FINEST = 1e-14  # tolerance of an evaluation
 COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
 
 
@@ -119,15 +120,15 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
         unit = problem.load_of(1e-2 * problem.surface.rms_slope * problem.scales.plane_strain_modulus)
     largest = scene.accuracy.max_increment * unit
     tolerance = scene.accuracy.tolerance
-    fine = min(1e-8, 1e-2 * tolerance)
     refined = ALIKE_ACCURACY if _has_twins(problem) else 1.0
-    coarse = min(COARSE.tolerance, 0.1 * _critical_intensity(problem)) * refined
+    coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)) * refined, FINEST)
+    fine = max(min(1e-8, 1e-2 * tolerance, coarse), FINEST)
     allowed = 0.5 * max(1e-10, 1e-3 * tolerance)
     return Increments(
         largest=largest,
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
         coarse=Accuracy(coarse, COARSE.residual * refined, allowed),
-        fine=Accuracy(max(fine, 1e-14), max(1e-1 * fine, 1e-12), allowed),
+        fine=Accuracy(fine, max(1e-1 * fine, 1e-12), allowed),
     )
 
 

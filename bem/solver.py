@@ -45,6 +45,11 @@ MOST_BETWEEN = 500  # states stored between two targets
 DEEPER = 0.05  # rms heights of penetration between two states stored, or the largest increment where that is less
 ROUNDED = 1 - 1e-9  # of that: a step of this length is one in spite of rounding
 LARGEST_KEPT = (32 << 20) - (1 << 15)  # bytes; glibc keeps blocks below the largest up to 32 MB that was ever freed
+FAILURES = {
+    "not_converged": "no equilibrium was found",
+    "ill_conditioned": "the gaps are too narrow to resolve",
+    "jumps_again": "the contact jumps again and again",
+}
 NUMERICAL_FAILURES = (IllConditionedSystemError, NotFiniteError, FloatingPointError, np.linalg.LinAlgError, MemoryError)
 
 
@@ -99,7 +104,7 @@ def solve(
     if surface.is_flat:
         return _solve_flat(scene, surface)
     record = Record(scene)
-    np.empty(LARGEST_KEPT, dtype=np.uint8)
+    np.empty(LARGEST_KEPT, dtype=np.uint8)  # freed at once, and blocks up to this size are kept from now on
     with threadpool_limits(limits=1, user_api="blas"):
         try:
             run = _Run(scene, pose(scene, surface), record, progress, on_state)
@@ -200,8 +205,7 @@ class _Run:
         """Why the path ended before a target."""
         if status == "unreachable":
             return "no state of this path is there"
-        words = "the gaps are too narrow to resolve" if self.failed == "ill_conditioned" else "no equilibrium was found"
-        return f"{words} at {self.recorder.target_of(self.point):.9g}"
+        return f"{FAILURES[self.failed]} at {self.recorder.target_of(self.point):.9g}"
 
     def _reach(self, index: int) -> str | None:
         """Follow the path to one target; None to continue, else the status with which the path ends."""
@@ -256,7 +260,7 @@ class _Run:
     def _fails(self, point: AnyPoint) -> bool:
         """Whether there is no such point."""
         self.failed = point.status
-        return point.status in ("not_converged", "ill_conditioned")
+        return point.status in FAILURES
 
     def _spacing(self, goal: float) -> float:
         """Least change of the control between stored states on the way to a goal: the largest increment, or more."""

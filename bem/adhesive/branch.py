@@ -60,7 +60,7 @@ def misses_energy(
     ]
     curved = change**2 / 12 * (stiffness[0] - stiffness[1])
     grown = change / 2 * (control.force(first.state) + control.force(last.state)) + curved
-    outward = _outward(first.state.patches, last.state.patches)
+    outward = outward_motion(first.state.patches, last.state.patches)
     unbalanced = (first.gradient + last.gradient) / 2 @ outward  # other evaluations than those that found the ends
     missing = first.potential + grown + unbalanced - last.potential
     turned_over = float(last.work @ np.abs(outward))
@@ -87,12 +87,12 @@ def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], 
         max |G/w - 1| of the equilibria, which the edges are off by in units of their edge scale.
     """
     patches = ends[0].state.patches
-    moved = _outward(patches, ends[1].state.patches)
+    moved = outward_motion(patches, ends[1].state.patches)
     astray = float(np.max(np.abs(moved - change * (rates[0] + rates[1]) / 2) / patches.edge_scale))
     return astray > UNCERTAIN * residual + ASTRAY * float(np.max(np.abs(moved) / patches.edge_scale))
 
 
-def _outward(first: Patches, last: Patches) -> FloatArray:
+def outward_motion(first: Patches, last: Patches) -> FloatArray:
     """Motion of the edges from some patches to others, (2 L,); across the end of the period too."""
     moved = np.concatenate([first.left - last.left, last.right - first.right])
     return np.asarray((moved + np.pi) % TWO_PI - np.pi)

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.branch import UNBOOKED, misses_energy, strays, tangent, unstable_patches
+from bem.adhesive.branch import UNBOOKED, misses_energy, outward_motion, strays, tangent, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions, energy_noise
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
@@ -147,8 +147,9 @@ class Jumps:
         first, last = control.force(here.state), control.force(there.state)
         along = control.force_rate(here.state, float(here.load_gradient @ point.rate)) * change
         missing = limit.exact.potential - here.potential - change * (first + last) / 2
-        moved = np.abs(edge_positions(there.state.patches) - edge_positions(here.state.patches))
-        allowed = abs(change) * (abs(last - first) + abs(along)) + UNBOOKED * float(there.work @ moved)
+        outward = outward_motion(here.state.patches, there.state.patches)
+        missing -= float(here.gradient @ outward) / 2  # forces left on the edges
+        allowed = abs(change) * (abs(last - first) + abs(along)) + UNBOOKED * float(there.work @ np.abs(outward))
         return abs(missing) <= allowed + energy_noise(self.system, here, there, self.increments.fine.tolerance)
 
     def from_limit(self, limit: LimitPoint, reach: float) -> list[Point]:
@@ -158,7 +159,8 @@ class Jumps:
         limit point      edges pushed along its mode             what follows
         ===============  ======================================  ===================================================
         fold             feel no force that leads on             nothing: the branch does not end there
-        fold             feel one                                a jump at the same value of the control
+        fold             feel one                                a jump at the same value of the control; nothing where
+                                                                 patches stay and it releases less than its doubt
         broken symmetry  feel one, or do not fall back           the event that the symmetry breaks, and such a jump
         broken symmetry  fall back: another branch begins here   that event, and the other branch, taken up a smallest
                                                                  increment behind in the direction of `reach`; from
@@ -267,7 +269,7 @@ class Jumps:
             here, after, uncertain = found[0], found[1], found[2].potential
         released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
         doubt = error.potential + uncertain + self._elsewhere(at, error, after.penetration, after.load)
-        if not moved and released <= DOUBT * doubt:
+        if not moved and np.isfinite(doubt) and released <= DOUBT * doubt:
             return None
         events = path_events(changes, at, error, released, doubt)
         return self._equilibrium(value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)

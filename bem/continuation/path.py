@@ -40,7 +40,8 @@ from bem.loading.increments import Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
-MOST_JUMPS = 100  # in a row at the same value of the control: the path does not lead on
+MOST_JUMPS = 100  # in a row from the same value of the control: the path does not lead on
+SAME_VALUE = 1e-9  # of the largest increment
 CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
 
 
@@ -150,10 +151,13 @@ class Path:
                 continue
             pace = Pace(max(trial.step, self.increments.largest / 8))
             point = _with_increment(points[-1], pace.increment)
-            jumps = jumps + 1 if abs(point.value - stands) < CLOSED * self.increments.largest else 0
-            point, stands = Failed(point.value, "not_converged") if jumps == MOST_JUMPS else point, point.value
             yield from (*points[:-1], point)
             if isinstance(point, Failed):
+                return
+            jumps = jumps + 1 if abs(point.value - stands) < SAME_VALUE * self.increments.largest else 0
+            stands = point.value
+            if jumps == MOST_JUMPS:
+                yield Failed(point.value, "jumps_again")
                 return
 
     def refine(self, point: Point, direction: float) -> Point:

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned"]
+PathStatus = Literal["converged", "separated", "complete_contact", "not_converged", "ill_conditioned", "jumps_again"]
 
 
 @dataclass(frozen=True)

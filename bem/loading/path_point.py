@@ -56,5 +56,5 @@ class Complete(PathPoint):
 class Failed(PathPoint):
     """No state was found here."""
 
-    status: Literal["not_converged", "ill_conditioned"]
+    status: Literal["not_converged", "ill_conditioned", "jumps_again"]
     state: ClassVar[None] = None

@@ -1,4 +1,4 @@
-"""Area with adhesion from the edges of the contact: pairs of ensembles, the two coefficients, and the hold-out.
+"""Area with adhesion from the edges of the contact: pairs of ensembles, the two coefficients, and the hold-outs.
 
 The plan is the data file of the theory (persson/adhesive_edges.json): spectra, loads, works of adhesion (theta, over
 the elastic energy of full contact), realisations and seed root, of the fit and of two hold-outs.  Every realisation is
@@ -6,7 +6,7 @@ solved without and with adhesion on the same phases, which are independent betwe
 compared is the mean area with adhesion; the theory takes that without adhesion from the same realisations (its law
 p_d(A) is moved onto it, at every load), so that what both share cancels, and for the area alone from contact_slope.py.
 Errors are those of a jackknife over the realisations (`left_out`: those that the solver did not finish).  The fit
-minimises ln(A_theory / A_ensemble) over the error and `FLOOR`; the hold-out enters no fit.  Writes adhesive-edges.json.
+minimises ln(A_theory / A_ensemble) over the error and `FLOOR`; the hold-outs enter no fit.  Writes adhesive-edges.json.
 Limits: half-space, loading; three hours of one core.
 """
 

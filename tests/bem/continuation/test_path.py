@@ -305,7 +305,8 @@ def far_from_a_fold(first, second):
 def test_jumps_that_lead_back_for_ever_are_a_named_failure(monkeypatch):
     monkeypatch.setattr(Path, "_past_event", lambda path, point, *rest: [point])
     result = solve(rough_scene([60e-6, 5e-6], 12, 1, 0.03))
-    assert (result.status, result.failure[:6]) == ("not_converged", "target")
+    assert result.status == "not_converged"
+    assert "the contact jumps again and again at" in result.failure
 
 
 def test_events_release_energy(rough_points):
