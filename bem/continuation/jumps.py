@@ -15,10 +15,10 @@ from typing import Literal
 import numpy as np
 
 from bem.adhesive.branch import UNBOOKED, misses_energy, outward_motion, strays, tangent, unstable_patches
-from bem.adhesive.equilibrium import Balance, System, balance, edge_positions, energy_noise
+from bem.adhesive.equilibrium import Balance, System, balance, correct, edge_positions, energy_noise
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import LimitPoint, Search, locate_limit_point
+from bem.continuation.limit_points import LimitPoint, Search, before_fold, locate_limit_point
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point
 from bem.continuation.rest import at_rest
@@ -134,9 +134,26 @@ class Jumps:
         jump released, and no work of the control accounts for that.
         """
         limit = locate_limit_point(self.system, point.balance, point.value, search)
-        if limit is None or self._accounts_for(point.balance, point, limit):
+        if limit is None or (limit.kind == "fold" and not self._is_met_halfway(point, limit)):
+            return None
+        if self._accounts_for(point.balance, point, limit):
             return limit
         return limit if self._accounts_for(self._finer(point.balance, point.value), point, limit) else None
+
+    def _is_met_halfway(self, point: Equilibrium, fold: LimitPoint) -> bool:
+        """Whether the branches of a point and of a fold are one where they meet, halfway, as far as Newton gets there.
+
+        Between the two the contact may snap, and both the forces and the energies of the fold look right.
+        """
+        value = (point.value + fold.exact.value) / 2
+        if abs(value - point.value) < self.increments.smallest / 8:
+            return True
+        patches, penetration = before_fold(fold, value), fold.balance.state.penetration
+        if not patches.is_ordered:
+            return True
+        met = correct(self.system, patches, penetration, value, self.increments.coarse)
+        self.effort.evaluations += met.evaluations
+        return met.balance is None or not self.leaps(point, self._equilibrium(value, met.balance))
 
     def _accounts_for(self, here: Balance, point: Equilibrium, limit: LimitPoint) -> bool:
         """Whether the control does the work between a point, whose forces are `here`, and a limit point.
