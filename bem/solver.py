@@ -5,8 +5,7 @@ the path is followed from target to target (with adhesion event by event, withou
 every stored state is refined, assessed by a finer evaluation and certified by an independent one.  Increments
 between targets are stored at most once per largest increment, of the control and by default of the penetration, at
 the same accuracy as targets.  BLAS runs on one thread: the matrices are small, two threads are slower, and digits do
-not depend on the number of cores.  The C library is asked to keep memory that evaluations give back: glibc hands it to
-the system otherwise and asks for it again, page by page, in the next one (a seventh of the time without adhesion).
+not depend on the number of cores.
 
 From a target the path continues from the numbers stored of it, not from those in memory: an interrupted path takes up
 its last target and continues to the same states and events, bit for bit on the same machine.
@@ -44,7 +43,6 @@ if TYPE_CHECKING:
 MOST_BETWEEN = 500  # states stored between two targets
 DEEPER = 0.05  # rms heights of penetration between two states stored, or the largest increment where that is less
 ROUNDED = 1 - 1e-9  # of that: a step of this length is one in spite of rounding
-LARGEST_KEPT = (32 << 20) - (1 << 15)  # bytes; glibc keeps blocks below the largest up to 32 MB that was ever freed
 FAILURES = {
     "not_converged": "no equilibrium was found",
     "ill_conditioned": "the gaps are too narrow to resolve",
@@ -104,7 +102,6 @@ def solve(
     if surface.is_flat:
         return _solve_flat(scene, surface)
     record = Record(scene)
-    np.empty(LARGEST_KEPT, dtype=np.uint8)  # freed at once, and blocks up to this size are kept from now on
     with threadpool_limits(limits=1, user_api="blas"):
         try:
             run = _Run(scene, pose(scene, surface), record, progress, on_state)
