@@ -1,10 +1,14 @@
 """Ways from a limit point: where the contact goes when its branch has ended.  Dimensionless.
 
-From a fold the mode itself leads on, to the side on which the potential falls.  Where a symmetry breaks both sides do,
-and several modes may be soft together: among equal patches one shrinks.  The way is as short as forces can be felt.
+From a fold the mode itself leads on, to the side on which the potential falls: by a force D_v H v s^2 / 2 after a
+motion s, which says how long a push must be for a force to be felt.  Small snaps lead back soon behind, and may take
+finer evaluations.  Where a symmetry breaks both sides lead on, by a force that begins with s^3, and several modes may
+be soft together: among equal patches one shrinks.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,32 +18,50 @@ from bem.geometry.arrays import FloatArray
 from bem.loading.increments import Accuracy
 
 DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the edge scale
+FORCES = (1e-2, 1e-3, 1e-6)  # of the work of adhesion, that a push from a fold shall meet; the last, finely evaluated
 LEAST_FORCE = 3.0  # times the residual between targets
 TIED = 1e-6  # relative difference of patches that are equal
 
 
-def departure(system: System, limit: LimitPoint, accuracy: Accuracy) -> tuple[FloatArray, bool, int]:
-    """A way from a limit point, whether forces lead on along it, and the number of evaluations.
+@dataclass(frozen=True, eq=False)
+class Departure:
+    """A way from a limit point.
+
+    Attributes
+    ----------
+    outward : (2 L,) array
+        Motion of the edges, the shortest on which they feel a force, or the longest one tried.
+    leads_on : bool
+        Whether the force is along the motion; against it all the way where another branch begins continuously.
+    fine : bool
+        Whether finer evaluations alone feel it.
+    evaluations : int
+    """
+
+    outward: FloatArray
+    leads_on: bool
+    fine: bool
+    evaluations: int
+
+
+def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accuracy) -> Departure:
+    """A way from a limit point, and whether forces lead on along it.
 
     Parameters
     ----------
     system : System
     limit : LimitPoint
-    accuracy : Accuracy
+    coarse, fine : Accuracy
         Of the evaluations, and of max |G/w - 1|: weaker forces say nothing.
-
-    Returns
-    -------
-    outward : (2 L,) array
-        Motion of the edges, the shortest on which they feel a force, or the longest one tried.
-    leads_on : bool
-        Whether the force is along the motion; against it all the way where another branch begins continuously.
-    evaluations : int
     """
     state, direction = limit.balance.state, _direction(limit)
     motion = direction / np.max(np.abs(direction) / state.patches.edge_scale)
+    pushes = [(part, coarse) for part in DEPARTURES]
+    if limit.kind == "fold":
+        first, second, least = _pushes(system, limit)
+        pushes = [(min(first, DEPARTURES[0]), coarse), (min(second, DEPARTURES[-1]), coarse), (least, fine)]
     force, outward, evaluations = -np.inf, motion, 0
-    for part in DEPARTURES:
+    for part, accuracy in pushes:
         for sign in (1.0,) if limit.kind == "fold" else (1.0, -1.0):
             moved = state.patches.moved(sign * part * motion)
             here = balance(system, moved, state.penetration, limit.exact.value, accuracy.tolerance)
@@ -48,8 +70,17 @@ def departure(system: System, limit: LimitPoint, accuracy: Accuracy) -> tuple[Fl
             if along > force:
                 force, outward = along, sign * part * motion
         if force > LEAST_FORCE * accuracy.residual:
-            return outward, True, evaluations
-    return outward * (DEPARTURES[-1] / float(np.max(np.abs(outward) / state.patches.edge_scale))), False, evaluations
+            return Departure(outward, True, accuracy is fine, evaluations)
+    outward = outward * (DEPARTURES[-1] / float(np.max(np.abs(outward) / state.patches.edge_scale)))
+    return Departure(outward, False, False, evaluations)
+
+
+def _pushes(system: System, limit: LimitPoint) -> FloatArray:
+    """Pushes from a fold, in edge scales, after which the quadratic force along its mode has the sizes `FORCES`."""
+    here, mode = limit.balance, limit.modes[:, 0]
+    bent = limit.bend * system.control.rate(here.state) * float(here.load_gradient @ mode)
+    length = np.sqrt(np.array(FORCES) * float(here.work @ np.abs(mode)) / abs(bent))
+    return np.asarray(length * np.max(np.abs(mode) / here.state.patches.edge_scale))
 
 
 def _direction(limit: LimitPoint) -> FloatArray:

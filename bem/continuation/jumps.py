@@ -14,11 +14,12 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.branch import UNBOOKED, misses_energy, outward_motion, strays, tangent, unstable_patches
-from bem.adhesive.equilibrium import Balance, System, balance, correct, edge_positions, energy_noise
+from bem.adhesive.branch import unstable_patches
+from bem.adhesive.equilibrium import Balance, System, edge_positions
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
+from bem.continuation.branch_ends import BranchEnds, TouchedFold
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import LimitPoint, Search, before_fold, locate_limit_point
+from bem.continuation.limit_points import LimitPoint
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point
 from bem.continuation.rest import at_rest
@@ -32,21 +33,10 @@ from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
-OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
 DEEPER = 1e-8  # rms heights, by which a gap beside the one that touches is closed before
 DOUBT = 3.0  # times its error: less energy is not released
 TIED = 1e-6  # relative difference of patches that move alike
 MOVING = 0.3  # of the largest motion in units of the edge scale: patches that move with a mode
-
-
-@dataclass(frozen=True, eq=False)
-class TouchedFold:
-    """A fold beside which crests have touched, with the evaluation next to it: their touch ends the branch."""
-
-    value: float
-    state: Evaluation
-    found: GapMinima
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,10 +58,9 @@ class Jumps:
     effort: Effort
 
     @property
-    def _fine(self) -> tuple[float, float]:
-        """Tolerances of the two evaluations that give an event its numbers."""
-        finest = self.increments.fine.tolerance
-        return max(min(FINE, self.increments.coarse.tolerance), finest), finest
+    def ends(self) -> BranchEnds:
+        """What finds limit points, and tells one branch from another."""
+        return BranchEnds(self.system, self.increments, self.effort)
 
     def from_touch(self, point: Equilibrium, ahead: Equilibrium | TouchedFold, found: GapMinima) -> list[Point]:
         """The touch between two points of a branch and the state behind its jump; nothing where it is not located."""
@@ -87,13 +76,15 @@ class Jumps:
             lambda value: interpolated(point, ahead, value),
             before.penetration,
             Bracket((point.value, ahead.value), gaps, found, self.increments.smallest, isinstance(ahead, TouchedFold)),
-            self._fine,
+            self.ends.fine,
         )
         if touch is None:
             return []
         self.effort.evaluations += touch.evaluations
-        end = self._equilibrium(touch.exact.value, touch.balance, last=True)
-        if isinstance(ahead, TouchedFold) and self.surely_misses_energy(point, end):  # the fold was of another branch
+        end = self.ends.equilibrium(touch.exact.value, touch.balance, last=True)
+        if isinstance(ahead, TouchedFold) and self.ends.surely_misses_energy(
+            point, end
+        ):  # the fold was of another branch
             return []
         state = touch.balance.state
         deeper = interpenetration(self.system, state, DEEPER)
@@ -102,72 +93,6 @@ class Jumps:
         relaxed = self._relaxed(state, state.patches, touch.exact.value, found=touch.touching)
         after = self.behind(touch.exact, touch.error, relaxed, relaxed.changes)
         return [] if after is None else [end, after]
-
-    def limit_point(self, point: Equilibrium, reach: float, thorough: bool) -> LimitPoint | TouchedFold | None:
-        """The limit point that ends the branch of a point within about `reach` of the control, if there is one.
-
-        A fold beside which crests have touched is not located any better: the branch ends before.
-        """
-        coarse, (fine, finest) = self.increments.coarse.tolerance, self._fine
-        touched: list[TouchedFold] = []
-
-        def is_touched(here: Balance, value: float, allowed: float = coarse) -> bool:
-            found = interpenetration(self.system, here.state, allowed)
-            touched.extend([TouchedFold(value, here.state, found)] if found.position.size else [])
-            return bool(touched)
-
-        limit = self._located(point, Search(reach, (coarse, fine, finest), thorough, is_touched))
-        if limit is None and thorough and not touched:  # coarse states may end farther from it than `reach`
-            near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(point.value)), reach))
-            limit = self._located(point, Search(near, (fine, fine, finest), thorough, is_touched))
-        if limit is None:
-            return touched[0] if touched else None
-        self.effort.evaluations += limit.evaluations
-        if is_touched(limit.balance, limit.exact.value, self.increments.fine.allowed):
-            return touched[0] if limit.kind == "fold" else None
-        return limit
-
-    def _located(self, point: Equilibrium, search: Search) -> LimitPoint | None:
-        """The limit point that a search from a point finds, unless that ends another branch.
-
-        Newton may lead back to the fold from which the contact has just jumped: its potential is higher by what the
-        jump released, and no work of the control accounts for that.
-        """
-        limit = locate_limit_point(self.system, point.balance, point.value, search)
-        if limit is None or (limit.kind == "fold" and not self._is_met_halfway(point, limit)):
-            return None
-        if self._accounts_for(point.balance, point, limit):
-            return limit
-        return limit if self._accounts_for(self._finer(point.balance, point.value), point, limit) else None
-
-    def _is_met_halfway(self, point: Equilibrium, fold: LimitPoint) -> bool:
-        """Whether the branches of a point and of a fold are one where they meet, halfway, as far as Newton gets there.
-
-        Between the two the contact may snap, and both the forces and the energies of the fold look right.
-        """
-        value = (point.value + fold.exact.value) / 2
-        if abs(value - point.value) < self.increments.smallest / 8:
-            return True
-        patches, penetration = before_fold(fold, value), fold.balance.state.penetration
-        if not patches.is_ordered:
-            return True
-        met = correct(self.system, patches, penetration, value, self.increments.coarse)
-        self.effort.evaluations += met.evaluations
-        return met.balance is None or not self.leaps(point, self._equilibrium(value, met.balance))
-
-    def _accounts_for(self, here: Balance, point: Equilibrium, limit: LimitPoint) -> bool:
-        """Whether the control does the work between a point, whose forces are `here`, and a limit point.
-
-        Force over the way, to what it changes by there; and a thousandth of the work of adhesion turned over.
-        """
-        control, change, there = self.system.control, limit.exact.value - point.value, limit.balance
-        first, last = control.force(here.state), control.force(there.state)
-        along = control.force_rate(here.state, float(here.load_gradient @ point.rate)) * change
-        missing = limit.exact.potential - here.potential - change * (first + last) / 2
-        outward = outward_motion(here.state.patches, there.state.patches)
-        missing -= float(here.gradient @ outward) / 2  # forces left on the edges
-        allowed = abs(change) * (abs(last - first) + abs(along)) + UNBOOKED * float(there.work @ np.abs(outward))
-        return abs(missing) <= allowed + energy_noise(self.system, here, there, self.increments.fine.tolerance)
 
     def from_limit(self, limit: LimitPoint, reach: float) -> list[Point]:
         """A limit point and the state behind its jump; nothing where the forces lead to no other state.
@@ -184,15 +109,15 @@ class Jumps:
                                                                  there forces may still lead to a jump
         ===============  ======================================  ===================================================
         """
-        outward, leads_on, evaluations = departure(self.system, limit, self.increments.coarse)
-        self.effort.evaluations += evaluations
-        if limit.kind == "fold" and not leads_on:
+        way = departure(self.system, limit, self.increments.coarse, self.increments.fine)
+        self.effort.evaluations += way.evaluations
+        if limit.kind == "fold" and not way.leads_on:
             return []
-        state, value = limit.balance.state, limit.exact.value
+        state, value, outward = limit.balance.state, limit.exact.value, way.outward
         pushed, moving = state.patches.moved(outward), _moving(state.patches, outward)
         place = ("bifurcation", _leading(state.patches, outward))
-        relaxed = self._relaxed(state, pushed, value, moving, fine=not leads_on)
-        if leads_on or relaxed.changes or _departed(state.patches, relaxed, outward):
+        relaxed = self._relaxed(state, pushed, value, moving, fine=way.fine or not way.leads_on)
+        if way.leads_on or relaxed.changes or _departed(state.patches, relaxed, outward):
             breaks = limit.kind == "broken_symmetry"
             changes = (place, *relaxed.changes) if breaks or not relaxed.changes else relaxed.changes
             return self._jumped(limit, relaxed, changes, moved=breaks or bool(relaxed.changes))
@@ -201,7 +126,9 @@ class Jumps:
         points = self._jumped(limit, relaxed, (place, *relaxed.changes), moved=bool(relaxed.changes))
         if points or relaxed.balance is None:
             return points
-        return [self._equilibrium(value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))]
+        return [
+            self.ends.equilibrium(value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))
+        ]
 
     def _jumped(
         self, limit: LimitPoint, relaxed: Relaxed, changes: tuple[tuple[str, float], ...], moved: bool
@@ -227,31 +154,14 @@ class Jumps:
         relaxed = self._relaxed(state, state.patches, value, unstable, found, fine)
         pushed = self._at_fixed_edges(here, start.value, value)
         if relaxed.balance is not None and not relaxed.changes:
-            ahead = self._equilibrium(value, relaxed.balance)
-            if not self.surely_misses_energy(start, ahead):
+            ahead = self.ends.equilibrium(value, relaxed.balance)
+            if not self.ends.surely_misses_energy(start, ahead):
                 return self._resting(relaxed)
         control, stiffness = self.system.control, here.stiffness
         deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
         error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
         return self.behind(pushed, error, relaxed, changes, bool(relaxed.changes)) or self._resting(relaxed)
-
-    def leaps(self, start: Equilibrium, end: Equilibrium) -> bool:
-        """Whether Newton leapt from one branch to another, as motions of the edges or energies say."""
-        ends, rates, change = (start.balance, end.balance), (start.rate, end.rate), end.value - start.value
-        return strays(ends, rates, change, self.increments.coarse.residual) or self.surely_misses_energy(start, end)
-
-    def surely_misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
-        """Whether more energy went missing between two points than the forces along one branch account for.
-
-        Newton can step over a short unstable stretch of the path.  What the coarse evaluations suspect, the accuracy
-        of targets decides: coarse energies and tangents may be no better than what adhesion adds to them.
-        """
-        inc, system, change, rates = self.increments, self.system, end.value - start.value, (start.rate, end.rate)
-        if not misses_energy(system, (start.balance, end.balance), rates, change, inc.coarse.tolerance):
-            return False
-        ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
-        return misses_energy(system, ends, rates, change, inc.fine.tolerance)
 
     def behind(
         self,
@@ -260,8 +170,11 @@ class Jumps:
         relaxed: Relaxed,
         changes: tuple[tuple[str, float], ...],
         moved: bool = True,
+        onward: bool = False,
     ) -> Point | None:
         """The point behind a jump with its events; None where nothing changed and no energy is released.
+
+        Where only coarse evaluations find it at rest, the jump goes on from there by finer ones.
 
         Parameters
         ----------
@@ -273,15 +186,20 @@ class Jumps:
             What happened, in order.
         moved : bool
             Whether something surely did; else the energy released must exceed its error.
+        onward : bool
+            Whether it has.
         """
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
         system, value = self.system, relaxed.target
-        fine, finest = self._fine
+        fine, finest = self.ends.fine
         energies = finest if system.elastic.kernel else fine  # their error falls with the square of the tolerance
         found = at_rest(system, relaxed.balance, value, (fine, energies))
         self.effort.evaluations += 2
         here, after, uncertain = (relaxed.balance, self._at_fixed_edges(relaxed.balance, value, value), np.inf)
+        if found is None and not onward:
+            finer = self._relaxed(here.state, here.state.patches, value, fine=True)
+            return self.behind(at, error, finer, (*changes, *finer.changes), moved or bool(finer.changes), True)
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
         released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
@@ -289,7 +207,7 @@ class Jumps:
         if not moved and np.isfinite(doubt) and released <= DOUBT * doubt:
             return None
         events = path_events(changes, at, error, released, doubt)
-        return self._equilibrium(value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
+        return self.ends.equilibrium(value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
 
     def _without_edges(
         self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
@@ -339,13 +257,7 @@ class Jumps:
         """The state that forces led to, as a point of the branch that went there."""
         if relaxed.balance is None or relaxed.status != "converged":
             return _failed(relaxed)
-        return self._equilibrium(relaxed.target, relaxed.balance)
-
-    def _equilibrium(
-        self, value: float, here: Balance, events: tuple[PathEvent, ...] = (), last: bool = False
-    ) -> Equilibrium:
-        """A point with its tangent."""
-        return Equilibrium(value, here, tangent(self.system.control, here), events=events, last=last)
+        return self.ends.equilibrium(relaxed.target, relaxed.balance)
 
     def _at_fixed_edges(self, here: Balance, start: float, value: float) -> EventNumbers:
         """Numbers of a state after a change of the control at fixed edges."""
@@ -359,12 +271,6 @@ class Jumps:
         """The potential of a state after a change of the control at fixed edges."""
         control = self.system.control
         return potential + change * (control.force(state) + change / 2 * control.force_rate(state))
-
-    def _finer(self, here: Balance, value: float) -> Balance:
-        """The forces on the same edges at the accuracy of a target."""
-        self.effort.evaluations += 1
-        state = here.state
-        return balance(self.system, state.patches, state.penetration, value, self.increments.fine.tolerance)
 
 
 def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:

@@ -19,6 +19,7 @@ Dimensionless.  Limits: at a fold one mode alone is neutral.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -26,16 +27,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System, balance
+from bem.continuation.foretold_folds import Foretold, foretell_folds
 from bem.continuation.softness import (
+    LONGEST_STEP,
+    NEAR,
     LostError,
     Soft,
     after_step,
     eigenvalue_gradient,
     forces_at,
+    hessian_in,
     refined,
     softness,
     to_rest,
 )
+from bem.continuation.turning_points import turning_points
 from bem.elastic.collocation import resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
@@ -43,11 +49,8 @@ from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
 
 STEPS = 8  # of Newton; it takes two to four, more where a fold is about to vanish (a cusp)
-LONGEST_STEP = 0.2  # of the edge scale
-NEAR = 1e-3  # of the edge scale: the rest of a step is left to finer evaluations
 CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
 NEUTRAL = 1e-4  # eigenvalue, of order 1: the same where edges hardly move on the way to the end of their branch
-CONTINUED, CORRECTIONS = 60, 5  # steps around a fold, and evaluations of each
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
 SIDES = (1.0, 0.3, 3.0)  # cube roots of the push on a mode: where Newton for the fold beside it begins
@@ -79,6 +82,10 @@ class LimitPoint:
     modes: FloatArray
     bend: float
     evaluations: int
+
+
+class UndecidedError(Exception):
+    """Coarse evaluations lead to a limit point that finer ones do not find, or find behind another one."""
 
 
 @dataclass(frozen=True)
@@ -114,6 +121,11 @@ def locate_limit_point(system: System, start: Balance, value: float, search: Sea
     value : float
         Of the control.
     search : Search
+
+    Raises
+    ------
+    UndecidedError
+        There is none where the coarse evaluations of the search lead.
     """
     try:
         return if_solvable(_located, system, start, value, search)
@@ -125,7 +137,7 @@ def _located(system: System, start: Balance, value: float, search: Search) -> Li
     """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
     reach, tolerances = search.reach, search.tolerances
     soft, broken = softness(system, start, value, start.scale), None
-    if abs(float(soft.mode @ soft.pull)) < SYMMETRIC * float(np.linalg.norm(soft.pull)):
+    if _is_at_rest(soft.pull, soft.mode):
         soft = softness(system, start, value, start.scale, every=True)
         for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
             here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
@@ -137,10 +149,38 @@ def _located(system: System, start: Balance, value: float, search: Search) -> Li
         found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
         if found is not None:
             return found
-    found = _neutral(system, soft, reach, tolerances, breaking=False, refused=search.refused)
-    if found is None and (search.thorough or broken is not None):
-        found = _around(system, soft, reach, tolerances)
-    return found or (broken if search.thorough else None)
+    expected = foretell_folds(system, soft, reach, tolerances[0])
+    near = soft if expected is None else _near(system, soft, expected, reach, tolerances[0])
+    found = None if near is None else _neutral(system, near, reach, tolerances, False, search.refused)
+    if found is not None and (expected is None or _is_expected(found, soft, expected)):
+        return replace(found, evaluations=found.evaluations + 2)
+    if search.thorough or broken is not None:
+        for near in turning_points(system, soft, reach, tolerances[0]):
+            with suppress(LostError):
+                found = _neutral(system, near, reach, tolerances, breaking=False)
+            if found is not None:
+                return found
+    return broken if search.thorough else None
+
+
+def _near(system: System, soft: Soft, expected: Foretold, reach: float, tolerance: float) -> Soft | None:
+    """The forces where the branch of a point is expected to fold first, or on the way there.
+
+    None where that is too far, or where a symmetry breaks first by a mode that is not the softest yet.
+    """
+    if expected.distance > 2 * abs(reach) or _is_at_rest(soft.pull, expected.modes[:, 0]):
+        return None
+    motion, _ = expected.at(1.0)
+    motion, change = expected.at(min(1.0, LONGEST_STEP / soft.size(motion)))
+    value = soft.value + float(np.copysign(change, reach))
+    resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
+    here = forces_at(system, soft, motion, value, tolerance, resolution)
+    return softness(system, here, value, soft.scale, expected.shares[0] * expected.modes[:, 0])
+
+
+def _is_expected(fold: LimitPoint, soft: Soft, expected: Foretold) -> bool:
+    """Whether the modes are as soft at a fold as a point of its branch foretells."""
+    return expected.have_softened(hessian_in(fold.balance, soft.scale), fold.exact.value - soft.value)
 
 
 def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, float]:
@@ -162,6 +202,11 @@ def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, fl
     if not np.all(np.isfinite(step)):
         raise LostError
     return np.asarray(basis @ step[:size] if breaking else step[:size]), float(step[size])
+
+
+def _is_at_rest(pull: FloatArray, mode: FloatArray) -> bool:
+    """Whether the load does no work on a mode, which then may break a symmetry."""
+    return abs(float(mode @ pull)) < SYMMETRIC * float(np.linalg.norm(pull)) * float(np.linalg.norm(mode))
 
 
 def _broken(soft: Soft) -> NDArray[np.bool_]:
@@ -207,10 +252,16 @@ def _neutral(
     if near is None:
         return None
     here, value = near.soft.here, near.soft.value + near.change
-    if refused is not None and _ends_branch(near.soft, near.gradient, reach) and refused(here, value):
+    ends = not breaking and _ends_branch(near.soft, near.gradient, reach)
+    if refused is not None and ends and refused(here, value):
         raise LostError
-    improved = _improved(system, near, tolerances[1:], breaking)
-    if improved is None:
+    try:
+        improved = _improved(system, near, tolerances[1:], breaking)
+    except LostError:
+        improved = None
+    if improved is None or not (breaking or _ends_branch(improved[0].soft, improved[0].gradient, reach)):
+        if ends and tolerances[0] > tolerances[2]:
+            raise UndecidedError
         return None
     at, found = improved
     soft, error = at.soft, found[-1].apart(found[-2], system.control.force(at.soft.here.state))
@@ -223,8 +274,6 @@ def _neutral(
         shift = pushed / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
         error = replace(error, value=error.value + shift)
         return LimitPoint("broken_symmetry", soft.here, found[-1], error, modes, 0.0, at.evaluations)
-    if not _ends_branch(soft, at.gradient, reach):
-        return None
     cubic, work = float(at.gradient @ soft.mode), float(soft.pull @ soft.mode)
     mode = -np.sign(cubic) * soft.mode * soft.scale
     return LimitPoint("fold", soft.here, found[-1], error, mode[:, None], cubic / (2 * work), at.evaluations)
@@ -238,9 +287,9 @@ def _ends_branch(soft: Soft, gradient: FloatArray, reach: float) -> bool:
 
 def _approached(system: System, soft: Soft, reach: float, tolerance: float, breaking: bool) -> _Newton | None:
     """Newton until the next step is short; None where steps do not shrink, or lead farther than `reach`."""
-    begin, size = soft.value, np.inf
+    begin, size, evaluations = soft.value, np.inf, 1
     resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
-    gradient, evaluations = eigenvalue_gradient(system, soft, tolerance), 1
+    gradient = eigenvalue_gradient(system, soft, tolerance)
     for count in range(STEPS):
         step, change = _step(soft, gradient, breaking)
         if count and (breaking or soft.size(step) > max(size / 2, NEAR)):  # the secant is not good enough
@@ -318,67 +367,6 @@ def _beside(
         if found is not None:
             return replace(found, evaluations=found.evaluations + broken.evaluations)
     return None
-
-
-def _around(system: System, soft: Soft, reach: float, tolerances: tuple[float, float, float]) -> LimitPoint | None:
-    """The fold of a branch that turns sharply, met by following it by its length, with the control as an unknown.
-
-    Source: Keller, Numerical Methods in Bifurcation Problems (1987), section 5.
-    """
-    begin, length, way = soft.value, LONGEST_STEP / 4, _tangent(soft, _along(soft) * reach)
-    for _ in range(CONTINUED):
-        try:
-            ahead = _continued(system, soft, length, way, tolerances[0])
-            turned = _tangent(ahead, way[0])
-            if turned[1] * way[1] < 0 and ahead.eigenvalues[1:2].min(initial=1.0) > 0:
-                near = _continued(system, soft, length * way[1] / (way[1] - turned[1]), way, tolerances[0])
-                found = _neutral(system, near, reach, tolerances, breaking=False)
-                if found is not None:
-                    return found
-        except LostError:
-            ahead = None
-        within = ahead is not None and ahead.eigenvalues[0] > 0 and -0.5 <= (ahead.value - begin) / reach <= 2
-        if ahead is not None and within:
-            soft, way, length = ahead, turned, min(1.5 * length, LONGEST_STEP)
-        else:
-            length /= 3
-            if length < NEAR / 10:
-                return None
-    return None
-
-
-def _along(soft: Soft) -> FloatArray:
-    """Motion of the edges along the branch by the control, (2 L,)."""
-    return np.asarray(-np.linalg.solve(soft.hessian, soft.pull))
-
-
-def _tangent(soft: Soft, along: FloatArray) -> tuple[FloatArray, float]:
-    """Motion of edges and control along a branch, on the side of a given motion, as long as the edge scale."""
-    step = np.linalg.solve(_bordered(soft, along), np.append(np.zeros(along.size), 1.0))
-    size = soft.size(step[:-1]) * float(np.sign(along @ step[:-1]))
-    return np.asarray(step[:-1] / size), float(step[-1]) / size
-
-
-def _continued(system: System, soft: Soft, length: float, way: tuple[FloatArray, float], tolerance: float) -> Soft:
-    """The state of the branch a length along its tangent."""
-    resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
-    step, change = length * way[0], length * way[1]
-    for _ in range(CORRECTIONS):
-        here = forces_at(system, soft, step, soft.value + change, tolerance, resolution)
-        soft = softness(system, here, soft.value + change, soft.scale, soft.mode)
-        both = np.linalg.solve(_bordered(soft, way[0]), -np.append(soft.gradient, 0.0))
-        step, change = both[:-1], float(both[-1])
-        if soft.size(step) <= NEAR * length:
-            return soft
-    raise LostError
-
-
-def _bordered(soft: Soft, along: FloatArray) -> FloatArray:
-    """Derivatives of the forces by edges and control, and a last row for the motion along a direction."""
-    size = along.size
-    matrix = np.zeros((size + 1, size + 1))
-    matrix[:size, :size], matrix[:size, size], matrix[size, :size] = soft.hessian, soft.pull, along
-    return matrix
 
 
 def is_pushed(limit: LimitPoint) -> bool:

@@ -27,7 +27,8 @@ from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation import crossing
 from bem.continuation.bare_states import BareStates
-from bem.continuation.jumps import Jumps, TouchedFold
+from bem.continuation.branch_ends import TouchedFold
+from bem.continuation.jumps import Jumps
 from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import Flaw
 from bem.continuation.points_with_edges import Equilibrium, Point, WithEdges
@@ -47,10 +48,24 @@ CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left clo
 
 @dataclass(frozen=True)
 class Pace:
-    """How the path continues: its next increment, and a value of the control that Newton did not reach."""
+    """How the path continues.
+
+    Attributes
+    ----------
+    increment : float
+        The next one.
+    blocked : float or None
+        A value of the control that Newton did not reach.
+    to_fold : bool
+        Whether the increment leads halfway to where a fold is foretold.
+    before_fold : bool
+        Whether it has done so: the fold is looked for at once.
+    """
 
     increment: float
     blocked: float | None = None
+    to_fold: bool = False
+    before_fold: bool = False
 
 
 @dataclass(frozen=True)
@@ -120,8 +135,8 @@ class Path:
         2. Choose an increment; where none is left before the gaps close, contact is complete.
         3. Try it: Newton from the edges that the branch predicts.
         4. Accepted: the next increment is up to twice as long.
-        5. Refused: jump from the end of the branch in between, or try a shorter increment.  Jumps that lead back to
-           the same value for ever are a failure.
+        5. Refused: jump from the end of the branch in between, or try a shorter increment, where a fold is foretold
+           halfway to it first.  Jumps that lead back to the same value for ever are a failure.
         """
         direction, pace = self.direction(point, goal), self._pace(point)
         jumps, stands = 0, point.value
@@ -137,17 +152,17 @@ class Path:
             if trial is None:
                 yield self.bare.closed(point, goal)
                 return
-            attempt = self._attempt(point, trial.value)
+            attempt = Attempt() if pace.before_fold else self._attempt(point, trial.value)
             if attempt.ahead is not None and attempt.found is None:
                 self.effort.accepted += 1
-                pace = replace(pace, increment=min(2 * trial.step, self.increments.largest))
+                longer = min(2 * trial.step, self.increments.largest)
+                pace = Pace(longer, before_fold=True) if pace.to_fold else replace(pace, increment=longer)
                 point = replace(attempt.ahead, increment=pace.increment)
                 yield point
                 continue
             self.effort.rejected += 1
-            points, shorter = self._past_refusal(point, attempt, trial)
+            points, pace = self._past_refusal(point, attempt, trial, pace)
             if not points:
-                pace = Pace(shorter, trial.value if attempt.found is None else pace.blocked)
                 continue
             pace = Pace(max(trial.step, self.increments.largest / 8))
             point = _with_increment(points[-1], pace.increment)
@@ -283,20 +298,27 @@ class Path:
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
         rate = tangent(self.system.control, corrected.balance)
         ahead = Equilibrium(value, corrected.balance, rate, (rate - point.rate) / (2 * change))
-        if self.jumps.leaps(point, ahead):
+        if self.jumps.ends.leaps(point, ahead):
             return Attempt()
         found = interpenetration(self.system, corrected.balance.state, inc.coarse.allowed)
         return Attempt(ahead, found if found.position.size else None)
 
-    def _past_refusal(self, point: Equilibrium, attempt: Attempt, trial: Trial) -> tuple[list[Point], float]:
-        """The points behind the event in a refused increment, or none where a shorter one comes first, and that one."""
+    def _past_refusal(self, point: Equilibrium, attempt: Attempt, trial: Trial, pace: Pace) -> tuple[list[Point], Pace]:
+        """The points behind the event in a refused increment; none where a shorter one comes first, and the pace.
+
+        A fold is looked for from halfway, where it is foretold better, and what comes before it is met.
+        """
+        if attempt.ahead is None and not (pace.to_fold or pace.before_fold):
+            half = self.jumps.ends.distance_to_fold(point, trial.value - point.value) / 2
+            if self.increments.smallest / 8 < half < trial.step:
+                return [], Pace(half, trial.value, to_fold=True)
         overshoot, shorter = self._bracket(point, attempt.found, trial.step, trial.shortest)
         thorough = overshoot <= 1.05 * trial.shortest
         points = self._past_event(point, attempt, (trial.value, trial.end), thorough)
-        if points or not thorough:
-            return points, shorter
-        start = point if attempt.ahead is None else attempt.ahead
-        return [self.jumps.unlocated(start, trial.value, attempt.found, trial.step)], shorter
+        if not points and thorough:
+            start = point if attempt.ahead is None else attempt.ahead
+            points = [self.jumps.unlocated(start, trial.value, attempt.found, trial.step)]
+        return points, Pace(shorter, trial.value if attempt.found is None else pace.blocked)
 
     def _past_event(
         self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool
@@ -317,7 +339,7 @@ class Path:
         if attempt.ahead is not None and attempt.found is not None:
             return self.jumps.from_touch(point, attempt.ahead, attempt.found)
         reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
-        limit = self.jumps.limit_point(point, reach, thorough)
+        limit = self.jumps.ends.limit_point(point, reach, thorough)
         if limit is None:
             return []
         if isinstance(limit, TouchedFold):

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System, balance
-from bem.continuation.limit_points import LONGEST_STEP
-from bem.continuation.softness import after_step
+from bem.continuation.softness import LONGEST_STEP, after_step
 from bem.elastic.collocation import finer, resolve
 from bem.loading.path_events import EventNumbers
 
@@ -25,7 +24,9 @@ SHORT = 1e-3  # of the edge scale
 def at_rest(
     system: System, here: Balance, value: float, tolerances: tuple[float, float]
 ) -> tuple[Balance, EventNumbers, EventNumbers] | None:
-    """A coarse equilibrium improved: forces, numbers, and what the last refinement changed; None where it moves far.
+    """A coarse equilibrium improved: forces, numbers, and what the last refinement changed.
+
+    None where it moves far, or finer evaluations find no stable equilibrium beside it.
 
     Parameters
     ----------
@@ -52,4 +53,6 @@ def at_rest(
         here = balance(system, patches, here.state.penetration, value, tolerance, finer(wanted) if last else wanted)
         outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
         found.append(after_step(system, here, value, outward, 0.0))
+    if here.factor is None or float(np.max(np.abs(outward) / here.state.patches.edge_scale)) > SHORT:
+        return None
     return here, found[-1], found[-1].apart(found[-2], 0.0)

@@ -19,6 +19,8 @@ from bem.loading.path_events import EventNumbers
 
 FloatArray = NDArray[np.float64]
 
+LONGEST_STEP = 0.2  # of the edge scale
+NEAR = 1e-3  # of the edge scale: the rest of a step is left to finer evaluations
 SIDEWAYS = 1e-4  # of the edge scale, over which D_v H is a difference
 
 
@@ -59,7 +61,7 @@ def softness(
     system: System, here: Balance, value: float, scale: FloatArray, last: FloatArray | None = None, every: bool = False
 ) -> Soft:
     """Forces of a balance, and its two softest modes or `every` one; the first has the sign of `last`."""
-    hessian = _scaled(here, scale)
+    hessian = hessian_in(here, scale)
     eigenvalues, modes = lowest_modes(hessian, None if every else 2)
     if last is not None:
         modes *= np.sign(modes[:, 0] @ last) or 1.0
@@ -87,7 +89,8 @@ def _stiffening(system: System, here: Balance, outward: FloatArray) -> float:
     return float(rate * (twice / 2 - system.control.load_weight * rate * carried))
 
 
-def _scaled(here: Balance, scale: FloatArray) -> FloatArray:
+def hessian_in(here: Balance, scale: FloatArray) -> FloatArray:
+    """The symmetric part of a Hessian in units of length of every edge, (2 L, 2 L)."""
     return np.asarray((here.hessian + here.hessian.T) / 2 * np.outer(scale, scale))
 
 
@@ -109,7 +112,7 @@ def eigenvalue_gradient(system: System, soft: Soft, tolerance: float) -> FloatAr
     """D_v H v, the derivative of the smallest eigenvalue by the edges, (2 L,)."""
     step = SIDEWAYS / soft.size(soft.mode) * soft.mode
     beside = forces_at(system, soft, step, soft.value, tolerance, soft.here.state.resolution)
-    return np.asarray((_scaled(beside, soft.scale) - soft.hessian) @ soft.mode * (soft.size(soft.mode) / SIDEWAYS))
+    return np.asarray((hessian_in(beside, soft.scale) - soft.hessian) @ soft.mode * (soft.size(soft.mode) / SIDEWAYS))
 
 
 def refined(system: System, soft: Soft, step: FloatArray, value: float, tolerance: float, other: bool) -> Balance:

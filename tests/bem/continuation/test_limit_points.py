@@ -6,11 +6,13 @@ import pytest
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.branch import tangent
 from bem.adhesive.descent import Steps, descend
-from bem.adhesive.equilibrium import Corrected, System, correct, forces
-from bem.adhesive.relaxation import interpenetration
+from bem.adhesive.equilibrium import Corrected, System, balance, correct, forces
+from bem.adhesive.relaxation import Relaxed, interpenetration
 from bem.continuation import touch_points
+from bem.continuation.branch_ends import TouchedFold
 from bem.continuation.departure import departure
-from bem.continuation.jumps import Jumps, TouchedFold, interpolated
+from bem.continuation.foretold_folds import foretell_folds
+from bem.continuation.jumps import Jumps, interpolated
 from bem.continuation.limit_points import Search, before_fold, locate_limit_point
 from bem.continuation.points_with_edges import Equilibrium
 from bem.continuation.rest import at_rest
@@ -22,7 +24,9 @@ from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.increments import Accuracy, Effort, Increments
+from bem.loading.path_events import EventNumbers
 
+BETWEEN_AND_AT_TARGETS = (Accuracy(1e-3, 1e-4), Accuracy(1e-8, 1e-9))
 TOLERANCES = (1e-3, 1e-5, 1e-8)
 AMPLITUDE = np.sqrt(2.0)  # of a wave of unit rms height
 ALPHA = 0.3
@@ -104,6 +108,22 @@ def test_edges_between_a_point_and_a_touched_fold_follow_the_branch():
     assert found == pytest.approx(between.state.patches.half_width[0], abs=4e-3 * width)  # measured 1.5e-3
 
 
+@pytest.mark.parametrize(
+    ("control", "quantity", "expected"),
+    [(DisplacementControl(), "penetration", 1.48), (LoadControl(), "load", 1.05)],
+    ids=["Delta", "load"],
+)
+@pytest.mark.parametrize("part", [0.1, 0.02, 0.005])
+def test_the_error_of_the_distance_falls_with_its_root(control, quantity, expected, part):
+    """d is too long by 1.41 to 1.56, under load by 1.04 to 1.07 of its root, in parts of the value at the fold."""
+    system, exact = wave(control), lowest(quantity)
+    start = exact * (1 - part)
+    here = resting(system, [2 * np.pi], 0.8, start)
+    foretold = foretell_folds(system, softness(system, here, start, here.scale), exact - start, 1e-3)
+    error = foretold.distance / abs(exact - start) - 1
+    assert error / np.sqrt(part) == pytest.approx(expected, rel=0.08)
+
+
 def test_no_fold_is_found_far_from_it():
     system = wave(DisplacementControl())
     here = resting(system, [2 * np.pi], 1.0, 0.5)
@@ -147,9 +167,9 @@ def test_equal_crests_lose_their_symmetry_before_they_pull_off(count):
     assert found.error.value <= 1e-9
     widths = found.balance.state.patches.width
     np.testing.assert_allclose(widths, widths.mean(), rtol=1e-6)
-    outward, leads_on, _ = departure(system, found, Accuracy(1e-3, 1e-4))
-    assert leads_on
-    inward = -(outward[:count] + outward[count:])
+    way = departure(system, found, *BETWEEN_AND_AT_TARGETS)
+    assert way.leads_on
+    inward = -(way.outward[:count] + way.outward[count:])
     assert np.argmax(inward) == np.argmax(np.abs(inward))  # one patch shrinks most
 
 
@@ -171,9 +191,24 @@ def test_the_way_from_a_fold_leads_down():
     system, exact = wave(DisplacementControl()), lowest("penetration")
     here = resting(system, [2 * np.pi], 0.8, 0.7 * exact)
     fold = locate_limit_point(system, here, 0.7 * exact, Search(0.3 * exact, TOLERANCES))
-    outward, leads_on, _ = departure(system, fold, Accuracy(1e-3, 1e-4))
-    assert leads_on
-    assert np.all(outward < 0)  # it pulls off
+    way = departure(system, fold, *BETWEEN_AND_AT_TARGETS)
+    assert way.leads_on and not way.fine
+    assert np.all(way.outward < 0)  # it pulls off
+
+
+def test_the_way_from_a_small_snap_is_as_short_as_the_snap():
+    """One edge hops over a ripple: the force leads on up to 0.008 edge scales, by 2.4e-4 of w at most."""
+    ripple = Profile.from_harmonics(2 * np.pi, [1, 20], [AMPLITUDE, 0.018], [0.0, 1.0])
+    law, start, beyond = UniformLaw(np.pi * (ALPHA * AMPLITUDE) ** 2 / 2), 0.86, 0.02
+    system = System(Elastic(ripple), law, DisplacementControl())
+    here = resting(system, [2 * np.pi], 1.5, start)
+    fold = locate_limit_point(system, here, start, Search(beyond, TOLERANCES))
+    way = departure(system, fold, *BETWEEN_AND_AT_TARGETS)
+    assert way.leads_on and way.fine
+    assert np.max(np.abs(way.outward) / fold.balance.state.patches.edge_scale) <= 0.008  # measured 0.0044
+    jump = Jumps(system, Increments(0.1, 1e-3), complete_contact(ripple, law), Effort()).from_limit(fold, beyond)
+    assert [event.kind for event in jump[1].events] == ["bifurcation"]
+    assert 0 < jump[1].events[0].energy_released <= 1e-4 * law.work
 
 
 @pytest.mark.parametrize("part", [1e-2, 1e-3])
@@ -206,6 +241,25 @@ def test_a_coarse_equilibrium_is_improved_with_its_error():
     assert better.residual <= 1e-7
     assert abs(exact.potential - finest.potential) <= 3 * error.potential + 1e-13
     assert abs(exact.load - finest.load) <= 3 * error.load + 1e-12
+
+
+def test_a_jump_goes_on_from_where_only_coarse_evaluations_find_it_at_rest():
+    """Next to the unstable state of one wave, on the side of the stable one at the same penetration."""
+    system, psi = wave(DisplacementControl()), np.linspace(0.01, 0.8, 200_001)
+    turn = psi[np.argmin(johnson("penetration", psi))]
+    narrow = 0.7 * turn
+    value = johnson("penetration", narrow)
+    wide = psi[(psi > turn)][np.argmin(np.abs(johnson("penetration", psi[psi > turn]) - value))]
+    half_width = np.array([2 * narrow * 1.01])
+    here = balance(system, Patches(-half_width, half_width), value, value, 1e-3)
+    assert at_rest(system, here, value, (1e-5, 1e-8)) is None
+    jumps = Jumps(system, Increments(0.1, 1e-3), complete_contact(system.elastic.profile, system.law), Effort())
+    above = EventNumbers(value, value, johnson("load", narrow), here.potential + 1.0)
+    known = EventNumbers(0.0, 0.0, 0.0, 0.0)
+    behind = jumps.behind(above, known, Relaxed("converged", value, here, (), 0, 0), (("coalescence", 0.0),))
+    assert [event.kind for event in behind.events] == ["coalescence"]
+    assert behind.state.patches.half_width[0] == pytest.approx(2 * wide, rel=2e-5)  # the grid of psi
+    assert behind.balance.factor is not None
 
 
 def test_an_equilibrium_that_needs_no_steps_has_an_error_from_another_resolution():

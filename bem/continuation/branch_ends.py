@@ -1,0 +1,159 @@
+"""Where a branch ends at a limit point: is it of this branch, and does a crest touch before?
+
+Newton finds limit points (limit_points.py), of this branch or of another: it may step over a short unstable stretch,
+or lead back to the fold from which the contact has just jumped.  Along one branch edges move as their tangents say, and
+the potential changes by the work of the control.  What coarse evaluations leave undecided the accuracy of targets
+decides.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bem.adhesive.branch import UNBOOKED, misses_energy, outward_motion, strays, tangent
+from bem.adhesive.equilibrium import Balance, System, balance, correct, energy_noise
+from bem.adhesive.relaxation import interpenetration
+from bem.continuation.foretold_folds import foretell_folds
+from bem.continuation.limit_points import LimitPoint, Search, UndecidedError, locate_limit_point
+from bem.continuation.points_with_edges import Equilibrium
+from bem.continuation.softness import LostError, softness
+from bem.elastic.collocation import Evaluation
+from bem.elastic.gap import GapMinima
+from bem.elastic.hierarchical import if_solvable
+from bem.loading.increments import Effort, Increments
+from bem.loading.path_events import PathEvent
+
+FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
+OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
+
+
+@dataclass(frozen=True, eq=False)
+class TouchedFold:
+    """A fold beside which crests have touched, with the evaluation next to it: their touch ends the branch."""
+
+    value: float
+    state: Evaluation
+    found: GapMinima
+
+
+@dataclass(frozen=True, eq=False)
+class BranchEnds:
+    """Finds the limit points at which branches end.
+
+    Parameters
+    ----------
+    system : System
+    increments : Increments
+    effort : Effort
+        On which evaluations are booked.
+    """
+
+    system: System
+    increments: Increments
+    effort: Effort
+
+    @property
+    def fine(self) -> tuple[float, float]:
+        """Tolerances of the two evaluations that give an event its numbers."""
+        finest = self.increments.fine.tolerance
+        return max(min(FINE, self.increments.coarse.tolerance), finest), finest
+
+    def limit_point(self, point: Equilibrium, reach: float, thorough: bool) -> LimitPoint | TouchedFold | None:
+        """The limit point that ends the branch of a point within about `reach` of the control, if there is one.
+
+        A fold beside which crests have touched is not located any better: the branch ends before.
+        """
+        coarse, (fine, finest) = self.increments.coarse.tolerance, self.fine
+        touched: list[TouchedFold] = []
+
+        def is_touched(here: Balance, value: float, allowed: float = coarse) -> bool:
+            found = interpenetration(self.system, here.state, allowed)
+            touched.extend([TouchedFold(value, here.state, found)] if found.position.size else [])
+            return bool(touched)
+
+        limit = self._located(point, Search(reach, (coarse, fine, finest), thorough, is_touched))
+        if limit is None and thorough and not touched:  # coarse states may end farther from it than `reach`
+            near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(point.value)), reach))
+            limit = self._located(point, Search(near, (fine, fine, finest), thorough, is_touched))
+        if limit is None:
+            return touched[0] if touched else None
+        self.effort.evaluations += limit.evaluations
+        if is_touched(limit.balance, limit.exact.value, self.increments.fine.allowed):
+            return touched[0] if limit.kind == "fold" else None
+        return limit
+
+    def distance_to_fold(self, point: Equilibrium, reach: float) -> float:
+        """How far ahead of a point its branch is expected to fold; inf where it is not.  `reach` has the direction."""
+        soft = softness(self.system, point.balance, point.value, point.balance.scale)
+        self.effort.evaluations += 1
+        try:
+            expected = if_solvable(foretell_folds, self.system, soft, reach, self.increments.coarse.tolerance)
+        except (LostError, np.linalg.LinAlgError):
+            return np.inf
+        return np.inf if expected is None else expected.distance
+
+    def _located(self, point: Equilibrium, search: Search) -> LimitPoint | None:
+        """The limit point that a search from a point finds, unless that ends another branch.
+
+        Newton may lead back to the fold from which the contact has just jumped: its potential is higher by what the
+        jump released, and no work of the control accounts for that.
+        """
+        try:
+            limit = locate_limit_point(self.system, point.balance, point.value, search)
+        except UndecidedError:
+            point, search = self._settled(point), replace(search, tolerances=search.tolerances[2:] * 3)
+            limit = locate_limit_point(self.system, point.balance, point.value, search)
+        if limit is None or self._accounts_for(point.balance, point, limit):
+            return limit
+        return limit if self._accounts_for(self._finer(point.balance, point.value), point, limit) else None
+
+    def _settled(self, point: Equilibrium) -> Equilibrium:
+        """The point at the accuracy of targets; as it is where Newton does not find it."""
+        found = correct(self.system, point.state.patches, point.state.penetration, point.value, self.increments.fine)
+        self.effort.evaluations += found.evaluations
+        return point if found.balance is None else self.equilibrium(point.value, found.balance)
+
+    def _accounts_for(self, here: Balance, point: Equilibrium, limit: LimitPoint) -> bool:
+        """Whether the control does the work between a point, whose forces are `here`, and a limit point.
+
+        Force over the way, to what it changes by there; and a thousandth of the work of adhesion turned over.
+        """
+        control, change, there = self.system.control, limit.exact.value - point.value, limit.balance
+        first, last = control.force(here.state), control.force(there.state)
+        along = control.force_rate(here.state, float(here.load_gradient @ point.rate)) * change
+        missing = limit.exact.potential - here.potential - change * (first + last) / 2
+        outward = outward_motion(here.state.patches, there.state.patches)
+        missing -= float(here.gradient @ outward) / 2  # forces left on the edges
+        allowed = abs(change) * (abs(last - first) + abs(along)) + UNBOOKED * float(there.work @ np.abs(outward))
+        return abs(missing) <= allowed + energy_noise(self.system, here, there, self.increments.fine.tolerance)
+
+    def leaps(self, start: Equilibrium, end: Equilibrium) -> bool:
+        """Whether Newton leapt from one branch to another, as motions of the edges or energies say."""
+        ends, rates, change = (start.balance, end.balance), (start.rate, end.rate), end.value - start.value
+        return strays(ends, rates, change, self.increments.coarse.residual) or self.surely_misses_energy(start, end)
+
+    def surely_misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
+        """Whether more energy went missing between two points than the forces along one branch account for.
+
+        Newton can step over a short unstable stretch of the path.  What the coarse evaluations suspect, the accuracy
+        of targets decides: coarse energies and tangents may be no better than what adhesion adds to them.
+        """
+        inc, system, change, rates = self.increments, self.system, end.value - start.value, (start.rate, end.rate)
+        if not misses_energy(system, (start.balance, end.balance), rates, change, inc.coarse.tolerance):
+            return False
+        ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
+        return misses_energy(system, ends, rates, change, inc.fine.tolerance)
+
+    def equilibrium(
+        self, value: float, here: Balance, events: tuple[PathEvent, ...] = (), last: bool = False
+    ) -> Equilibrium:
+        """A point with its tangent."""
+        return Equilibrium(value, here, tangent(self.system.control, here), events=events, last=last)
+
+    def _finer(self, here: Balance, value: float) -> Balance:
+        """The forces on the same edges at the accuracy of a target."""
+        self.effort.evaluations += 1
+        state = here.state
+        return balance(self.system, state.patches, state.penetration, value, self.increments.fine.tolerance)
