@@ -12,18 +12,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bem.adhesive.branch import UNBOOKED, misses_energy, outward_motion, strays, tangent
+from bem.adhesive.branch import UNBOOKED, misses_energy, outward_motion, strays
 from bem.adhesive.equilibrium import Balance, System, balance, correct, energy_noise
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation.foretold_folds import foretell_folds
 from bem.continuation.limit_points import LimitPoint, Search, UndecidedError, locate_limit_point
-from bem.continuation.points_with_edges import Equilibrium
+from bem.continuation.points_with_edges import Equilibrium, equilibrium
 from bem.continuation.softness import LostError, softness
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import PathEvent
 
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
 OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
@@ -84,14 +83,15 @@ class BranchEnds:
             return touched[0] if limit.kind == "fold" else None
         return limit
 
-    def distance_to_fold(self, point: Equilibrium, reach: float) -> float:
-        """How far ahead of a point its branch is expected to fold; inf where it is not.  `reach` has the direction."""
-        soft = softness(self.system, point.balance, point.value, point.balance.scale)
-        self.effort.evaluations += 1
+    def foretold(self, point: Equilibrium, reach: float) -> float:
+        """How far ahead of a point its branch is expected to end; inf where it is not.  `reach` has the direction."""
+        system, tolerance = self.system, self.increments.coarse.tolerance
         try:
-            expected = if_solvable(foretell_folds, self.system, soft, reach, self.increments.coarse.tolerance)
+            soft = softness(system, point.balance, point.value, point.balance.scale)
+            expected = if_solvable(foretell_folds, system, soft, reach, tolerance)
         except (LostError, np.linalg.LinAlgError):
             return np.inf
+        self.effort.evaluations += int(expected is not None)
         return np.inf if expected is None else expected.distance
 
     def _located(self, point: Equilibrium, search: Search) -> LimitPoint | None:
@@ -113,7 +113,7 @@ class BranchEnds:
         """The point at the accuracy of targets; as it is where Newton does not find it."""
         found = correct(self.system, point.state.patches, point.state.penetration, point.value, self.increments.fine)
         self.effort.evaluations += found.evaluations
-        return point if found.balance is None else self.equilibrium(point.value, found.balance)
+        return point if found.balance is None else equilibrium(self.system, point.value, found.balance)
 
     def _accounts_for(self, here: Balance, point: Equilibrium, limit: LimitPoint) -> bool:
         """Whether the control does the work between a point, whose forces are `here`, and a limit point.
@@ -145,12 +145,6 @@ class BranchEnds:
             return False
         ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
         return misses_energy(system, ends, rates, change, inc.fine.tolerance)
-
-    def equilibrium(
-        self, value: float, here: Balance, events: tuple[PathEvent, ...] = (), last: bool = False
-    ) -> Equilibrium:
-        """A point with its tangent."""
-        return Equilibrium(value, here, tangent(self.system.control, here), events=events, last=last)
 
     def _finer(self, here: Balance, value: float) -> Balance:
         """The forces on the same edges at the accuracy of a target."""

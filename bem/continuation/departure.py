@@ -30,7 +30,7 @@ class Departure:
     Attributes
     ----------
     outward : (2 L,) array
-        Motion of the edges, the shortest on which they feel a force, or the longest one tried.
+        Motion of the edges, the first on which they feel a force along it, or a long one.
     leads_on : bool
         Whether the force is along the motion; against it all the way where another branch begins continuously.
     fine : bool
@@ -59,9 +59,12 @@ def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accurac
     pushes = [(part, coarse) for part in DEPARTURES]
     if limit.kind == "fold":
         first, second, least = _pushes(system, limit)
-        pushes = [(min(first, DEPARTURES[0]), coarse), (min(second, DEPARTURES[-1]), coarse), (least, fine)]
+        second, least = min(second, DEPARTURES[-1]), min(least, DEPARTURES[-1])
+        pushes = [(min(first, DEPARTURES[0]), coarse), (second, coarse), (second, fine), (least, fine)]
     force, outward, evaluations = -np.inf, motion, 0
     for part, accuracy in pushes:
+        if accuracy is fine:
+            force = -np.inf
         for sign in (1.0,) if limit.kind == "fold" else (1.0, -1.0):
             moved = state.patches.moved(sign * part * motion)
             here = balance(system, moved, state.penetration, limit.exact.value, accuracy.tolerance)

@@ -1,10 +1,11 @@
-"""Jumps of an adhesive path: where a branch ends, where the contact jumps from there, and the energy that it releases.
+"""Jumps of an adhesive path: where the contact goes when its branch has ended, and the energy that it releases.
 
-A branch ends at a limit point or where a crest touches; both are located first (limit_points.py, touch_points.py), so
+A branch ends at a limit point or where a crest touches; both are located first (branch_ends.py, touch_points.py), so
 that neither the jump nor its numbers depend on the increments.  The jump itself follows the forces at the value of the
-control at which the branch ends (relaxation.py); what it releases is the difference of the potential of two equilibria,
-each improved until another resolution changes nothing.  Where no end is located within the smallest increment, the
-jump begins from the last good edges, and the increment is its error.  Dimensionless.
+control at which the branch ends (relaxation.py), and goes on by finer evaluations where only coarse ones find it at
+rest; what it releases is the difference of the potential of two equilibria, each improved until another resolution
+changes nothing.  Where no end is located within the smallest increment, the jump begins from the last good edges, and
+the increment is its error.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from bem.continuation.branch_ends import BranchEnds, TouchedFold
 from bem.continuation.departure import departure
 from bem.continuation.limit_points import LimitPoint
 from bem.continuation.opening import complete_potential
-from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point
+from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point, equilibrium
 from bem.continuation.rest import at_rest
 from bem.continuation.touch_points import Bracket, locate_touch
 from bem.elastic.collocation import Evaluation
@@ -41,7 +42,7 @@ MOVING = 0.3  # of the largest motion in units of the edge scale: patches that m
 
 @dataclass(frozen=True, eq=False)
 class Jumps:
-    """Finds the ends of branches and jumps from them.
+    """Jumps from the ends of branches.
 
     Parameters
     ----------
@@ -81,11 +82,9 @@ class Jumps:
         if touch is None:
             return []
         self.effort.evaluations += touch.evaluations
-        end = self.ends.equilibrium(touch.exact.value, touch.balance, last=True)
-        if isinstance(ahead, TouchedFold) and self.ends.surely_misses_energy(
-            point, end
-        ):  # the fold was of another branch
-            return []
+        end = equilibrium(self.system, touch.exact.value, touch.balance, last=True)
+        if isinstance(ahead, TouchedFold) and self.ends.surely_misses_energy(point, end):
+            return []  # the fold was of another branch
         state = touch.balance.state
         deeper = interpenetration(self.system, state, DEEPER)
         if deeper.position.size:  # another minimum of the gap closed before, which at `ahead` there was none of
@@ -127,7 +126,7 @@ class Jumps:
         if points or relaxed.balance is None:
             return points
         return [
-            self.ends.equilibrium(value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))
+            equilibrium(self.system, value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))
         ]
 
     def _jumped(
@@ -154,7 +153,7 @@ class Jumps:
         relaxed = self._relaxed(state, state.patches, value, unstable, found, fine)
         pushed = self._at_fixed_edges(here, start.value, value)
         if relaxed.balance is not None and not relaxed.changes:
-            ahead = self.ends.equilibrium(value, relaxed.balance)
+            ahead = equilibrium(self.system, value, relaxed.balance)
             if not self.ends.surely_misses_energy(start, ahead):
                 return self._resting(relaxed)
         control, stiffness = self.system.control, here.stiffness
@@ -170,7 +169,6 @@ class Jumps:
         relaxed: Relaxed,
         changes: tuple[tuple[str, float], ...],
         moved: bool = True,
-        onward: bool = False,
     ) -> Point | None:
         """The point behind a jump with its events; None where nothing changed and no energy is released.
 
@@ -186,20 +184,19 @@ class Jumps:
             What happened, in order.
         moved : bool
             Whether something surely did; else the energy released must exceed its error.
-        onward : bool
-            Whether it has.
         """
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
-        system, value = self.system, relaxed.target
-        fine, finest = self.ends.fine
-        energies = finest if system.elastic.kernel else fine  # their error falls with the square of the tolerance
-        found = at_rest(system, relaxed.balance, value, (fine, energies))
-        self.effort.evaluations += 2
-        here, after, uncertain = (relaxed.balance, self._at_fixed_edges(relaxed.balance, value, value), np.inf)
-        if found is None and not onward:
+        value, here, found = relaxed.target, relaxed.balance, self._at_rest(relaxed.balance, relaxed.target)
+        if found is None and relaxed.status == "converged":
             finer = self._relaxed(here.state, here.state.patches, value, fine=True)
-            return self.behind(at, error, finer, (*changes, *finer.changes), moved or bool(finer.changes), True)
+            if finer.status in ("converged", "separated", "complete_contact"):
+                changes = (*changes, *finer.changes) if moved or not finer.changes else finer.changes
+                relaxed, moved = finer, moved or bool(finer.changes)
+            if relaxed.balance is None:
+                return self._without_edges(at, error, relaxed, changes)
+            here, found = relaxed.balance, self._at_rest(relaxed.balance, value)
+        after, uncertain = self._at_fixed_edges(here, value, value), np.inf
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
         released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
@@ -207,7 +204,16 @@ class Jumps:
         if not moved and np.isfinite(doubt) and released <= DOUBT * doubt:
             return None
         events = path_events(changes, at, error, released, doubt)
-        return self.ends.equilibrium(value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
+        return (
+            equilibrium(self.system, value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
+        )
+
+    def _at_rest(self, here: Balance, value: float) -> tuple[Balance, EventNumbers, EventNumbers] | None:
+        """The equilibrium behind a jump, improved, if finer evaluations find it."""
+        fine, finest = self.ends.fine
+        energies = finest if self.system.elastic.kernel else fine  # their error falls with the square of the tolerance
+        self.effort.evaluations += 2
+        return at_rest(self.system, here, value, (fine, energies))
 
     def _without_edges(
         self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
@@ -257,7 +263,7 @@ class Jumps:
         """The state that forces led to, as a point of the branch that went there."""
         if relaxed.balance is None or relaxed.status != "converged":
             return _failed(relaxed)
-        return self.ends.equilibrium(relaxed.target, relaxed.balance)
+        return equilibrium(self.system, relaxed.target, relaxed.balance)
 
     def _at_fixed_edges(self, here: Balance, start: float, value: float) -> EventNumbers:
         """Numbers of a state after a change of the control at fixed edges."""

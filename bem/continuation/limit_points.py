@@ -37,6 +37,7 @@ from bem.continuation.softness import (
     eigenvalue_gradient,
     forces_at,
     hessian_in,
+    is_at_rest,
     refined,
     softness,
     to_rest,
@@ -48,10 +49,9 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
 
-STEPS = 8  # of Newton; it takes two to four, more where a fold is about to vanish (a cusp)
-CLOSE = 1e-5  # the same: what the next step leaves is below 1e-9
+STEPS = 8  # of Newton; it takes one to three, more where a fold is about to vanish (a cusp)
+CLOSE = 1e-5  # of the edge scale: what the next step leaves is below 1e-9
 NEUTRAL = 1e-4  # eigenvalue, of order 1: the same where edges hardly move on the way to the end of their branch
-SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
 SIDES = (1.0, 0.3, 3.0)  # cube roots of the push on a mode: where Newton for the fold beside it begins
 FELT = 1e-9  # of the work of adhesion: a force on a mode, which then breaks no symmetry that the profile has
@@ -137,12 +137,12 @@ def _located(system: System, start: Balance, value: float, search: Search) -> Li
     """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
     reach, tolerances = search.reach, search.tolerances
     soft, broken = softness(system, start, value, start.scale), None
-    if _is_at_rest(soft.pull, soft.mode):
+    if is_at_rest(soft, soft.mode):
         soft = softness(system, start, value, start.scale, every=True)
         for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
             here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
             soft = softness(system, here, value, start.scale, every=True)
-        broken = _neutral(system, soft, reach, tolerances, breaking=True)
+        broken = _neutral(system, soft, value, reach, tolerances, breaking=True)
         if broken is not None and not is_pushed(broken):
             return broken
         tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
@@ -151,31 +151,34 @@ def _located(system: System, start: Balance, value: float, search: Search) -> Li
             return found
     expected = foretell_folds(system, soft, reach, tolerances[0])
     near = soft if expected is None else _near(system, soft, expected, reach, tolerances[0])
-    found = None if near is None else _neutral(system, near, reach, tolerances, False, search.refused)
+    if near is None and search.thorough:
+        near = soft
+    found = None if near is None else _neutral(system, near, value, reach, tolerances, False, search.refused)
     if found is not None and (expected is None or _is_expected(found, soft, expected)):
-        return replace(found, evaluations=found.evaluations + 2)
+        return found if expected is None else replace(found, evaluations=found.evaluations + 2)
     if search.thorough or broken is not None:
         for near in turning_points(system, soft, reach, tolerances[0]):
             with suppress(LostError):
-                found = _neutral(system, near, reach, tolerances, breaking=False)
-            if found is not None:
-                return found
+                found = _neutral(system, near, value, reach, tolerances, breaking=False)
+                if found is not None:
+                    return found
     return broken if search.thorough else None
 
 
 def _near(system: System, soft: Soft, expected: Foretold, reach: float, tolerance: float) -> Soft | None:
     """The forces where the branch of a point is expected to fold first, or on the way there.
 
-    None where that is too far, or where a symmetry breaks first by a mode that is not the softest yet.
+    None where that is too far or no such place, or where a symmetry breaks first by a mode that is not the softest yet.
     """
-    if expected.distance > 2 * abs(reach) or _is_at_rest(soft.pull, expected.modes[:, 0]):
+    if expected.distance > 2 * abs(reach) or expected.breaks[0]:
         return None
-    motion, _ = expected.at(1.0)
-    motion, change = expected.at(min(1.0, LONGEST_STEP / soft.size(motion)))
-    value = soft.value + float(np.copysign(change, reach))
+    motion, change = expected.next_to_fold(soft)
     resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
-    here = forces_at(system, soft, motion, value, tolerance, resolution)
-    return softness(system, here, value, soft.scale, expected.shares[0] * expected.modes[:, 0])
+    try:
+        here = forces_at(system, soft, motion, soft.value + change, tolerance, resolution)
+    except LostError:
+        return None
+    return softness(system, here, soft.value + change, soft.scale)
 
 
 def _is_expected(fold: LimitPoint, soft: Soft, expected: Foretold) -> bool:
@@ -204,15 +207,9 @@ def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, fl
     return np.asarray(basis @ step[:size] if breaking else step[:size]), float(step[size])
 
 
-def _is_at_rest(pull: FloatArray, mode: FloatArray) -> bool:
-    """Whether the load does no work on a mode, which then may break a symmetry."""
-    return abs(float(mode @ pull)) < SYMMETRIC * float(np.linalg.norm(pull)) * float(np.linalg.norm(mode))
-
-
 def _broken(soft: Soft) -> NDArray[np.bool_]:
     """Which soft modes break a symmetry that loading keeps, (number of modes,)."""
-    cosine = np.abs(soft.modes.T @ soft.pull) / np.linalg.norm(soft.pull)
-    return np.asarray((cosine < SYMMETRIC) & (soft.eigenvalues < 2 * abs(soft.eigenvalues[0]) + SOFT))
+    return np.asarray(is_at_rest(soft, soft.modes) & (soft.eigenvalues < 2 * abs(soft.eigenvalues[0]) + SOFT))
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,13 +239,14 @@ class _Newton:
 def _neutral(
     system: System,
     soft: Soft,
+    begin: float,
     reach: float,
     tolerances: tuple[float, float, float],
     breaking: bool,
     refused: Callable[[Balance, float], bool] | None = None,
 ) -> LimitPoint | None:
     """A fold, or the point where a symmetry breaks: reached by coarse evaluations, then improved by finer ones."""
-    near = _approached(system, soft, reach, tolerances[0], breaking)
+    near = _approached(system, soft, begin, reach, tolerances[0], breaking)
     if near is None:
         return None
     here, value = near.soft.here, near.soft.value + near.change
@@ -285,9 +283,11 @@ def _ends_branch(soft: Soft, gradient: FloatArray, reach: float) -> bool:
     return bool(soft.eigenvalues[1:2].min(initial=1.0) > 0 and cubic * work * reach > 0)
 
 
-def _approached(system: System, soft: Soft, reach: float, tolerance: float, breaking: bool) -> _Newton | None:
-    """Newton until the next step is short; None where steps do not shrink, or lead farther than `reach`."""
-    begin, size, evaluations = soft.value, np.inf, 1
+def _approached(
+    system: System, soft: Soft, begin: float, reach: float, tolerance: float, breaking: bool
+) -> _Newton | None:
+    """Newton until the next step is short; None where steps do not shrink, or lead too far from `begin`."""
+    size, evaluations = np.inf, 1
     resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
     gradient = eigenvalue_gradient(system, soft, tolerance)
     for count in range(STEPS):
@@ -363,7 +363,7 @@ def _beside(
     middle = float(np.cbrt(_push(broken.balance, broken.modes)))
     for side in SIDES:
         here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, tolerances[0])
-        found = _neutral(system, softness(system, here, value, scale), reach, tolerances, breaking=False)
+        found = _neutral(system, softness(system, here, value, scale), value, reach, tolerances, breaking=False)
         if found is not None:
             return replace(found, evaluations=found.evaluations + broken.evaluations)
     return None

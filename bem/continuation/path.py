@@ -4,20 +4,20 @@ Between events the equilibrium edges are a smooth function of the control value 
 displacement) and are followed by a second-order predictor and Newton.  An increment is accepted only when Newton
 stays on its branch (K > 0, positive definite Hessian, small steps along both tangents, no energy missing) and no gap
 interpenetrates.  Otherwise the end of the branch in between is located by its own equation: the touch of a crest, or a
-limit point (touch_points.py, limit_points.py), from which the contact jumps (jumps.py).  The path yields both the last
+limit point (touch_points.py, branch_ends.py), from which the contact jumps (jumps.py).  The path yields both the last
 state of a branch and the first one behind the jump.  That neither depends on the increments is a property that tests
 show; where no end is located, increments shrink until the jump begins from the last good edges.
 
 A point carries what the path needs to go on from it, the next increment among it; a path holds no state of its own
-besides counts of its work.  What `advance` knows besides, a value of the control that Newton did not reach, it forgets
-at its goal.  Dimensionless.
+besides counts of its work.  What `advance` knows besides, a value of the control that Newton did not reach and what it
+asked about the next fold, it forgets at its goal.  Dimensionless.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -41,6 +41,7 @@ from bem.loading.increments import Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
+NEARBY = 8  # parts of the smallest increment: events nearer to a point are looked for from there
 MOST_JUMPS = 100  # in a row from the same value of the control: the path does not lead on
 SAME_VALUE = 1e-9  # of the largest increment
 CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
@@ -56,16 +57,14 @@ class Pace:
         The next one.
     blocked : float or None
         A value of the control that Newton did not reach.
-    to_fold : bool
-        Whether the increment leads halfway to where a fold is foretold.
-    before_fold : bool
-        Whether it has done so: the fold is looked for at once.
+    fold : {"unasked", "ahead", "near", "asked"}
+        What is known of the next fold: nothing; the increment leads halfway to where it is foretold; it has done so,
+        and the fold is looked for at once; it was asked for from this point.
     """
 
     increment: float
     blocked: float | None = None
-    to_fold: bool = False
-    before_fold: bool = False
+    fold: Literal["unasked", "ahead", "near", "asked"] = "unasked"
 
 
 @dataclass(frozen=True)
@@ -112,7 +111,7 @@ class Path:
 
     @property
     def jumps(self) -> Jumps:
-        """What finds the ends of branches and jumps from them."""
+        """What jumps from the ends of branches, and finds these."""
         return Jumps(self.system, self.increments, self.complete, self.effort)
 
     @property
@@ -152,15 +151,15 @@ class Path:
             if trial is None:
                 yield self.bare.closed(point, goal)
                 return
-            attempt = Attempt() if pace.before_fold else self._attempt(point, trial.value)
+            attempt = Attempt() if pace.fold == "near" else self._attempt(point, trial.value)
             if attempt.ahead is not None and attempt.found is None:
                 self.effort.accepted += 1
                 longer = min(2 * trial.step, self.increments.largest)
-                pace = Pace(longer, before_fold=True) if pace.to_fold else replace(pace, increment=longer)
+                pace = Pace(longer, fold="near") if pace.fold == "ahead" else Pace(longer, pace.blocked)
                 point = replace(attempt.ahead, increment=pace.increment)
                 yield point
                 continue
-            self.effort.rejected += 1
+            self.effort.rejected += int(pace.fold != "near")
             points, pace = self._past_refusal(point, attempt, trial, pace)
             if not points:
                 continue
@@ -198,12 +197,12 @@ class Path:
             found = interpenetration(self.system, fine.balance.state, inc.fine.allowed)
             if found.position.size == 0:
                 return refined
-            before = self.refined_at(refined, value - direction * inc.smallest / 8)
+            before = self.refined_at(refined, value - direction * inc.smallest / NEARBY)
             points = [] if before is None else self.jumps.from_touch(before, refined, found)
         else:
-            points = self._past_event(point, Attempt(), (value + direction * inc.smallest / 8, value), True)
+            points = self._past_event(point, Attempt(), (value + direction * inc.smallest / NEARBY, value), True)
         if not points:
-            unlocated = self.jumps.unlocated(point, value, found, inc.smallest / 8, fine=True)
+            unlocated = self.jumps.unlocated(point, value, found, inc.smallest / NEARBY, fine=True)
             return _with_increment(unlocated, point.increment)
         points = [*points[:-1], _with_increment(points[-1], point.increment)]
         if points[-1].value != value and points[-1].state is not None:
@@ -308,17 +307,19 @@ class Path:
 
         A fold is looked for from halfway, where it is foretold better, and what comes before it is met.
         """
-        if attempt.ahead is None and not (pace.to_fold or pace.before_fold):
-            half = self.jumps.ends.distance_to_fold(point, trial.value - point.value) / 2
-            if self.increments.smallest / 8 < half < trial.step:
-                return [], Pace(half, trial.value, to_fold=True)
+        if attempt.ahead is None and pace.fold == "unasked":
+            half = self.jumps.ends.foretold(point, trial.value - point.value) / 2
+            if self.increments.smallest / NEARBY < half < trial.step:
+                return [], Pace(half, trial.value, "ahead")
         overshoot, shorter = self._bracket(point, attempt.found, trial.step, trial.shortest)
         thorough = overshoot <= 1.05 * trial.shortest
         points = self._past_event(point, attempt, (trial.value, trial.end), thorough)
+        if pace.fold == "near":  # no Newton has begun from here
+            return points, Pace(shorter)
         if not points and thorough:
             start = point if attempt.ahead is None else attempt.ahead
             points = [self.jumps.unlocated(start, trial.value, attempt.found, trial.step)]
-        return points, Pace(shorter, trial.value if attempt.found is None else pace.blocked)
+        return points, Pace(shorter, trial.value if attempt.found is None else pace.blocked, "asked")
 
     def _past_event(
         self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from bem.adhesive.equilibrium import Balance
+from bem.adhesive.branch import tangent
+from bem.adhesive.equilibrium import Balance, System
 from bem.continuation.limit_points import LimitPoint, before_fold
 from bem.elastic.collocation import Evaluation
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-from bem.loading.path_events import PathStatus
+from bem.loading.path_events import PathEvent, PathStatus
 from bem.loading.path_point import Complete, Failed, PathPoint, Separated
 
 
@@ -49,6 +50,13 @@ class Equilibrium(PathPoint):
         change = value - self.value
         outward = change * self.rate
         return self.state.patches.moved(outward if self.curvature is None else outward + change**2 * self.curvature)
+
+
+def equilibrium(
+    system: System, value: float, here: Balance, events: tuple[PathEvent, ...] = (), last: bool = False
+) -> Equilibrium:
+    """The point of a balance at a value of the control, with its tangent."""
+    return Equilibrium(value, here, tangent(system.control, here), events=events, last=last)
 
 
 @dataclass(frozen=True, eq=False)

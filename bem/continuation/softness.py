@@ -21,6 +21,7 @@ FloatArray = NDArray[np.float64]
 
 LONGEST_STEP = 0.2  # of the edge scale
 NEAR = 1e-3  # of the edge scale: the rest of a step is left to finer evaluations
+SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
 SIDEWAYS = 1e-4  # of the edge scale, over which D_v H is a difference
 
 
@@ -92,6 +93,12 @@ def _stiffening(system: System, here: Balance, outward: FloatArray) -> float:
 def hessian_in(here: Balance, scale: FloatArray) -> FloatArray:
     """The symmetric part of a Hessian in units of length of every edge, (2 L, 2 L)."""
     return np.asarray((here.hessian + here.hessian.T) / 2 * np.outer(scale, scale))
+
+
+def is_at_rest(soft: Soft, modes: FloatArray) -> NDArray[np.bool_]:
+    """Which modes, (2 L, n) or (2 L,), the load does no work on: they may break a symmetry."""
+    cosine = np.abs(modes.T @ soft.pull) / (np.linalg.norm(soft.pull) * np.linalg.norm(modes, axis=0))
+    return np.asarray(cosine < SYMMETRIC)
 
 
 def forces_at(

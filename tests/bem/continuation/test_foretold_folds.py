@@ -8,13 +8,15 @@ import pytest
 from bem.continuation import foretold_folds
 from bem.continuation.foretold_folds import Foretold, foretell_folds
 
+DIRECTIONS = pytest.mark.parametrize("direction", [1.0, -1.0], ids=["loading", "unloading"])
 
-def test_the_mode_that_folds_first_need_not_be_the_softest(monkeypatch):
-    """Stiffnesses 1 and 4, falling by 0.1 and 4 per unit of the control: folds at 5 and 0.5."""
-    hessian, change = np.diag([1.0, 4.0]), np.diag([-0.1, -4.0])
+
+def foretold_of(monkeypatch, direction, pull):
+    """Of two modes with stiffnesses 1 and 4, which fall by 0.1 and 4 per unit of the control."""
+    hessian, change = np.diag([1.0, 4.0]), direction * np.diag([-0.1, -4.0])
     soft = SimpleNamespace(
         hessian=hessian,
-        pull=np.array([-1.0, -1.0]),
+        pull=-np.array(pull),
         value=0.0,
         scale=np.ones(2),
         size=lambda step: float(np.abs(step).max()),
@@ -22,17 +24,41 @@ def test_the_mode_that_folds_first_need_not_be_the_softest(monkeypatch):
     )
     monkeypatch.setattr(foretold_folds, "forces_at", lambda system, soft, step, value, tolerance, like: value)
     monkeypatch.setattr(foretold_folds, "hessian_in", lambda value, scale: hessian + value * change)
-    foretold = foretell_folds(None, soft, 1.0, 1e-3)
+    return foretell_folds(None, soft, direction, 1e-3), soft
+
+
+@DIRECTIONS
+def test_the_mode_that_folds_first_need_not_be_the_softest(monkeypatch, direction):
+    foretold, soft = foretold_of(monkeypatch, direction, [1e-2, 1e-2])
     np.testing.assert_allclose(foretold.distances, [0.5, 5.0], rtol=1e-11)
     assert abs(foretold.modes[0, 0]) <= 1e-12 * abs(foretold.modes[1, 0])
-    motion, way = foretold.at(1.0)
-    assert way == pytest.approx(0.5)
+    motion, change = foretold.next_to_fold(soft)
+    assert change == pytest.approx(0.5 * direction)
     # the first mode by twice its rate, the other by the root as well
-    np.testing.assert_allclose(motion, [2 * 5.0 * (1 - np.sqrt(1 - 0.5 / 5.0)), 2 * 0.5 * 0.25], rtol=1e-11)
+    moved = direction * 1e-2 * np.array([2 * 5.0 * (1 - np.sqrt(1 - 0.5 / 5.0)), 2 * 0.5 * 0.25])
+    np.testing.assert_allclose(motion, moved, rtol=1e-11)
 
 
-@pytest.mark.parametrize(("second", "softened"), [(0.7, True), (0.9, False)])
-def test_a_mode_that_is_stiffer_than_foretold_tells_of_another_branch(second, softened):
-    """The second mode was to soften to 1/2; the third folds so far away that it is not asked."""
-    foretold = Foretold(np.array([0.6, 0.8, 5.0]), np.eye(3), np.zeros(3), np.zeros(3))
-    assert foretold.have_softened(np.diag([0.0, second, 1.5]), 0.6) is softened
+def test_a_mode_on_which_the_load_does_no_work_softens_evenly(monkeypatch):
+    foretold, _ = foretold_of(monkeypatch, 1.0, [1.0, 0.0])
+    np.testing.assert_allclose(foretold.distances, [1.0, 5.0], rtol=1e-11)
+    assert foretold.breaks.tolist() == [True, False]
+    np.testing.assert_allclose(foretold.stiffness(0.6), [0.4, np.sqrt(1 - 0.6 / 5.0)], rtol=1e-11)
+
+
+def test_edges_do_not_move_farther_than_a_step_may_be(monkeypatch):
+    foretold, soft = foretold_of(monkeypatch, 1.0, [1.0, 1.0])
+    motion, change = foretold.next_to_fold(soft)
+    assert soft.size(motion) == pytest.approx(0.2, rel=0.01)
+    assert 0 < change < 0.5
+
+
+@DIRECTIONS
+@pytest.mark.parametrize(
+    ("second", "way", "softened"), [(0.7, 0.6, True), (0.9, 0.6, False), (1.2, -0.6, True)], ids=["", "snap", "behind"]
+)
+def test_a_mode_that_is_stiffer_than_foretold_tells_of_another_branch(second, way, softened, direction):
+    """The second mode was to soften to 1/2; the third folds so far away that it is not asked, nor any of one behind."""
+    none = np.zeros(3)
+    foretold = Foretold(direction, np.array([0.6, 0.8, 5.0]), np.eye(3), none.astype(bool), none, none)
+    assert foretold.have_softened(np.diag([0.0, second, 1.5]), direction * way) is softened

@@ -8,15 +8,15 @@ from bem.adhesive.branch import tangent
 from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import Corrected, System, balance, correct, forces
 from bem.adhesive.relaxation import Relaxed, interpenetration
-from bem.continuation import touch_points
+from bem.continuation import branch_ends, limit_points, touch_points
 from bem.continuation.branch_ends import TouchedFold
 from bem.continuation.departure import departure
 from bem.continuation.foretold_folds import foretell_folds
 from bem.continuation.jumps import Jumps, interpolated
-from bem.continuation.limit_points import Search, before_fold, locate_limit_point
-from bem.continuation.points_with_edges import Equilibrium
+from bem.continuation.limit_points import Search, UndecidedError, before_fold, locate_limit_point
+from bem.continuation.points_with_edges import Equilibrium, equilibrium
 from bem.continuation.rest import at_rest
-from bem.continuation.softness import softness
+from bem.continuation.softness import LostError, softness
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import GapMinima
 from bem.geometry.patches import Patches
@@ -122,6 +122,54 @@ def test_the_error_of_the_distance_falls_with_its_root(control, quantity, expect
     foretold = foretell_folds(system, softness(system, here, start, here.scale), exact - start, 1e-3)
     error = foretold.distance / abs(exact - start) - 1
     assert error / np.sqrt(part) == pytest.approx(expected, rel=0.08)
+
+
+def test_a_fold_behind_a_snap_does_not_come_back(monkeypatch):
+    """Refused once, it is not returned where the way along the branch finds nothing either."""
+    system, exact = wave(DisplacementControl()), lowest("penetration")
+    start = 0.98 * exact
+    here = resting(system, [2 * np.pi], 0.8, start)
+    searched, neutral = [], limit_points._neutral
+
+    def only_once(*inputs, **options):
+        searched.append(inputs)
+        if len(searched) > 1:
+            raise LostError
+        return neutral(*inputs, **options)
+
+    monkeypatch.setattr(limit_points, "_is_expected", lambda *_: False)
+    monkeypatch.setattr(limit_points, "_neutral", only_once)
+    assert locate_limit_point(system, here, start, Search(exact - start, TOLERANCES, thorough=True)) is None
+    assert len(searched) > 1
+
+
+def test_a_fold_that_finer_evaluations_do_not_confirm_is_undecided_unless_they_led_there(monkeypatch):
+    system, exact = wave(DisplacementControl()), lowest("penetration")
+    start = 0.98 * exact
+    here = resting(system, [2 * np.pi], 0.8, start)
+    monkeypatch.setattr(limit_points, "_improved", lambda *_: None)
+    with pytest.raises(UndecidedError):
+        locate_limit_point(system, here, start, Search(exact - start, TOLERANCES))
+    assert locate_limit_point(system, here, start, Search(exact - start, TOLERANCES[2:] * 3)) is None
+
+
+def test_an_undecided_fold_is_looked_for_at_the_accuracy_of_targets(monkeypatch):
+    system, exact = wave(DisplacementControl()), lowest("penetration")
+    start = 0.98 * exact
+    point = equilibrium(system, start, resting(system, [2 * np.pi], 0.8, start))
+    searches, located = [], branch_ends.locate_limit_point
+
+    def undecided_at_first(system, here, value, search):
+        searches.append((here, search.tolerances))
+        if len(searches) == 1:
+            raise UndecidedError
+        return located(system, here, value, search)
+
+    monkeypatch.setattr(branch_ends, "locate_limit_point", undecided_at_first)
+    found = branch_ends.BranchEnds(system, Increments(0.1, 1e-3), Effort()).limit_point(point, exact - start, False)
+    assert found.exact.value == pytest.approx(exact, rel=1e-11)
+    assert searches[1][1] == (1e-8, 1e-8, 1e-8)
+    assert searches[1][0].residual <= 1e-9 < searches[0][0].residual
 
 
 def test_no_fold_is_found_far_from_it():
