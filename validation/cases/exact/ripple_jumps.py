@@ -213,14 +213,19 @@ def _ripple_jumps() -> Outcome:
             [float(sum(event is None or _misjudged(event, jump) for event, jump in zip(found, jumps, strict=True)))],
             0.01, 0.0, "absolute", pinned="exact"
         ),
-        counted("events on the way, order 40, in increments of an rms height",
+        counted("jumps on the way, order 40, in increments of an rms height",
                 Reference(kind="self", source="the same path in increments as they are by default"),
-                [float(len(driven.events))], [float(len(hurried.events))]),
+                [_jumps(driven)], [_jumps(hurried)]),
         counted("new contacts, coalescences, and jumps", exact, [touched, touched, float(len(jumps))],
                 [float(kinds.count("new_contact")), float(kinds.count("coalescence")), float(len(met))]),
     )  # fmt: skip
     counts = {"evaluations": sum(state.evaluations for state in (*result.states, *driven.states))}
     return Outcome(rows=rows, figures=(_figure(wave, jumps, result),), counts=counts)
+
+
+def _jumps(result: Result) -> float:
+    """Number of avalanches; whether a crest is met ahead of an edge that sweeps over it, steps of the descent decide."""
+    return float(sum((event.energy_released or 0.0) > LEAST_RELEASED * WORK for event in result.events))
 
 
 def _misjudged(event: Event, jump: Jump) -> bool:
