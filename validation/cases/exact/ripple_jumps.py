@@ -224,7 +224,7 @@ def _ripple_jumps() -> Outcome:
 
 
 def _jumps(result: Result) -> float:
-    """Number of avalanches; whether a crest is met ahead of an edge that sweeps over it, steps of the descent decide."""
+    """Number of avalanches: whether a sweeping edge meets a crest ahead of it depends on the steps of the descent."""
     return float(sum((event.energy_released or 0.0) > LEAST_RELEASED * WORK for event in result.events))
 
 
