@@ -135,31 +135,32 @@ def locate_limit_point(system: System, start: Balance, value: float, search: Sea
 
 def _located(system: System, start: Balance, value: float, search: Search) -> LimitPoint | None:
     """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
-    reach, tolerances = search.reach, search.tolerances
-    soft, broken = softness(system, start, value, start.scale), None
+    reach, finest = search.reach, (search.tolerances[2],) * 3
+    soft, broken, unasked = softness(system, start, value, start.scale), None, replace(search, refused=None)
     if is_at_rest(soft, soft.mode):
         soft = softness(system, start, value, start.scale, every=True)
         for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
-            here = refined(system, soft, to_rest(soft), value, tolerances[1], False)
+            here = refined(system, soft, to_rest(soft), value, search.tolerances[1], False)
             soft = softness(system, here, value, start.scale, every=True)
-        broken = _neutral(system, soft, value, reach, tolerances, breaking=True)
+        broken = _neutral(system, soft, value, unasked, breaking=True)
         if broken is not None and not is_pushed(broken):
             return broken
-        tolerances = (tolerances[2],) * 3  # coarser evaluations may be less symmetric than the profile
-        found = None if broken is None else _beside(system, broken, soft.scale, reach, tolerances)
+        # coarser evaluations may be less symmetric than the profile
+        search, unasked = replace(search, tolerances=finest), replace(unasked, tolerances=finest)
+        found = None if broken is None else _beside(system, broken, soft.scale, unasked)
         if found is not None:
             return found
-    expected = foretell_folds(system, soft, reach, tolerances[0])
-    near = soft if expected is None else _near(system, soft, expected, reach, tolerances[0])
+    expected = foretell_folds(system, soft, reach, search.tolerances[0])
+    near = soft if expected is None else _near(system, soft, expected, reach, search.tolerances[0])
     if near is None and search.thorough:
         near = soft
-    found = None if near is None else _neutral(system, near, value, reach, tolerances, False, search.refused)
+    found = None if near is None else _neutral(system, near, value, search, breaking=False)
     if found is not None and (expected is None or _is_expected(found, soft, expected)):
         return found if expected is None else replace(found, evaluations=found.evaluations + 2)
     if search.thorough or broken is not None:
-        for near in turning_points(system, soft, reach, tolerances[0]):
+        for near in turning_points(system, soft, reach, search.tolerances[0]):
             with suppress(LostError):
-                found = _neutral(system, near, value, reach, tolerances, breaking=False)
+                found = _neutral(system, near, value, unasked, breaking=False)
                 if found is not None:
                     return found
     return broken if search.thorough else None
@@ -236,22 +237,15 @@ class _Newton:
         return self.size <= CLOSE and abs(float(self.soft.eigenvalues[0])) <= NEUTRAL
 
 
-def _neutral(
-    system: System,
-    soft: Soft,
-    begin: float,
-    reach: float,
-    tolerances: tuple[float, float, float],
-    breaking: bool,
-    refused: Callable[[Balance, float], bool] | None = None,
-) -> LimitPoint | None:
+def _neutral(system: System, soft: Soft, begin: float, search: Search, breaking: bool) -> LimitPoint | None:
     """A fold, or the point where a symmetry breaks: reached by coarse evaluations, then improved by finer ones."""
+    reach, tolerances = search.reach, search.tolerances
     near = _approached(system, soft, begin, reach, tolerances[0], breaking)
     if near is None:
         return None
     here, value = near.soft.here, near.soft.value + near.change
     ends = not breaking and _ends_branch(near.soft, near.gradient, reach)
-    if refused is not None and ends and refused(here, value):
+    if search.refused is not None and ends and search.refused(here, value):
         raise LostError
     try:
         improved = _improved(system, near, tolerances[1:], breaking)
@@ -350,9 +344,7 @@ def before_fold(limit: LimitPoint, value: float) -> Patches:
     return limit.balance.state.patches.moved(-back * limit.modes[:, 0])
 
 
-def _beside(
-    system: System, broken: LimitPoint, scale: FloatArray, reach: float, tolerances: tuple[float, float, float]
-) -> LimitPoint | None:
+def _beside(system: System, broken: LimitPoint, scale: FloatArray, search: Search) -> LimitPoint | None:
     """The fold beside a bifurcation of an almost symmetric profile, whose modes are pushed a little: Newton from there.
 
     With the push f, the branch s of the mode and its fold obey f + mu s + c s^3 = 0 and mu + 3 c s^2 = 0: s ~ f^(1/3).
@@ -362,8 +354,8 @@ def _beside(
     way /= float(np.max(np.abs(way) / state.patches.edge_scale))
     middle = float(np.cbrt(_push(broken.balance, broken.modes)))
     for side in SIDES:
-        here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, tolerances[0])
-        found = _neutral(system, softness(system, here, value, scale), value, reach, tolerances, breaking=False)
+        here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, search.tolerances[0])
+        found = _neutral(system, softness(system, here, value, scale), value, search, breaking=False)
         if found is not None:
             return replace(found, evaluations=found.evaluations + broken.evaluations)
     return None
