@@ -22,8 +22,8 @@ from validation.studies.store import text_table, write_json
 
 SCHEMA = "linecontact-maps/1"
 FILE = "maps.json"
-BALANCE = 0.5  # largest difference of the two loop areas, of the larger; 0.27 measured
-COARSE = 0.01  # and of int |p| dDelta, which the trapezoidal rule is coarse against in thin layers; 0.003 measured
+BALANCE = 0.5  # largest difference of the two loop areas, of the larger; 0.23 measured from layers of 0.1 periods on
+COARSE = 0.01  # and of int |p| dDelta, of which the trapezoidal rule misses up to 0.011 in thinner layers (both count)
 
 
 def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:

@@ -1,6 +1,6 @@
 """How loop, pull-off and area depend on Hurst exponent, bandwidth, adhesion and thickness: the stored maps, drawn.
 
-The full study (validation/studies/maps.py) takes hours, so what it found is a file of the project
+The full study (validation/studies/maps.py) takes 40 core minutes, so what it found is a file of the project
 (validation/corpus/maps.json, as the study writes it).  Here every map becomes curves with the standard error of the
 mean over its realisations, and some of its members are solved again: what is stored must be what the code still gives.
 """
