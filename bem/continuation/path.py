@@ -41,6 +41,7 @@ from bem.loading.increments import Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
+FRACTIONS = 64  # of an increment: the way halfway to a fold, so that the same states are met on every processor
 NEARBY = 8  # parts of the smallest increment: events nearer to a point are looked for from there
 MOST_JUMPS = 100  # in a row from the same value of the control: the path does not lead on
 SAME_VALUE = 1e-9  # of the largest increment
@@ -308,7 +309,8 @@ class Path:
         A fold is looked for from halfway, where it is foretold better, and what comes before it is met.
         """
         if attempt.ahead is None and pace.fold == "unasked":
-            half = self.jumps.ends.foretold(point, trial.value - point.value) / 2
+            foretold = self.jumps.ends.foretold(point, trial.value - point.value)
+            half = np.floor(foretold / 2 / trial.step * FRACTIONS) / FRACTIONS * trial.step
             if self.increments.smallest / NEARBY < half < trial.step:
                 return [], Pace(half, trial.value, "ahead")
         overshoot, shorter = self._bracket(point, attempt.found, trial.step, trial.shortest)
