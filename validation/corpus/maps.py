@@ -11,9 +11,9 @@ Adhesion is theta = gamma / U, U = E* sum q_m h_m^2 / 8 the elastic energy of fu
 paper's 0.03 J/m^2 is theta = 0.03): at theta ~ 1 roughness no longer keeps the surfaces apart.  Every realisation is
 loaded from first touch to s = h_rms / 2 and unloaded until it is off.
 
-    slope     b of A/A0 = a + b p/(E* h'_rms), least squares over the loading states with A/A0 in `FITTED`
+    slope     b of A/A0 = a + b p/(E* h'_rms), least squares over the loading targets with A/A0 in `FITTED`
     loop      energy lost in the loop, the sum of the energies released at the instabilities, J/m^2, shown over gamma
-    tension   the largest, of the states and of the ends of branches on the way, over E* h'_rms
+    tension   the largest at an end of a branch, where something parts or joins, over E* h'_rms
 
 The loop is also the closed integral of p dDelta, here by the trapezoidal rule over the states of the path.  Without
 adhesion the path is reversible and the loop is zero.  A path that jumps into complete contact, or ends otherwise, has
@@ -49,9 +49,9 @@ FITTED = (0.02, 0.15)  # contact fractions
 ROOT = 2009  # of the seeds
 SLOPE_TITLE = "slope b of A/A0 = a + b p/(E* h'rms)"
 LOOP_TITLE = "hysteresis loop area / work of adhesion"
-PULL_OFF_TITLE = "largest tension / (E* h'rms)"
+PULL_OFF_TITLE = "largest tension at an end of a branch / (E* h'rms)"
 OFF = 6.0  # rms heights beyond first touch, where a sticky profile has come off
-LOADING_TARGETS = 24  # without adhesion, where the path has no increments of its own
+LOADING_TARGETS = 24  # evenly spaced separations, so that the slope does not depend on where increments lie
 
 
 @dataclass(frozen=True)
@@ -138,8 +138,7 @@ def planes(axes: Axes) -> tuple[Plane, ...]:
 def member_of(point: Point, k: int) -> Member:
     """Realisation k of a point."""
     surface = Profile.self_affine(PERIOD, point.hurst, RMS_HEIGHT, point.harmonics, member_seed(ROOT, k))
-    count = 1 if point.theta > 0 else LOADING_TARGETS
-    loading = np.linspace(DEEPEST * RMS_HEIGHT, 0.95 * surface.max_height, count)[::-1].tolist()
+    loading = np.linspace(DEEPEST * RMS_HEIGHT, 0.95 * surface.max_height, LOADING_TARGETS)[::-1].tolist()
     scene: dict[str, Any] = {
         "title": f"map: H = {point.hurst:g}, {point.harmonics} harmonics, theta = {point.theta:g}",
         "solid": {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO},
@@ -184,13 +183,12 @@ def reduced(name: str, result: Result) -> Run:
     joined = any(state.status == "complete_contact" for state in result.states)
     status = "complete contact" if joined else ended
     rms_slope = _surface(result).rms_slope
-    pressures = [state.mean_pressure for state in touching]
-    pressures += [event.mean_pressure for event in result.events if np.isfinite(event.mean_pressure)]
+    pressures = [event.mean_pressure for event in result.events if np.isfinite(event.mean_pressure)]
     closed = status == "converged"
     return Run(
         name=name,
         status=status,
-        slope=area_slope(touching, rms_slope),
+        slope=area_slope([state for state in touching if state.target], rms_slope),
         loop=float(sum(event.energy_released or 0.0 for event in result.events)) if closed else None,
         tension=-min(pressures, default=0.0) / (MODULUS * rms_slope) if closed else None,
         integral=loop_integral(touching),
