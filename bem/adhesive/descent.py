@@ -25,7 +25,7 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
 
-DESCENT_STEPS = 10_000  # evaluations; jumps of three realisations of the paper's profile took up to 47
+DESCENT_STEPS = 10_000  # rounds; jumps of three realisations of the paper's profile took up to 47 evaluations
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
 SMALLEST_RADIUS = 1e-12  # of a step, below which the descent ends
 LARGEST_STEP_SCALE = 0.5  # of the shortest wavelength: largest unit of the steps of an edge
@@ -52,8 +52,6 @@ class Descent:
         Forces there; None without patches or gaps.
     changes : tuple of Change
         Patches and gaps that vanished, in order.
-    evaluations : int
-        Number of evaluations.
     touching : GapMinima or None
         Crests that touched, dimensionless; their gaps are those of `patches`.
     """
@@ -62,7 +60,6 @@ class Descent:
     patches: Patches
     balance: Balance | None
     changes: tuple[Change, ...]
-    evaluations: int
     touching: GapMinima | None = None
 
 
@@ -110,7 +107,9 @@ def descend(
     steps : Steps
     """
     walk = _Walk(system, target, accuracy, steps, patches, penetration, seen=patches, radius=steps.largest / 2)
-    while walk.evaluations < DESCENT_STEPS and walk.radius >= SMALLEST_RADIUS:
+    for _ in range(DESCENT_STEPS):
+        if walk.radius < SMALLEST_RADIUS:
+            break
         here = walk.evaluated()
         if here is None:
             return walk.ended("ill_conditioned")
@@ -156,7 +155,7 @@ class _Walk:
         Forces on the edges; None where they are to be evaluated.
     resolution : Resolution or None
         Of the last evaluation: both sides of a step have the same.
-    changes, evaluations, touching
+    changes, touching
         What has happened, as in `Descent`.
     """
 
@@ -171,12 +170,11 @@ class _Walk:
     here: Balance | None = None
     resolution: Resolution | None = None
     changes: tuple[Change, ...] = ()
-    evaluations: int = 0
     touching: GapMinima | None = None
 
     def ended(self, status: DescentStatus) -> Descent:
         """The outcome."""
-        return Descent(status, self.patches, self.here, self.changes, self.evaluations, self.touching)
+        return Descent(status, self.patches, self.here, self.changes, self.touching)
 
     def evaluated(self) -> Balance | None:
         """Forces on the edges; where none are known, with the resolution that the patches ask for; None: unsolvable."""
@@ -257,11 +255,9 @@ class _Walk:
         return actual / step.predicted if step.predicted > 0 else -1.0
 
     def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance | None:
-        """Forces on some edges, counted; None where their system is ill-conditioned."""
+        """Forces on some edges; None where their system is ill-conditioned."""
         tolerance = self.accuracy.tolerance
-        found = if_solvable(balance, self.system, patches, penetration, self.target, tolerance, resolution)
-        self.evaluations += found is not None
-        return found
+        return if_solvable(balance, self.system, patches, penetration, self.target, tolerance, resolution)
 
     def _is_free(self, patches: Patches) -> bool:
         """Whether edges keep clear of the patches beside those that descend."""

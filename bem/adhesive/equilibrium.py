@@ -8,7 +8,7 @@ Eur. Phys. J. E 30 (2009) 65, section 3.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
@@ -22,7 +22,7 @@ from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.control import Control
-from bem.loading.increments import Accuracy
+from bem.loading.increments import Accuracy, Effort
 from bem.loading.interface_law import InterfaceLaw
 
 NEWTON_STEPS = 8
@@ -34,11 +34,12 @@ KERNEL_TRUNCATION = 5e-3  # the same over the tolerance itself, where an effect 
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """What an equilibrium depends on besides edges and target."""
+    """What an equilibrium depends on besides edges and target, and the account of what its evaluations cost."""
 
     elastic: Elastic
     law: InterfaceLaw
     control: Control
+    effort: Effort = field(default_factory=Effort)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +167,7 @@ def balance(
     resolution: Resolution | None = None,
 ) -> Balance:
     """Evaluate the forces on the edges at the target; `penetration` is where load control starts from."""
+    system.effort.evaluations += 1
     state = evaluate(system.elastic, patches, system.control.guess(penetration, target), tolerance, resolution)
     return forces(system, system.control.reach(state, target), target)
 
@@ -213,7 +215,6 @@ class Corrected:
 
     status: NewtonStatus
     balance: Balance | None
-    evaluations: int
 
 
 def correct(system: System, patches: Patches, penetration: float, target: float, accuracy: Accuracy) -> Corrected:
@@ -229,29 +230,29 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
     """
     last, kept = np.inf, None
     start = patches
-    for count in range(1, NEWTON_STEPS + 1):
+    for _ in range(NEWTON_STEPS):
         here = if_solvable(balance, system, patches, penetration, target, accuracy.tolerance, kept)
         if here is None:
-            return Corrected("ill_conditioned", None, count)
+            return Corrected("ill_conditioned", None)
         scale = patches.edge_scale
         if here.all_tensile:
             if here.factor is None:
-                return Corrected("indefinite", None, count)
+                return Corrected("indefinite", None)
             if here.is_equilibrium(accuracy.residual):
-                return Corrected("converged", here, count)
+                return Corrected("converged", here)
         step = _newton_step(system, here)
         size = float(np.abs(step).max())
         if not size <= LARGEST_NEWTON_STEP:
-            return Corrected("long_step", None, count)
+            return Corrected("long_step", None)
         if size > last / 2 and here.residual > 100 * accuracy.residual:
-            return Corrected("stalled", None, count)
+            return Corrected("stalled", None)
         last, kept = size, here.state.resolution if size < SHORT_NEWTON_STEP else None
         penetration = here.state.penetration
         patches = patches.moved(step * scale)
         travelled = np.abs(edge_positions(patches) - edge_positions(start)) / start.edge_scale
         if not patches.is_ordered or travelled.max() > LARGEST_NEWTON_STEP:
-            return Corrected("long_step", None, count)
-    return Corrected("stalled", None, NEWTON_STEPS)
+            return Corrected("long_step", None)
+    return Corrected("stalled", None)
 
 
 def _newton_step(system: System, here: Balance) -> FloatArray:

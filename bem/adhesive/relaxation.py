@@ -47,16 +47,12 @@ class Relaxed:
         The new equilibrium, if there are edges in it.
     changes : tuple of (kind, position)
         In the order in which they happened.
-    evaluations, local_evaluations : int
-        Evaluations of all patches, and of a few in the field of the others.
     """
 
     status: DescentStatus
     target: float
     balance: Balance | None
     changes: tuple[tuple[str, float], ...]
-    evaluations: int
-    local_evaluations: int
 
 
 def interpenetration(system: System, state: Evaluation, allowed: float) -> GapMinima:
@@ -107,7 +103,6 @@ def relax(
     cause : Cause, optional
     """
     changes: list[tuple[str, float]] = []
-    evaluations = local_evaluations = 0
     active, state = cause.unstable, cause.state
     if cause.found is not None:
         patches, active, formed = _with_new_contacts(system, patches, cause.found)
@@ -115,22 +110,20 @@ def relax(
     steps = Steps(GLOBAL_STEP, ahead=CrestsAhead(system, accuracy.allowed))
     for _ in range(_most_rounds(system)):
         if active is not None and state is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
-            patches, local, count = _relaxed_locally(system, patches, state, target, accuracy, active)
+            patches, local = _relaxed_locally(system, patches, state, target, accuracy, active)
             changes += local
-            local_evaluations += count
         end = descend(system, patches, penetration, target, accuracy, steps)
-        evaluations += end.evaluations
         changes += [(change.kind, change.position) for change in end.changes]
         if end.balance is None or end.status not in ("converged", "touched"):
-            return Relaxed(end.status, target, end.balance, tuple(changes), evaluations, local_evaluations)
+            return Relaxed(end.status, target, end.balance, tuple(changes))
         patches, state = end.patches, end.balance.state
         penetration = state.penetration
         found = interpenetration(system, state, accuracy.allowed) if end.touching is None else end.touching
         if found.position.size == 0:
-            return Relaxed("converged", target, end.balance, tuple(changes), evaluations, local_evaluations)
+            return Relaxed("converged", target, end.balance, tuple(changes))
         patches, active, formed = _with_new_contacts(system, patches, found)
         changes += formed
-    return Relaxed("not_converged", target, None, tuple(changes), evaluations, local_evaluations)
+    return Relaxed("not_converged", target, None, tuple(changes))
 
 
 def _most_rounds(system: System) -> int:
@@ -179,7 +172,7 @@ def _nearest(patches: Patches, position: float) -> int:
 
 def _relaxed_locally(
     system: System, patches: Patches, state: Evaluation, target: float, accuracy: Accuracy, active: IntArray
-) -> tuple[Patches, list[tuple[str, float]], int]:
+) -> tuple[Patches, list[tuple[str, float]]]:
     """Descend near the active patches at fixed penetration, in the frozen field of the others, touch by touch.
 
     Returns
@@ -187,16 +180,15 @@ def _relaxed_locally(
     patches : Patches
         Joined with the others; those given where the local problem has no answer that fits among them.
     changes : list of (kind, position)
-    evaluations : int
     """
     count = patches.count
     members = np.unique((active[:, None] + np.arange(-NEIGHBOURS, NEIGHBOURS + 1)) % count)
     if members.size > count // 2:
-        return patches, [], 0
+        return patches, []
     state = system.control.reach(state, target)
     penetration = system.control.guess(state.penetration, target)
     elastic = replace(system.elastic, backgrounds=(_frozen_field(system, patches, members, state, penetration),))
-    local = System(elastic, system.law, DisplacementControl())
+    local = System(elastic, system.law, DisplacementControl())  # its evaluations are booked as local ones
     far = np.setdiff1d(np.arange(count), members)
     inner, outer = (Patches(patches.left[who], patches.right[who]) for who in (members, far))
     whole = resolve(system.elastic, patches, accuracy.tolerance)
@@ -207,19 +199,18 @@ def _relaxed_locally(
 
     steps = Steps(LOCAL_STEP, at_least, CrestsAhead(local, accuracy.allowed, outer))
     changes: list[tuple[str, float]] = []
-    evaluations = 0
     for _ in range(_most_rounds(system)):
         end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_RESIDUAL), steps)
-        evaluations += end.evaluations
         changes += [(change.kind, change.position) for change in end.changes]
         if end.touching is None:
             break
         inner, _, formed = _with_new_contacts(local, end.patches, end.touching)
         changes += formed
+    system.effort.local_evaluations += local.effort.evaluations
     if end.status == "separated":
-        return outer, changes, evaluations
+        return outer, changes
     joined = None if end.status == "complete_contact" else outer.joined(end.patches)
-    return (patches, [], evaluations) if joined is None else (joined, changes, evaluations)
+    return (patches, []) if joined is None else (joined, changes)
 
 
 def _frozen_field(

@@ -130,6 +130,4 @@ class BareStates:
 
     def _relaxed(self, start: Patches, penetration: float, value: float) -> Relaxed:
         """Where the forces lead from edges that touch or open."""
-        relaxed = relax(self.system, start, penetration, value, self.jumps.increments.coarse)
-        self.jumps.effort.book(relaxed.evaluations, relaxed.local_evaluations)
-        return relaxed
+        return relax(self.system, start, penetration, value, self.jumps.increments.coarse)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bem.adhesive.branch import UNBOOKED, misses_energy, outward_motion, strays
+from bem.adhesive.branch import UNBOOKED, Missing, missing_energy, outward_motion, passes_crest, strays
 from bem.adhesive.equilibrium import Balance, System, balance, correct, energy_noise
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation.foretold_folds import foretell_folds
@@ -22,7 +22,7 @@ from bem.continuation.softness import LostError, softness
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
-from bem.loading.increments import Effort, Increments
+from bem.loading.increments import Increments
 
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
 OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
@@ -45,13 +45,10 @@ class BranchEnds:
     ----------
     system : System
     increments : Increments
-    effort : Effort
-        On which evaluations are booked.
     """
 
     system: System
     increments: Increments
-    effort: Effort
 
     @property
     def fine(self) -> tuple[float, float]:
@@ -78,7 +75,6 @@ class BranchEnds:
             limit = self._located(point, Search(near, (fine, fine, finest), thorough, is_touched))
         if limit is None:
             return touched[0] if touched else None
-        self.effort.evaluations += limit.evaluations
         if is_touched(limit.balance, limit.exact.value, self.increments.fine.allowed):
             return touched[0] if limit.kind == "fold" else None
         return limit
@@ -91,7 +87,6 @@ class BranchEnds:
             expected = if_solvable(foretell_folds, system, soft, reach, tolerance)
         except (LostError, np.linalg.LinAlgError):
             return np.inf
-        self.effort.evaluations += int(expected is not None)
         return np.inf if expected is None else expected.distance
 
     def _located(self, point: Equilibrium, search: Search) -> LimitPoint | None:
@@ -112,7 +107,6 @@ class BranchEnds:
     def _settled(self, point: Equilibrium) -> Equilibrium:
         """The point at the accuracy of targets; as it is where Newton does not find it."""
         found = correct(self.system, point.state.patches, point.state.penetration, point.value, self.increments.fine)
-        self.effort.evaluations += found.evaluations
         return point if found.balance is None else equilibrium(self.system, point.value, found.balance)
 
     def _accounts_for(self, here: Balance, point: Equilibrium, limit: LimitPoint) -> bool:
@@ -132,7 +126,11 @@ class BranchEnds:
     def leaps(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether Newton leapt from one branch to another, as motions of the edges or energies say."""
         ends, rates, change = (start.balance, end.balance), (start.rate, end.rate), end.value - start.value
-        return strays(ends, rates, change, self.increments.coarse.residual) or self.surely_misses_energy(start, end)
+        return (
+            strays(ends, rates, change, self.increments.coarse.residual)
+            or passes_crest(self.system.elastic.profile, start.state.patches, end.state.patches)
+            or self.surely_misses_energy(start, end)
+        )
 
     def surely_misses_energy(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether more energy went missing between two points than the forces along one branch account for.
@@ -140,14 +138,21 @@ class BranchEnds:
         Newton can step over a short unstable stretch of the path.  What the coarse evaluations suspect, the accuracy
         of targets decides: coarse energies and tangents may be no better than what adhesion adds to them.
         """
-        inc, system, change, rates = self.increments, self.system, end.value - start.value, (start.rate, end.rate)
-        if not misses_energy(system, (start.balance, end.balance), rates, change, inc.coarse.tolerance):
-            return False
-        ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
-        return misses_energy(system, ends, rates, change, inc.fine.tolerance)
+        return self._missing(start, end).tells_of_a_leap and self._missing(start, end, fine=True).tells_of_a_leap
+
+    def may_hide_a_jump(self, start: Equilibrium, end: Equilibrium) -> bool:
+        """Whether two points of one branch, as it seems, are too far apart for energies to tell."""
+        return self._missing(start, end).leaves_open and self._missing(start, end, fine=True).leaves_open
+
+    def _missing(self, start: Equilibrium, end: Equilibrium, fine: bool = False) -> Missing:
+        """Energy that is missing between two points, as they were evaluated or at the accuracy of a target."""
+        ends, tolerance = (start.balance, end.balance), self.increments.coarse.tolerance
+        if fine:
+            ends = self._finer(start.balance, start.value), self._finer(end.balance, end.value)
+            tolerance = self.increments.fine.tolerance
+        return missing_energy(self.system, ends, (start.rate, end.rate), end.value - start.value, tolerance)
 
     def _finer(self, here: Balance, value: float) -> Balance:
         """The forces on the same edges at the accuracy of a target."""
-        self.effort.evaluations += 1
         state = here.state
         return balance(self.system, state.patches, state.penetration, value, self.increments.fine.tolerance)

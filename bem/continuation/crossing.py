@@ -137,7 +137,7 @@ def _first(path: Branches, before: WithEdges, after: WithEdges, load: float, ref
 
 
 def _refined(path: Branches, reach: float) -> Branches:
-    """The same path in smaller increments, with finer evaluations; it books its effort on the same account."""
+    """The same path in smaller increments, with finer evaluations."""
     inc = path.increments
     accuracy = replace(
         inc.coarse,
@@ -170,7 +170,7 @@ def may_meet(path: Branches, before: WithEdges, after: WithEdges, load: float) -
 
 
 def _tracking(path: Branches) -> Branches:
-    """The same path, whose points are only as accurate as between targets; it books its effort on the same account."""
+    """The same path, whose points are only as accurate as between targets."""
     inc = path.increments
     accuracy = Accuracy(inc.coarse.tolerance, COARSE_RESIDUAL * inc.coarse.residual, inc.fine.allowed)
     return path.with_increments(replace(inc, fine=accuracy))

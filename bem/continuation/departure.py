@@ -35,13 +35,11 @@ class Departure:
         Whether the force is along the motion; against it all the way where another branch begins continuously.
     fine : bool
         Whether finer evaluations alone feel it.
-    evaluations : int
     """
 
     outward: FloatArray
     leads_on: bool
     fine: bool
-    evaluations: int
 
 
 def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accuracy) -> Departure:
@@ -61,21 +59,20 @@ def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accurac
         first, second, least = _pushes(system, limit)
         second, least = min(second, DEPARTURES[-1]), min(least, DEPARTURES[-1])
         pushes = [(min(first, DEPARTURES[0]), coarse), (second, coarse), (second, fine), (least, fine)]
-    force, outward, evaluations = -np.inf, motion, 0
+    force, outward = -np.inf, motion
     for part, accuracy in pushes:
         if accuracy is fine:
             force = -np.inf
         for sign in (1.0,) if limit.kind == "fold" else (1.0, -1.0):
             moved = state.patches.moved(sign * part * motion)
             here = balance(system, moved, state.penetration, limit.exact.value, accuracy.tolerance)
-            evaluations += 1
             along = -sign * float(here.gradient @ motion) / float(here.work @ np.abs(motion))
             if along > force:
                 force, outward = along, sign * part * motion
         if force > LEAST_FORCE * accuracy.residual:
-            return Departure(outward, True, accuracy is fine, evaluations)
+            return Departure(outward, True, accuracy is fine)
     outward = outward * (DEPARTURES[-1] / float(np.max(np.abs(outward) / state.patches.edge_scale)))
-    return Departure(outward, False, False, evaluations)
+    return Departure(outward, False, False)
 
 
 def _pushes(system: System, limit: LimitPoint) -> FloatArray:

@@ -30,7 +30,7 @@ from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import Effort, Increments
+from bem.loading.increments import Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
@@ -49,19 +49,16 @@ class Jumps:
     system : System
     increments : Increments
     complete : CompleteContact
-    effort : Effort
-        On which evaluations are booked.
     """
 
     system: System
     increments: Increments
     complete: CompleteContact
-    effort: Effort
 
     @property
     def ends(self) -> BranchEnds:
         """What finds limit points, and tells one branch from another."""
-        return BranchEnds(self.system, self.increments, self.effort)
+        return BranchEnds(self.system, self.increments)
 
     def from_touch(self, point: Equilibrium, ahead: Equilibrium | TouchedFold, found: GapMinima) -> list[Point]:
         """The touch between two points of a branch and the state behind its jump; nothing where it is not located."""
@@ -81,7 +78,6 @@ class Jumps:
         )
         if touch is None:
             return []
-        self.effort.evaluations += touch.evaluations
         end = equilibrium(self.system, touch.exact.value, touch.balance, last=True)
         if isinstance(ahead, TouchedFold) and self.ends.surely_misses_energy(point, end):
             return []  # the fold was of another branch
@@ -109,7 +105,6 @@ class Jumps:
         ===============  ======================================  ===================================================
         """
         way = departure(self.system, limit, self.increments.coarse, self.increments.fine)
-        self.effort.evaluations += way.evaluations
         if limit.kind == "fold" and not way.leads_on:
             return []
         state, value, outward = limit.balance.state, limit.exact.value, way.outward
@@ -212,7 +207,6 @@ class Jumps:
         """The equilibrium behind a jump, improved, if finer evaluations find it."""
         fine, finest = self.ends.fine
         energies = finest if self.system.elastic.kernel else fine  # their error falls with the square of the tolerance
-        self.effort.evaluations += 2
         return at_rest(self.system, here, value, (fine, energies))
 
     def _without_edges(
@@ -254,7 +248,6 @@ class Jumps:
         cause = Cause(unstable, found, before)
         for accuracy in (self.increments.coarse, self.increments.fine)[int(fine) :]:
             relaxed = relax(self.system, patches, before.penetration, value, accuracy, cause)
-            self.effort.book(relaxed.evaluations, relaxed.local_evaluations)
             if relaxed.status != "not_converged":
                 break
         return relaxed

@@ -72,7 +72,6 @@ class LimitPoint:
         Outward motions of the edges without resistance; one at a fold, to the side on which the potential falls.
     bend : float
         At a fold, -d2(tau)/ds2 / 2 on the branch, s in units of the mode.
-    evaluations : int
     """
 
     kind: Literal["fold", "broken_symmetry"]
@@ -81,7 +80,6 @@ class LimitPoint:
     error: EventNumbers
     modes: FloatArray
     bend: float
-    evaluations: int
 
 
 class UndecidedError(Exception):
@@ -156,7 +154,7 @@ def _located(system: System, start: Balance, value: float, search: Search) -> Li
         near = soft
     found = None if near is None else _neutral(system, near, value, search, breaking=False)
     if found is not None and (expected is None or _is_expected(found, soft, expected)):
-        return found if expected is None else replace(found, evaluations=found.evaluations + 2)
+        return found
     if search.thorough or broken is not None:
         for near in turning_points(system, soft, reach, search.tolerances[0]):
             with suppress(LostError):
@@ -224,7 +222,6 @@ class _Newton:
     gradient: FloatArray
     step: FloatArray
     change: float
-    evaluations: int
 
     @property
     def size(self) -> float:
@@ -265,10 +262,10 @@ def _neutral(system: System, soft: Soft, begin: float, search: Search, breaking:
         pushed = _push(soft.here, modes) ** (2 / 3)
         shift = pushed / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
         error = replace(error, value=error.value + shift)
-        return LimitPoint("broken_symmetry", soft.here, found[-1], error, modes, 0.0, at.evaluations)
+        return LimitPoint("broken_symmetry", soft.here, found[-1], error, modes, 0.0)
     cubic, work = float(at.gradient @ soft.mode), float(soft.pull @ soft.mode)
     mode = -np.sign(cubic) * soft.mode * soft.scale
-    return LimitPoint("fold", soft.here, found[-1], error, mode[:, None], cubic / (2 * work), at.evaluations)
+    return LimitPoint("fold", soft.here, found[-1], error, mode[:, None], cubic / (2 * work))
 
 
 def _ends_branch(soft: Soft, gradient: FloatArray, reach: float) -> bool:
@@ -281,17 +278,16 @@ def _approached(
     system: System, soft: Soft, begin: float, reach: float, tolerance: float, breaking: bool
 ) -> _Newton | None:
     """Newton until the next step is short; None where steps do not shrink, or lead too far from `begin`."""
-    size, evaluations = np.inf, 1
-    resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
+    size, resolution = np.inf, resolve(system.elastic, soft.here.state.patches, tolerance)
     gradient = eigenvalue_gradient(system, soft, tolerance)
     for count in range(STEPS):
         step, change = _step(soft, gradient, breaking)
         if count and (breaking or soft.size(step) > max(size / 2, NEAR)):  # the secant is not good enough
-            gradient, evaluations = eigenvalue_gradient(system, soft, tolerance), evaluations + 1
+            gradient = eigenvalue_gradient(system, soft, tolerance)
             step, change = _step(soft, gradient, breaking)
         size, before = soft.size(step), size
         if size <= NEAR:
-            return _Newton(soft, gradient, step, change, evaluations)
+            return _Newton(soft, gradient, step, change)
         if count > 1 and size > before:
             return None
         part = min(1.0, LONGEST_STEP / size)
@@ -301,7 +297,7 @@ def _approached(
         here = forces_at(system, soft, part * step, value, tolerance, resolution)
         ahead = softness(system, here, value, soft.scale, soft.mode, breaking)
         gradient = _secant(soft, ahead, gradient, part * step)
-        soft, evaluations = ahead, evaluations + 1
+        soft = ahead
     return None
 
 
@@ -324,14 +320,14 @@ def _improved(
     for last, tolerance in (*(((False, fine),) * STEPS), (True, finest)):
         if found and not last and at.close:
             continue
-        value, gradient, evaluations, before = at.soft.value + at.change, at.gradient, at.evaluations + 1, at.size
+        value, gradient, before = at.soft.value + at.change, at.gradient, at.size
         here = refined(system, at.soft, at.step, value, tolerance, last)
         soft = softness(system, here, value, at.soft.scale, at.soft.mode, breaking)
-        at = _Newton(soft, gradient, *_step(soft, gradient, breaking), evaluations)
+        at = _Newton(soft, gradient, *_step(soft, gradient, breaking))
         slow = not at.close and (breaking or at.size > before / 4)
         if not last and (slow or not found):
             gradient = eigenvalue_gradient(system, soft, tolerance)
-            at = _Newton(soft, gradient, *_step(soft, gradient, breaking), evaluations + 1)
+            at = _Newton(soft, gradient, *_step(soft, gradient, breaking))
         if at.size > 10 * NEAR:
             return None
         found.append(after_step(system, here, value, at.step * soft.scale, at.change))
@@ -357,7 +353,7 @@ def _beside(system: System, broken: LimitPoint, scale: FloatArray, search: Searc
         here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, search.tolerances[0])
         found = _neutral(system, softness(system, here, value, scale), value, search, breaking=False)
         if found is not None:
-            return replace(found, evaluations=found.evaluations + broken.evaluations)
+            return found
     return None
 
 

@@ -27,7 +27,7 @@ layers of 0.1 to 0.3 periods, 1 to 100 harmonics: 3e-9 of the load, which is wha
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import import_module
 
 import numpy as np
@@ -62,9 +62,8 @@ def with_gap(position: float, width: float) -> Patches:
 
 def lowest_pressure(complete: CompleteContact) -> float:
     """Position where complete contact has its lowest pressure."""
-    negative = replace(complete.pressure, phases=complete.pressure.phases + np.pi)
-    positions, heights = negative.crests
-    return float(positions[int(np.argmax(heights))])
+    positions, pressures = complete.pressure.valleys
+    return float(positions[int(np.argmin(pressures))])
 
 
 @dataclass(frozen=True)

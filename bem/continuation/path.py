@@ -8,15 +8,15 @@ limit point (touch_points.py, branch_ends.py), from which the contact jumps (jum
 state of a branch and the first one behind the jump.  That neither depends on the increments is a property that tests
 show; where no end is located, increments shrink until the jump begins from the last good edges.
 
-A point carries what the path needs to go on from it, the next increment among it; a path holds no state of its own
-besides counts of its work.  What `advance` knows besides, a value of the control that Newton did not reach and what it
+A point carries what the path needs to go on from it, the next increment among it; a path holds no state of its own;
+its system counts the work.  What `advance` knows besides, a value of the control that Newton did not reach and what it
 asked about the next fold, it forgets at its goal.  Dimensionless.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -80,10 +80,14 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """What Newton found: the point ahead (None: it left the branch), and where that interpenetrates."""
+    """What Newton found: the point ahead (None: it left the branch), and where that interpenetrates.
+
+    `too_long` says that a jump may hide in the increment.
+    """
 
     ahead: Equilibrium | None = None
     found: GapMinima | None = None
+    too_long: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,13 +111,17 @@ class Path:
     crests: FloatArray
     complete: CompleteContact
     flaw: Flaw | None = None
-    effort: Effort = field(default_factory=Effort)
     has_history: ClassVar[bool] = True
+
+    @property
+    def effort(self) -> Effort:
+        """Counts of the work done."""
+        return self.system.effort
 
     @property
     def jumps(self) -> Jumps:
         """What jumps from the ends of branches, and finds these."""
-        return Jumps(self.system, self.increments, self.complete, self.effort)
+        return Jumps(self.system, self.increments, self.complete)
 
     @property
     def bare(self) -> BareStates:
@@ -121,7 +129,7 @@ class Path:
         return BareStates(self.jumps, self.crests, self.flaw)
 
     def with_increments(self, increments: Increments) -> Path:
-        """The same path in other increments; it books its effort on the same account."""
+        """The same path in other increments."""
         return replace(self, increments=increments)
 
     def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
@@ -135,7 +143,8 @@ class Path:
         2. Choose an increment; where none is left before the gaps close, contact is complete.
         3. Try it: Newton from the edges that the branch predicts.
         4. Accepted: the next increment is up to twice as long.
-        5. Refused: jump from the end of the branch in between, or try a shorter increment, where a fold is foretold
+        5. Too long for energies to tell whether a jump lies within: half of it comes first.
+        6. Refused: jump from the end of the branch in between, or try a shorter increment, where a fold is foretold
            halfway to it first.  Jumps that lead back to the same value for ever are a failure.
         """
         direction, pace = self.direction(point, goal), self._pace(point)
@@ -153,6 +162,10 @@ class Path:
                 yield self.bare.closed(point, goal)
                 return
             attempt = Attempt() if pace.fold == "near" else self._attempt(point, trial.value)
+            if attempt.too_long and trial.step >= 2 * self.increments.smallest:
+                self.effort.rejected += 1
+                pace = Pace(trial.step / 2, pace.blocked, "asked" if pace.fold == "asked" else "unasked")
+                continue
             if attempt.ahead is not None and attempt.found is None:
                 self.effort.accepted += 1
                 longer = min(2 * trial.step, self.increments.largest)
@@ -191,7 +204,6 @@ class Path:
             return replace(point, events=())
         inc, state, value = self.increments, point.state, point.value
         fine = correct(self.system, state.patches, state.penetration, value, inc.fine)
-        self.effort.evaluations += fine.evaluations
         found = None
         if fine.balance is not None:
             refined = replace(point, balance=fine.balance, events=(), last=False)
@@ -221,7 +233,6 @@ class Path:
         if not patches.is_ordered:
             return None
         fine = correct(self.system, patches, penetration, value, self.increments.fine)
-        self.effort.evaluations += fine.evaluations
         if fine.balance is None:
             return None
         return Equilibrium(value, fine.balance, tangent(self.system.control, fine.balance))
@@ -239,7 +250,6 @@ class Path:
 
     def assess(self, point: WithEdges) -> Assessment:
         """Stability, stiffness and estimated errors, from finer evaluations."""
-        self.effort.evaluations += 2
         return assess_equilibrium(self.system, point.balance, point.value, 1e-2 * self.increments.fine.tolerance)
 
     def load_of(self, point: Point) -> float | None:
@@ -292,7 +302,6 @@ class Path:
         if not predicted.is_ordered:
             return Attempt()
         corrected = correct(self.system, predicted, point.state.penetration, value, inc.coarse)
-        self.effort.evaluations += corrected.evaluations
         if corrected.balance is None:
             return Attempt()
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
@@ -301,7 +310,9 @@ class Path:
         if self.jumps.ends.leaps(point, ahead):
             return Attempt()
         found = interpenetration(self.system, corrected.balance.state, inc.coarse.allowed)
-        return Attempt(ahead, found if found.position.size else None)
+        if found.position.size:
+            return Attempt(ahead, found)
+        return Attempt(ahead, too_long=self.jumps.ends.may_hide_a_jump(point, ahead))
 
     def _past_refusal(self, point: Equilibrium, attempt: Attempt, trial: Trial, pace: Pace) -> tuple[list[Point], Pace]:
         """The points behind the event in a refused increment; none where a shorter one comes first, and the pace.

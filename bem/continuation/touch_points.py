@@ -41,14 +41,12 @@ class TouchPoint:
         Its numbers, and what the last refinement changed.
     touching : GapMinima
         The crests in contact.
-    evaluations : int
     """
 
     balance: Balance
     exact: EventNumbers
     error: EventNumbers
     touching: GapMinima
-    evaluations: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,14 +103,13 @@ def locate_touch(
     value = first + (last - first) * (crossing * (2 - crossing) if bracket.folds else crossing)
     before: EventNumbers | None = None
     slope = float(bracket.gaps[1].min() - bracket.gaps[0].min()) / (last - first)
-    near, patches, evaluations = bracket.found, branch(value), 0
+    near, patches = bracket.found, branch(value)
     known: list[tuple[float, float]] = []  # of one accuracy: gaps at the ends may be off by what they are apart
     for _ in range(STEPS):
         tolerance = tolerances[int(before is not None)]
         if not patches.is_ordered:
             return None
         corrected = correct(system, patches, penetration, value, Accuracy(tolerance, RESIDUAL * tolerance))
-        evaluations += corrected.evaluations
         if corrected.balance is None:  # beyond a fold: halfway back to the branch
             value = (value + (known[-1][0] if known else first)) / 2
             patches = branch(value)
@@ -132,7 +129,7 @@ def locate_touch(
             tied = near.depth <= near.depth.min() + TIED
             touching = GapMinima(near.position[tied], np.full(int(tied.sum()), -TOUCHED), near.gap[tied])
             error = exact.apart(before, system.control.force(here.state))
-            return TouchPoint(here, exact, error, touching, evaluations)
+            return TouchPoint(here, exact, error, touching)
         if before is None and abs(depth) <= NEARLY:
             before, known = exact, []
         value += change

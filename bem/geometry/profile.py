@@ -11,7 +11,7 @@ Heights and positions may be in any unit; `Profile.scaled` gives the dimensionle
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -204,6 +204,12 @@ class Profile:
         place = np.where(place < self.period, place, 0.0)
         order = np.argsort(place)
         return place[order], self.height(position)[order]
+
+    @cached_property
+    def valleys(self) -> tuple[FloatArray, FloatArray]:
+        """Positions in [0, period), ascending, and heights of all local minima, (n_valleys,) each."""
+        position, depth = replace(self, phases=self.phases + np.pi).crests
+        return position, -depth
 
     @cached_property
     def _table(self) -> FloatArray:

@@ -81,7 +81,7 @@ def closing_place(complete: CompleteContact, profile: Profile, law: InterfaceLaw
     that is the same everywhere, to where the pressure of complete contact is lowest.
     """
     wave = profile if np.any(law.work_gradient(profile.grid[0])) else complete.pressure
-    places = Profile(wave.period, wave.orders, wave.amplitudes, wave.phases + np.pi).crests[0]
+    places = wave.valleys[0]
     return float(places[np.argmin(np.abs((places - near + np.pi) % (2 * np.pi) - np.pi))])
 
 

@@ -51,15 +51,21 @@ class Increments:
 
 @dataclass
 class Effort:
-    """Counts of work along a path."""
+    """Counts of work along a path.
+
+    Attributes
+    ----------
+    evaluations, local_evaluations : int
+        Of the forces on the edges of all patches, and of a few in the field of the others, which are not in results;
+        also of those that led nowhere.
+    unknowns : int
+        Most of them in a state.
+    accepted, rejected : int
+        Increments; those that were too long are among the rejected.
+    """
 
     evaluations: int = 0
     local_evaluations: int = 0
     unknowns: int = 0
     accepted: int = 0
     rejected: int = 0
-
-    def book(self, evaluations: int, local_evaluations: int) -> None:
-        """Add what an event cost."""
-        self.evaluations += evaluations
-        self.local_evaluations += local_evaluations

@@ -49,8 +49,7 @@ class CompletedBody:
     def minima(self) -> tuple[FloatArray, FloatArray]:
         """Where q has its local minima, ascending, and what it is there, (n,) each; the lowest to their last digits."""
         q = self.pressure
-        x = Profile(q.period, q.orders, q.amplitudes, q.phases + np.pi).crests[0]
-        values = q.height(x)
+        x, values = q.valleys[0], q.valleys[1].copy()
         lowest = values <= LOWEST * values.min()
         values[lowest] = self.at_anchor(x[lowest])
         return x, values

@@ -96,7 +96,7 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
     ...     "adhesion": {"work_of_adhesion": 1e-3},
     ...     "loading": {"control": "penetration", "targets": [1e-5]},
     ... })
-    >>> round(cost_of(scene).evaluations)  # solved: 152
+    >>> round(cost_of(scene).evaluations)  # solved: 175
     210
     """
     surface = scene.surface()

@@ -174,5 +174,5 @@ def test_in_the_field_of_others_the_same_crests_touch():
         Cause(np.array([10]), state=state),
     )
     assert [kind for kind, _ in end.changes] == TOUCHES
-    assert end.local_evaluations > 2 * end.evaluations
+    assert system.effort.local_evaluations > 2 * system.effort.evaluations
     np.testing.assert_allclose(end.balance.state.patches.half_width, alone, rtol=1e-6)

@@ -167,3 +167,13 @@ ROUGH = [
 def test_events_of_rough_profiles_do_not_depend_on_the_increment(seed, work, control, layer):
     coarse, fine = (outcome(rough(seed, work, control, layer, increment=LARGEST / n)) for n in (1, 3))
     assert_same(coarse, fine, energies=1e-6)
+
+
+@pytest.mark.parametrize(("seed", "work", "control", "layer"), [row for row in ROUGH if row[2] == "separation"])
+def test_events_do_not_depend_on_where_increments_end_at_targets(seed, work, control, layer):
+    """Seventy targets on the way cut increments short, on the way to a foretold fold and from it too."""
+    direct, data = (rough(seed, work, control, layer) for _ in range(2))
+    deepest, last = data["loading"]["targets"]
+    data["loading"]["targets"] = [*np.linspace(170e-6, deepest, 40), *np.linspace(deepest, 120e-6, 30)[1:], last]
+    (kinds, numbers, _), (others, known, _) = outcome(data), outcome(direct)
+    assert_same((kinds, numbers, []), (others, known, []), energies=1e-6)

@@ -23,7 +23,7 @@ from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl, LoadControl
-from bem.loading.increments import Accuracy, Effort, Increments
+from bem.loading.increments import Accuracy, Increments
 from bem.loading.path_events import EventNumbers
 
 BETWEEN_AND_AT_TARGETS = (Accuracy(1e-3, 1e-4), Accuracy(1e-8, 1e-9))
@@ -64,19 +64,21 @@ def resting(system, centers, half_width, value):
 
 
 @pytest.mark.parametrize(
-    ("control", "quantity"),
-    [(DisplacementControl(), "penetration"), (LoadControl(), "load")],
+    ("control", "quantity", "taken"),
+    [(DisplacementControl(), "penetration", 21), (LoadControl(), "load", 8)],
     ids=["Delta", "load"],
 )
-def test_a_fold_is_where_johnsons_branch_turns(control, quantity):
+def test_a_fold_is_where_johnsons_branch_turns(control, quantity, taken):
+    """Under Delta the mode that moves the patch aside is softest at first, and is asked about before."""
     system, exact = wave(control), lowest(quantity)
     start = 0.7 * exact
     here = resting(system, [2 * np.pi], 0.8, start)
+    before = system.effort.evaluations
     found = locate_limit_point(system, here, start, Search(exact - start, TOLERANCES))
     assert found.kind == "fold"
     assert found.exact.value == pytest.approx(exact, rel=1e-11)  # measured 3e-13
     assert abs(found.exact.value - exact) <= 3 * found.error.value + 1e-13
-    assert found.evaluations <= 9  # 7 and 8
+    assert system.effort.evaluations - before <= taken + 2
 
 
 @pytest.mark.parametrize(
@@ -166,7 +168,7 @@ def test_an_undecided_fold_is_looked_for_at_the_accuracy_of_targets(monkeypatch)
         return located(system, here, value, search)
 
     monkeypatch.setattr(branch_ends, "locate_limit_point", undecided_at_first)
-    found = branch_ends.BranchEnds(system, Increments(0.1, 1e-3), Effort()).limit_point(point, exact - start, False)
+    found = branch_ends.BranchEnds(system, Increments(0.1, 1e-3)).limit_point(point, exact - start, False)
     assert found.exact.value == pytest.approx(exact, rel=1e-11)
     assert searches[1][1] == (1e-8, 1e-8, 1e-8)
     assert searches[1][0].residual <= 1e-9 < searches[0][0].residual
@@ -254,7 +256,7 @@ def test_the_way_from_a_small_snap_is_as_short_as_the_snap():
     way = departure(system, fold, *BETWEEN_AND_AT_TARGETS)
     assert way.leads_on and way.fine
     assert np.max(np.abs(way.outward) / fold.balance.state.patches.edge_scale) <= 0.008  # measured 0.0044
-    jump = Jumps(system, Increments(0.1, 1e-3), complete_contact(ripple, law), Effort()).from_limit(fold, beyond)
+    jump = Jumps(system, Increments(0.1, 1e-3), complete_contact(ripple, law)).from_limit(fold, beyond)
     assert [event.kind for event in jump[1].events] == ["bifurcation"]
     assert 0 < jump[1].events[0].energy_released <= 1e-4 * law.work
 
@@ -273,7 +275,7 @@ def test_an_end_that_is_not_located_knows_its_errors(control, quantity, other, p
     start, end = exact * (1 - part), exact * (1 + part / 2)
     here = resting(system, [2 * np.pi], 2.04 * psi, start)
     complete = complete_contact(system.elastic.profile, system.law)
-    jumps = Jumps(system, Increments(0.1, 1e-3), complete, Effort())
+    jumps = Jumps(system, Increments(0.1, 1e-3), complete)
     behind = jumps.unlocated(Equilibrium(start, here, tangent(control, here)), end, None, abs(end - start))
     assert [event.kind for event in behind.events] == ["pull_off"]
     at, error = behind.events[0].at, behind.events[0].error
@@ -301,10 +303,10 @@ def test_a_jump_goes_on_from_where_only_coarse_evaluations_find_it_at_rest():
     half_width = np.array([2 * narrow * 1.01])
     here = balance(system, Patches(-half_width, half_width), value, value, 1e-3)
     assert at_rest(system, here, value, (1e-5, 1e-8)) is None
-    jumps = Jumps(system, Increments(0.1, 1e-3), complete_contact(system.elastic.profile, system.law), Effort())
+    jumps = Jumps(system, Increments(0.1, 1e-3), complete_contact(system.elastic.profile, system.law))
     above = EventNumbers(value, value, johnson("load", narrow), here.potential + 1.0)
     known = EventNumbers(0.0, 0.0, 0.0, 0.0)
-    behind = jumps.behind(above, known, Relaxed("converged", value, here, (), 0, 0), (("coalescence", 0.0),))
+    behind = jumps.behind(above, known, Relaxed("converged", value, here, ()), (("coalescence", 0.0),))
     assert [event.kind for event in behind.events] == ["coalescence"]
     assert behind.state.patches.half_width[0] == pytest.approx(2 * wide, rel=2e-5)  # the grid of psi
     assert behind.balance.factor is not None
@@ -324,7 +326,7 @@ def test_a_touch_is_not_located_where_newton_finds_two_states_at_one_value(monke
 
     def correct_to_the_other(*_):
         states.reverse()
-        return Corrected("converged", states[0], 1)
+        return Corrected("converged", states[0])
 
     monkeypatch.setattr(touch_points, "correct", correct_to_the_other)
     crest = GapMinima(np.array([3.0]), np.array([-1e20]), np.array([0]))

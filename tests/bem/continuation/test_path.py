@@ -11,6 +11,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System
+from bem.continuation.branch_ends import BranchEnds
 from bem.continuation.path import Path
 from bem.continuation.points_with_edges import Equilibrium
 from bem.loading.complete_contact import complete_contact
@@ -307,6 +308,24 @@ def test_jumps_that_lead_back_for_ever_are_a_named_failure(monkeypatch):
     result = solve(rough_scene([60e-6, 5e-6], 12, 1, 0.03))
     assert result.status == "not_converged"
     assert "the contact jumps again and again at" in result.failure
+
+
+def test_an_increment_that_may_hide_a_jump_is_halved(monkeypatch):
+    monkeypatch.setattr(BranchEnds, "may_hide_a_jump", lambda ends, start, end: abs(end.value - start.value) > 4e-3)
+    path, point = rough_path()
+    points = list(path.advance(point, 0.3))
+    lengths = [abs(q.value - p.value) for p, q in pairwise(points) if p.state and not q.events]
+    assert path.increments.smallest < max(lengths) <= 4e-3
+
+
+@pytest.mark.parametrize("way", [1 + 2e-13, 2.0, 5.3])
+def test_increments_that_may_always_hide_a_jump_end_at_the_smallest(monkeypatch, rough_points, way):
+    monkeypatch.setattr(BranchEnds, "may_hide_a_jump", lambda *_: True)
+    path, points = rough_points
+    begin = next(p for p, q in pairwise(points) if p.state and q.state and not p.events and not q.events)
+    goal = begin.value + way * path.increments.smallest
+    *_, end = path.advance(begin, goal)
+    assert (end.value, end.status) == (goal, "converged")
 
 
 def test_events_release_energy(rough_points):
