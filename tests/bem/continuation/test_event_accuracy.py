@@ -176,4 +176,5 @@ def test_events_do_not_depend_on_where_increments_end_at_targets(seed, work, con
     deepest, last = data["loading"]["targets"]
     data["loading"]["targets"] = [*np.linspace(170e-6, deepest, 40), *np.linspace(deepest, 120e-6, 30)[1:], last]
     (kinds, numbers, _), (others, known, _) = outcome(data), outcome(direct)
-    assert_same((kinds, numbers, []), (others, known, []), energies=1e-6)
+    # measured 2.3e-13 of the amplitude, and 7.8e-11 of the largest pressure on five kinds of kernels
+    assert_same((kinds, numbers, []), (others, known, []), places=6e-13, energies=2e-10)
