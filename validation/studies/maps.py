@@ -1,10 +1,9 @@
 """Maps beyond the paper, computed: slope of the area curve, hysteresis loop and pull-off (validation/corpus/maps.py).
 
 The loop of every path is compared with the closed integral of p dDelta, which is coarse, since jumps are spread over
-an increment, but independent: a difference beyond `BALANCE` is a failure.  In the thinnest layer increments a fifth as
-large change it by up to 12 % (measured).  Cost of the 396 realisations: 40 core minutes, measured.  They are stored
-one by one, on any executor (ensemble.py), and a second run continues where the first ended.  maps.json, copied to
-validation/corpus, is what the case `hysteresis-maps` shows.
+an increment, but independent: a difference beyond `BALANCE` is a failure.  Cost of the 396 realisations: 40 core
+minutes, measured.  They are stored one by one, on any executor (ensemble.py), and a second run continues where the
+first ended.  maps.json, copied to validation/corpus, is what the case `hysteresis-maps` shows.
 """
 
 from __future__ import annotations
