@@ -2,9 +2,9 @@
 
 Along a branch the edges move by -H^-1 dg/dtau, and the potential grows by the integral of the force that the control
 exerts: any other growth says that the path left the branch.  Less of it means a jump; more, a branch of higher
-potential, onto which only Newton can leap.  The large energies of a stiff layer may hide a small jump: then edges that
-passed a crest tell of it, or the increment is too long to tell.  Where the softest mode does no work with the load, a
-symmetry breaks.  Dimensionless.
+potential, onto which only Newton can leap.  The energies of a stiff layer may be too large to show a small jump.  It
+shows where an edge has passed a crest; elsewhere a shorter increment must decide.  Where the softest mode does no work
+with the load, a symmetry breaks.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -133,7 +133,8 @@ def strays(ends: tuple[Balance, Balance], rates: tuple[FloatArray, FloatArray], 
 def passes_crest(profile: Profile, first: Patches, last: Patches) -> bool:
     """Whether an edge moves over a valley and the crest behind it, or back: that crest touches, or parts, by itself.
 
-    Where adhesion draws the surfaces over ripples, edges still come to rest between the two.
+    Contact that forms ahead of an edge where the profile has no crest, as beside the bulge of a thin layer, is not
+    noticed.
     """
     left, right = np.split(outward_motion(first, last), 2)
     crests, valleys = (np.concatenate([x - TWO_PI, x, x + TWO_PI]) for x in (profile.crests[0], profile.valleys[0]))

@@ -25,7 +25,7 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import Accuracy
 
-DESCENT_STEPS = 10_000  # rounds; jumps of three realisations of the paper's profile took up to 47 evaluations
+DESCENT_STEPS = 10_000  # rounds; jumps of three realisations of the paper's profile took up to 52
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
 SMALLEST_RADIUS = 1e-12  # of a step, below which the descent ends
 LARGEST_STEP_SCALE = 0.5  # of the shortest wavelength: largest unit of the steps of an edge
