@@ -7,7 +7,7 @@
 #include "core.h"
 #include "kernels.h"
 
-#define INTERFACE "2" /* kernels.INTERFACE */
+#define INTERFACE "3" /* kernels.INTERFACE */
 
 Blas blas;
 static PyObject *numpy_empty;

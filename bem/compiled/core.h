@@ -16,7 +16,11 @@ typedef Py_ssize_t Size;
 
 /* Loops compiled for the vector instructions of a processor, chosen when the extension is loaded. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__)
+#if __GNUC__ >= 12
+#define VECTORISED __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
 #define VECTORISED __attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
 #else
 #define VECTORISED
 #endif
@@ -96,39 +100,49 @@ static inline void solve_upper(char ta, Size n, Size m, const double *u, Size ld
         blas.dtrsm(&side, &upper, &ta, &non_unit, &in, &im, &one, (double *)u, &iu, b, &ib);
 }
 
-/* log|x|, -inf at 0 and below the smallest normal number; at most 1.1e-16 of itself off (measured).  With
+/* One of two numbers, by a mask of ones or zeros: compilers do not vectorise loops in which a branch chooses. */
+static inline double chosen(int64_t mask, double one, double other)
+{
+    uint64_t a, b;
+    double result;
+    memcpy(&a, &one, 8);
+    memcpy(&b, &other, 8);
+    a = (a & (uint64_t)mask) | (b & ~(uint64_t)mask);
+    memcpy(&result, &a, 8);
+    return result;
+}
+
+/* log|x|, -inf at 0 and below the smallest normal number; at most 2.3e-16 of itself off (measured).  With
    |x| = 2^k (1 + f), 1 + f between the roots of 1/2 and 2, and s = f / (2 + f): log(1 + f) = f - s (f - r),
-   r = 2 s^2 (1/3 + s^2/5 + ...).  Without branches, so that loops of it are vectorised. */
+   r = 2 s^2 (1/3 + s^2/5 + ...), of which the bracket is its best polynomial of degree 6 in s^2 < 0.0295, 1.3e-18 of
+   the logarithm off. */
 static inline double log_of_size(double x)
 {
-    const uint64_t root_half = UINT64_C(0x3fe6a09e667f3bcd), one = UINT64_C(0x3ff0000000000000);
-    uint64_t bits, shifted, whole;
+    const int64_t root_half = INT64_C(0x3fe6a09e667f3bcd), one = INT64_C(0x3ff0000000000000);
+    int64_t bits, shifted, whole;
     double f, k, s, z, r, result;
     memcpy(&bits, &x, 8);
-    bits &= UINT64_C(0x7fffffffffffffff);
+    bits &= INT64_C(0x7fffffffffffffff);
     shifted = bits + (one - root_half);
-    whole = (shifted >> 52) | UINT64_C(0x4330000000000000);
+    whole = (int64_t)((uint64_t)shifted >> 52) | INT64_C(0x4330000000000000);
     memcpy(&k, &whole, 8);
     k -= 4503599627370496.0 + 1023.0;
-    whole = (shifted & UINT64_C(0x000fffffffffffff)) + root_half;
+    whole = (shifted & INT64_C(0x000fffffffffffff)) + root_half;
     memcpy(&f, &whole, 8);
     f -= 1.0;
     s = f / (2.0 + f);
     z = s * s;
-    r = 1.0 / 23;
-    r = r * z + 1.0 / 21;
-    r = r * z + 1.0 / 19;
-    r = r * z + 1.0 / 17;
-    r = r * z + 1.0 / 15;
-    r = r * z + 1.0 / 13;
-    r = r * z + 1.0 / 11;
-    r = r * z + 1.0 / 9;
-    r = r * z + 1.0 / 7;
-    r = r * z + 1.0 / 5;
-    r = r * z + 1.0 / 3;
+    r = 0.07397737579001104;
+    r = r * z + 0.07657049412487062;
+    r = r * z + 0.09091781203055785;
+    r = r * z + 0.11111099305374668;
+    r = r * z + 0.14285714371008035;
+    r = r * z + 0.19999999999708185;
+    r = r * z + 0.3333333333333367;
     r = 2.0 * z * r;
     result = k * 6.93147180369123816490e-01 + (f - (s * (f - r) - k * 1.90821492927058770002e-10));
-    return bits >= UINT64_C(0x0010000000000000) ? (x - x == 0.0 ? result : x * x) : -HUGE_VAL;
+    result = chosen(-(int64_t)(bits > INT64_C(0x7fefffffffffffff)), x * x, result);
+    return chosen(-(int64_t)(bits < INT64_C(0x0010000000000000)), -HUGE_VAL, result);
 }
 
 #endif

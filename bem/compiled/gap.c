@@ -53,35 +53,38 @@ DECLARED(pair_by_pair)
 DECLARED(near_patch)
 {
     Call call;
-    Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1], n_count, n_index, i, k;
+    Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1], n_modes, n_count, n_index, i, k;
     double *center, *half_width, *charges, *places, *total, *terms, *x, *values, *ones;
-    int64_t *n_terms, *index;
+    int64_t *n_charges, *n_terms, *index;
     PyObject *result;
     if (!enter(&call, n_given, 6))
         return NULL;
     center = reals(&call, given[0], 1, patches);
     half_width = reals(&call, given[1], 1, of_width);
-    expect(&call, PyTuple_Check(given[2]) && PyTuple_GET_SIZE(given[2]) == 2 && PyTuple_Check(given[3]) &&
+    expect(&call, PyTuple_Check(given[2]) && PyTuple_GET_SIZE(given[2]) == 3 && PyTuple_Check(given[3]) &&
                       PyTuple_GET_SIZE(given[3]) == 3,
-           "skeletons are two arrays, series three");
+           "skeletons and series are three arrays each");
     if (call.failed) {
         leave(&call);
         return NULL;
     }
     charges = reals(&call, PyTuple_GET_ITEM(given[2], 0), 2, of_charges);
     places = reals(&call, PyTuple_GET_ITEM(given[2], 1), 2, of_places);
+    n_charges = integers(&call, PyTuple_GET_ITEM(given[2], 2), &n_modes);
     total = reals(&call, PyTuple_GET_ITEM(given[3], 0), 1, of_total);
     n_terms = integers(&call, PyTuple_GET_ITEM(given[3], 1), &n_count);
     terms = reals(&call, PyTuple_GET_ITEM(given[3], 2), 2, of_terms);
     index = integers(&call, given[4], &n_index);
     x = reals(&call, given[5], 1, n);
     expect(&call, of_width[0] == patches[0] && of_charges[0] == patches[0] && of_places[0] == patches[0] &&
-                      of_places[1] == of_charges[1] && of_total[0] == patches[0] && n_count == patches[0] &&
+                      of_places[1] == of_charges[1] && n_modes == patches[0] && of_total[0] == patches[0] && n_count == patches[0] &&
                       of_terms[0] == patches[0] && n_index == n[0],
            "arrays of the patches differ in size");
     result = new_reals(&call, 1, n[0], 0, &values);
     for (i = 0; !call.failed && i < n[0]; i++)
-        expect(&call, 0 <= index[i] && index[i] < patches[0] && n_terms[index[i]] <= of_terms[1], "no such patch");
+        expect(&call, 0 <= index[i] && index[i] < patches[0] && n_terms[index[i]] <= of_terms[1] &&
+                          n_charges[index[i]] <= of_charges[1],
+               "no such patch");
     ones = call.failed ? NULL : workspace(of_charges[1]);
     for (k = 0; ones != NULL && k < of_charges[1]; k++)
         ones[k] = 1.0;
@@ -98,7 +101,7 @@ DECLARED(near_patch)
             power *= zeta;
             sum += power * term[k];
         }
-        values[i] = -PI * (exact + sum) - potential(width, t, -1.0, ones, place, charge); /* zero charges fill up */
+        values[i] = -PI * (exact + sum) - potential((Size)n_charges[which], t, -1.0, ones, place, charge);
     }
     if (ones == NULL)
         Py_CLEAR(result);

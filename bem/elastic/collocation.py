@@ -39,7 +39,7 @@ Field = Callable[[FloatArray], FloatArray]
 
 MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes
 MOST_UNKNOWNS = 12_000  # of one factorisation: 2.3 GB for matrix and factor
-MOST_MODES = 4000  # of one patch: a gap of 1e-5 periods beside it at the accuracy of targets, seconds an evaluation
+MOST_MODES = 5000  # of one patch: a gap of 1e-5 periods beside it at the accuracy of targets, seconds an evaluation
 FAR_SHARE, FINEST_FAR = 1e-5, 1e-14  # accuracy of the kernel between clusters over the tolerance, and at least
 
 ROUNDING = 1e-14  # absolute accuracy of charges of order 1, per node; measured up to 4e-15, at 500 harmonics

@@ -82,19 +82,19 @@ class GapField:
         return near_patch(patches.center, patches.half_width, self._skeletons, self._series, index, x)
 
     @cached_property
-    def _skeletons(self) -> tuple[FloatArray, FloatArray]:
-        """Skeleton charges of the patches and their places in (-1, 1), (L, p) each, filled up with zeros."""
+    def _skeletons(self) -> tuple[FloatArray, FloatArray, IntArray]:
+        """Skeleton charges of the patches and their places in (-1, 1), (L, p) each, filled up; how many, (L,)."""
         modes = self.state.resolution.modes
         filled = np.arange(int(modes.max())) < modes[:, None]
         charges, places = np.zeros((2, *filled.shape))
         charges[filled] = self.state.skeleton
         places[filled] = np.concatenate([chebyshev.basis_nodes(size) for size in modes.tolist()])
-        return charges, places
+        return charges, places, modes
 
     @cached_property
     def _skeleton_potential(self) -> LogarithmicPotential:
         """Potential of the skeleton charges of all patches, (unknowns,)."""
-        patches, modes, (_, places) = self.state.patches, self.state.resolution.modes, self._skeletons
+        patches, (_, places, modes) = self.state.patches, self._skeletons
         positions = patches.center[:, None] + patches.half_width[:, None] * places
         positions = positions[np.arange(places.shape[1]) < modes[:, None]]
         return LogarithmicPotential(positions, self.state.skeleton)
@@ -102,7 +102,7 @@ class GapField:
     @cached_property
     def _series(self) -> tuple[FloatArray, IntArray, FloatArray]:
         """c_0 of the patches and number of their other c_n, (L,) each, and c_n / n, (L, n), filled up with zeros."""
-        modes, (skeletons, _) = self.state.resolution.modes, self._skeletons
+        skeletons, _, modes = self._skeletons
         total, terms = np.empty(modes.size), self.state.series[:, 1:] / -np.pi
         for size in np.unique(modes).tolist():
             who = np.flatnonzero(modes == size)
@@ -115,7 +115,7 @@ class GapField:
 def near_patch(
     center: FloatArray,
     half_width: FloatArray,
-    skeletons: tuple[FloatArray, FloatArray],
+    skeletons: tuple[FloatArray, FloatArray, IntArray],
     series: tuple[FloatArray, IntArray, FloatArray],
     index: IntArray,
     x: FloatArray,
@@ -124,7 +124,7 @@ def near_patch(
 
     Skeletons and series of the patches are those of `GapField`.
     """
-    (charges, places), (total, count, terms) = skeletons, series
+    (charges, places, _), (total, count, terms) = skeletons, series
     t = (x - center[index]) / half_width[index]
     zeta = 1 / (t + np.copysign(np.sqrt(np.maximum(t * t - 1, 0.0)), t))
     exact = np.log(np.abs(2 * zeta)) * total[index] + _power_series(terms, count, index, zeta)

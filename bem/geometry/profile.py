@@ -129,7 +129,7 @@ class Profile:
         """Fundamental wavenumber 2 pi / period."""
         return 2 * np.pi / self.period
 
-    @property
+    @cached_property
     def max_order(self) -> int:
         """Highest harmonic order."""
         return int(self.orders.max())
