@@ -106,6 +106,14 @@ Size count(Call *call, PyObject *object)
     return value;
 }
 
+int truth(Call *call, PyObject *object)
+{
+    int value = call->failed ? 0 : PyObject_IsTrue(object);
+    if (value < 0)
+        call->failed = 1;
+    return value > 0;
+}
+
 PyObject *new_reals(Call *call, int dimensions, Size n, Size m, double **data)
 {
     PyObject *array = NULL;

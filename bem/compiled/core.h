@@ -48,6 +48,7 @@ double *reals(Call *call, PyObject *array, int dimensions, Size *shape);        
 int64_t *integers(Call *call, PyObject *array, Size *size);                     /* (n,) int64 */
 double number(Call *call, PyObject *object);
 Size count(Call *call, PyObject *object);
+int truth(Call *call, PyObject *object);
 void expect(Call *call, int holds, const char *what);                           /* ValueError unless it holds */
 PyObject *new_reals(Call *call, int dimensions, Size n, Size m, double **data); /* numpy.empty */
 double *workspace(Size n);                                                      /* malloc; sets MemoryError */

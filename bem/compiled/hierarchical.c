@@ -117,7 +117,7 @@ static Status solved_cluster(System *system, Size first, Size last, Size shared,
     Status status = FAILED;
     memset(cluster, 0, sizeof *cluster);
     cluster->n = n;
-    cluster->m = shared + 2 * (last - first);
+    cluster->m = shared + system->per_patch * (last - first);
     cluster->shared = shared;
     if (last - first == 1 || n <= system->largest || system->addition != NULL)
         return solved_leaf(system, first, last, columns, cluster);
@@ -238,6 +238,7 @@ DECLARED(solved)
     system.index = integers(&call, attribute(&call, coupled, "index"), &n_index);
     system.starts = integers(&call, attribute(&call, coupled, "starts"), &n_starts);
     classes = attribute(&call, coupled, "tables");
+    system.per_patch = 2 * truth(&call, attribute(&call, given[0], "serves_edges"));
     held = attribute(&call, given[0], "addition");
     if (held != Py_None)
         system.addition = reals(&call, held, 2, of_addition);
@@ -257,7 +258,7 @@ DECLARED(solved)
                           system.starts[i + 1] - system.starts[i] == tables[system.index[i]].n,
                "modes: index out of range");
     system.tables = tables;
-    parts[0] = new_reals(&call, 2, 2 + 2 * n_index, 2 + 2 * n_index, &gram);
+    parts[0] = new_reals(&call, 2, 2 + system.per_patch * n_index, 2 + system.per_patch * n_index, &gram);
     parts[1] = new_reals(&call, 2, n[0], 2, &values);
     if (!call.failed && (half = workspace(2 * n[0])) && (columns = workspace(2 * n[0])) &&
         (charges = workspace(2 * n[0]))) {

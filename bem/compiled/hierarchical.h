@@ -16,7 +16,7 @@ typedef struct {
 /* Nodes, patches and their tables; sine and cosine of half of each position, one behind the other. */
 typedef struct {
     Call *call;
-    Size n, largest;
+    Size n, largest, per_patch; /* columns of the edges of each patch: two or none */
     const double *x, *half, *at_edges, *left, *right, *half_width, *addition;
     const int64_t *starts, *index;
     const Table *tables;

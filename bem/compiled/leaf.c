@@ -94,15 +94,18 @@ Status solved_leaf(const System *system, Size first, Size last, const double *sh
         memset(rhs + n * leaf->shared, 0, (size_t)(n * (m - leaf->shared)) * sizeof(double));
         for (c = 0; c < leaf->shared; c++)
             begin[c] = 0;
-        for (i = first; i < last; i++, c += 2) {
+        for (i = first; i < last; i++) {
             Size from = (Size)system->starts[i] - start;
             const Table *table = &system->tables[system->index[i]];
             within_patch(table, system->half_width[i], system->uniform, matrix + from * n + from, n);
+            if (system->per_patch == 0)
+                continue;
             begin[c] = begin[c + 1] = from;
             for (k = from; k < from + table->n; k++) {
                 rhs[c * n + k] = system->at_edges[2 * (start + k)];
                 rhs[(c + 1) * n + k] = system->at_edges[2 * (start + k) + 1];
             }
+            c += 2;
         }
         if (system->addition != NULL)
             for (i = 0; i < n * n; i++)

@@ -95,7 +95,7 @@ class Evaluation:
     load, load_rate, elastic_energy : float
         int sigma dx, its derivative by Delta, and U_el.
     edge_compliance : (2 L, 2 L) array
-        G_ee of the skeleton, from which the edge sensitivities follow.
+        G_ee of the skeleton, from which the edge sensitivities follow; (0, 0) where it was not asked for.
     edge_slope, edge_slope_rate : (2 L,) arrays
         Outward derivative by t of the regular factor f = q / r at the edges, and its derivative by Delta.
     resolution : Resolution
@@ -196,6 +196,7 @@ def evaluate(
     penetration: float,
     tolerance: float,
     resolution: Resolution | None = None,
+    with_compliance: bool = True,
 ) -> Evaluation:
     """Solve for the pressure of given patches at given penetration.
 
@@ -211,6 +212,8 @@ def evaluate(
         Of the coupling between patches.
     resolution : Resolution, optional
         Nodes and modes to use instead of those that `tolerance` asks for.
+    with_compliance : bool
+        Whether the compliance of the edges is wanted too, as it is where they carry stress intensity.
 
     Raises
     ------
@@ -218,26 +221,26 @@ def evaluate(
         The skeleton matrix is not positive definite, or a factor of it has more than `MOST_UNKNOWNS`.
     """
     resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
-    count, half_width, modes = patches.count, patches.half_width, resolution.modes
+    half_width, modes = patches.half_width, resolution.modes
     largest = int(np.max(modes) if elastic.kernel is None else np.sum(modes))
     if largest > MOST_UNKNOWNS or np.max(modes) > MOST_MODES:
         raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
     series, tail_edge, edge_slope, tail_energy = _right_hand_sides(elastic.profile, patches, penetration, resolution)
-    skeleton = _skeleton(elastic, patches, resolution, series)
+    skeleton = _skeleton(elastic, patches, resolution, series, with_compliance)
     solution = solve(skeleton, max(FAR_SHARE * tolerance, FINEST_FAR))
-    gram = solution.gram
+    gram, edges = solution.gram, slice(0, -2)
+    at_edges = gram[edges, -2:] if with_compliance else skeleton.at_edges_of(solution.charges)
     charges, charge_rate = -solution.charges[:, 0], np.pi * solution.charges[:, 1]
 
     slopes = slopes_at_edges(skeleton.coupled, np.stack([charges, charge_rate]))
     edge_slope += slopes[0]
     radius = np.concatenate([half_width, half_width])
     to_intensity = np.sqrt(np.pi / radius)
-    edges = slice(0, 2 * count)
     return Evaluation(
         patches=patches,
         penetration=penetration,
-        stress_intensity=(gram[edges, -2] + tail_edge) * to_intensity,
-        stress_intensity_rate=-np.pi * gram[edges, -1] * to_intensity,
+        stress_intensity=(at_edges[:, 0] + tail_edge) * to_intensity,
+        stress_intensity_rate=-np.pi * at_edges[:, 1] * to_intensity,
         load=-float(gram[-2, -1]),
         load_rate=np.pi * float(gram[-1, -1]),
         elastic_energy=(float(gram[-2, -2]) + 0.5 * tail_energy) / (2 * np.pi),
@@ -253,14 +256,16 @@ def evaluate(
     )
 
 
-def _skeleton(elastic: Elastic, patches: Patches, resolution: Resolution, series: FloatArray) -> Skeleton:
+def _skeleton(
+    elastic: Elastic, patches: Patches, resolution: Resolution, series: FloatArray, serves_edges: bool
+) -> Skeleton:
     """Nodes, right-hand side and edge vectors of the coupled modes of every patch."""
     coupled = chebyshev.by_modes(resolution.modes)
     x, force, at_edges = skeleton_columns(patches, coupled, series)
     for background in elastic.backgrounds:
         force -= background(x)
     addition = None if elastic.kernel is None else elastic.kernel.matrix(x)
-    return Skeleton(patches, coupled, x, at_edges, force, addition)
+    return Skeleton(patches, coupled, x, at_edges, force, addition, serves_edges)
 
 
 @mirrored

@@ -80,6 +80,8 @@ class Skeleton:
         Right-hand side.
     addition : (n, n) array or None
         To the kernel of the half-space; it asks for a single leaf.
+    serves_edges : bool
+        Whether b holds the edges: only what asks for their compliance pays for it.
     """
 
     patches: Patches
@@ -88,6 +90,7 @@ class Skeleton:
     at_edges: FloatArray
     force: FloatArray
     addition: FloatArray | None
+    serves_edges: bool = True
 
     @cached_property
     def within(self) -> list[FloatArray]:
@@ -98,6 +101,11 @@ class Skeleton:
             for i, block in zip(members, together, strict=True):
                 blocks[i] = block
         return blocks
+
+    def at_edges_of(self, charges: FloatArray) -> FloatArray:
+        """What nodal charges, (n, k), make q at the left edges, then at the right ones, (2 L, k)."""
+        first = self.coupled.starts[:-1]
+        return np.concatenate([np.add.reduceat(side[:, None] * charges, first) for side in self.at_edges.T])
 
 
 @dataclass(frozen=True)
@@ -125,8 +133,8 @@ class Solution:
 
     Attributes
     ----------
-    gram : (2 L + 2, 2 L + 2) array
-        b^T A^-1 b for b = [left edges | right edges | force | 1].
+    gram : (2 L + 2, 2 L + 2) array, or (2, 2)
+        b^T A^-1 b for b = [left edges | right edges | force | 1], or [force | 1].
     charges : (n, 2) array
         A^-1 [force | 1].
     """
@@ -244,11 +252,12 @@ def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray, uniform
     if info != 0:
         raise IllConditionedSystemError(f"skeleton matrix of {size} unknowns is not positive definite")
     count, row = shared.shape[1], np.arange(size)
-    rhs = np.zeros((size, count + 2 * (last - first)), order="F")
+    begin = np.concatenate([np.zeros(count, dtype=np.int64), np.repeat(starts[:-1], 2 * skeleton.serves_edges)])
+    rhs = np.zeros((size, begin.size), order="F")
     rhs[:, :count] = shared
-    left = count + 2 * np.repeat(np.arange(last - first), np.diff(starts))
-    rhs[row, left], rhs[row, left + 1] = skeleton.at_edges[nodes].T
-    begin = np.concatenate([np.zeros(count, dtype=np.int64), np.repeat(starts[:-1], 2)])
+    if skeleton.serves_edges:
+        left = count + 2 * np.repeat(np.arange(last - first), np.diff(starts))
+        rhs[row, left], rhs[row, left + 1] = skeleton.at_edges[nodes].T
     gram, seen = _gram(factor, rhs, begin, count)
     return _Leaf(gram, factor, seen)
 

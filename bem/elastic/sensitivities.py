@@ -40,3 +40,12 @@ def stress_intensity_jacobian(state: Evaluation) -> FloatArray:
     jacobian[same, other] -= np.concatenate([other_edge, other_edge]) * pull[other] / root
     jacobian[same, same] -= intensity / (4 * root**2) + np.sqrt(np.pi) / root * state.edge_slope / 2
     return np.asarray(jacobian)
+
+
+def own_sensitivity(state: Evaluation) -> FloatArray:
+    """dK_e / d(outward motion of the same edge) as K vanishes, (2 L,): what does without the compliance of the edges.
+
+    The rest of the Jacobian is a multiple of K.
+    """
+    half_width = np.concatenate([state.patches.half_width, state.patches.half_width])
+    return np.asarray(-state.stress_intensity / (4 * half_width) - np.sqrt(np.pi / half_width) * state.edge_slope / 2)

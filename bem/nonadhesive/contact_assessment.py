@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate, finer
-from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.elastic.sensitivities import own_sensitivity
 from bem.geometry.arrays import FloatArray
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 from bem.loading.control import Control
@@ -35,12 +35,12 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
     """
     at = control.guess(state.penetration, value)
     elastic = with_left_out(elastic, state)
-    fine = control.reach(evaluate(elastic, state.patches, at, tolerance, finer(state.resolution)), value)
-    jacobian = stress_intensity_jacobian(fine)
-    outward = -fine.stress_intensity / np.diagonal(jacobian)
+    fine = evaluate(elastic, state.patches, at, tolerance, finer(state.resolution), with_compliance=False)
+    fine = control.reach(fine, value)
+    outward = -fine.stress_intensity / own_sensitivity(fine)
     correction = UNKNOWN
     if state.patches.moved(outward).is_ordered:
-        correction = _moved(control, fine, jacobian, outward, value).minus(quantities_of(state))
+        correction = _moved(control, fine, outward, value).minus(quantities_of(state))
         correction = stiffened(correction, elastic, state, state.load_rate)
     return Assessment(
         work=None,
@@ -53,13 +53,13 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
     )
 
 
-def _moved(control: Control, state: Evaluation, jacobian: FloatArray, outward: FloatArray, value: float) -> Quantities:
+def _moved(control: Control, state: Evaluation, outward: FloatArray, value: float) -> Quantities:
     """Quantities after edges next to K = 0 moved outward to where it vanishes, at the same value of the control."""
     intensity, rate = state.stress_intensity, state.stress_intensity_rate
     moved = replace(
         state,
         patches=state.patches.moved(outward),
-        stress_intensity=intensity + jacobian @ outward,
+        stress_intensity=np.zeros(intensity.size),
         load=state.load + float(intensity * rate @ outward) / 4,
         load_rate=state.load_rate + float(rate**2 @ outward) / 2,
         elastic_energy=state.elastic_energy + float(intensity**2 @ outward) / 12,

@@ -21,7 +21,7 @@ import numpy as np
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import if_solvable
-from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.elastic.sensitivities import own_sensitivity
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
@@ -95,7 +95,7 @@ def _remaining(state: Evaluation, rounding: FloatArray | float = 0.0) -> float:
 
     The bound of rounding is generous on thin layers: what it excuses is still done as long as the steps shrink.
     """
-    slope = np.maximum(np.abs(np.diagonal(stress_intensity_jacobian(state))), 1e-300)
+    slope = np.maximum(np.abs(own_sensitivity(state)), 1e-300)
     return float(np.sum(np.maximum(np.abs(state.stress_intensity) - rounding, 0.0) / slope))
 
 
@@ -185,7 +185,8 @@ class _Search:
     def evaluated(self) -> Evaluation:
         """The state of the patches at the target."""
         at = self.control.guess(self.penetration, self.target)
-        state = self.control.reach(evaluate(self.elastic, self.patches, at, self.tolerance), self.target)
+        found = evaluate(self.elastic, self.patches, at, self.tolerance, with_compliance=False)
+        state = self.control.reach(found, self.target)
         self.penetration, self.measure = state.penetration, edge_residual(state)
         return state
 
@@ -237,7 +238,7 @@ class _Search:
 def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:
     """Outward Newton steps on K, edge by edge, within patch width, gap and shortest wavelength, (2 L,)."""
     patches = state.patches
-    slope = np.diagonal(stress_intensity_jacobian(state))
+    slope = own_sensitivity(state)
     gap = np.concatenate([patches.gap_before, patches.gap_after])
     width = np.tile(patches.width, 2)
     half_wave = np.pi / max_order
@@ -319,7 +320,7 @@ def _with_new_contacts(elastic: Elastic, state: Evaluation, allowed: float) -> P
     """
     low = low_minima(gap_field(elastic, state))
     patches = state.patches
-    slope = np.diagonal(stress_intensity_jacobian(state))
+    slope = own_sensitivity(state)
     with np.errstate(divide="ignore", invalid="ignore"):
         pending = np.where(state.stress_intensity < 0, -state.stress_intensity / np.maximum(slope, 0.0), 0.0)
     behind = low.position - patches.right[low.gap]

@@ -98,13 +98,17 @@ def test_columns_of_the_coupled_modes(posed):
         check(one, other)
 
 
+@pytest.mark.parametrize("serves_edges", [True, False], ids=["with edges", "without"])
 @pytest.mark.parametrize(
     ("layered", "largest"), [(False, 10**9), (False, 110), (False, 30), (True, 30)],
     ids=["one leaf", "split", "split often", "layer"],
 )  # fmt: skip
-def test_system_of_all_patches(posed, layered, largest):
+def test_system_of_all_patches(posed, layered, largest, serves_edges):
     addition = LAYER.matrix(posed.skeleton.x) if layered else None
-    given = replace(posed.skeleton, addition=addition), hierarchical.Splitting(1e-12, largest, 0.03)
+    given = (
+        replace(posed.skeleton, addition=addition, serves_edges=serves_edges),
+        hierarchical.Splitting(1e-12, largest, 0.03),
+    )
     for found, expected in zip(CORE.solved(*given), posed.reference.solved(*given), strict=True):
         check(found, expected)
 

@@ -1,5 +1,7 @@
 """Derivatives of stress intensities and energy by the edges: central differences, symmetry, the dense reference."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,7 +10,7 @@ from rough_surfaces import cut
 
 from bem.audit.dense import evaluate_dense
 from bem.elastic.collocation import Elastic, evaluate
-from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.elastic.sensitivities import own_sensitivity, stress_intensity_jacobian
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 
@@ -40,6 +42,13 @@ def test_jacobian_is_the_central_difference(rough, edge):
     exact = stress_intensity_jacobian(rough)[:, edge]
     found = difference(rough, edge, lambda state: state.stress_intensity)
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8 * np.abs(exact).max())  # measured 1e-9, asked 1e-7
+
+
+def test_as_stress_intensity_vanishes_every_edge_feels_itself_alone(rough):
+    small = replace(rough, stress_intensity=1e-13 * rough.stress_intensity)
+    jacobian = stress_intensity_jacobian(small)
+    expected = np.diag(own_sensitivity(small))
+    np.testing.assert_allclose(jacobian, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("edge", range(EDGES))
