@@ -129,6 +129,7 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
         coarse=Accuracy(coarse, COARSE.residual * refined, allowed),
         fine=Accuracy(fine, max(1e-1 * fine, 1e-12), allowed),
+        deepest=scene.accuracy.max_increment,
     )
 
 

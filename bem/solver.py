@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 MOST_BETWEEN = 500  # states stored between two targets
 DEEPER = 0.05  # rms heights of penetration between two states stored, or the largest increment where that is less
-ROUNDED = 1 - 1e-9  # of that: a step of this length is one in spite of rounding
+ALMOST = 0.9  # of that: steps under load are as long as the stiffness where they begin says
 FAILURES = {
     "not_converged": "no equilibrium was found",
     "ill_conditioned": "the gaps are too narrow to resolve",
@@ -269,7 +269,7 @@ class _Run:
         """Whether a point between targets is far enough from the last state stored to be stored as well."""
         depth = np.nan if point.state is None else point.state.penetration * self.problem.scales.height
         deeper = min(self.scene.accuracy.max_increment, DEEPER) * self.problem.scales.height
-        return abs(point.value - self.kept) >= spacing and not abs(depth - self.kept_penetration) < deeper * ROUNDED
+        return abs(point.value - self.kept) >= spacing and not abs(depth - self.kept_penetration) < deeper * ALMOST
 
     def _refined(self, point: AnyPoint, direction: float) -> AnyPoint:
         """The point at the accuracy of a target, the events on the way to which are kept."""

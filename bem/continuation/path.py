@@ -168,7 +168,7 @@ class Path:
                 continue
             if attempt.ahead is not None and attempt.found is None:
                 self.effort.accepted += 1
-                longer = min(2 * trial.step, self.increments.largest)
+                longer = min(2 * trial.step, self._largest(attempt.ahead))
                 pace = Pace(longer, fold="near") if pace.fold == "ahead" else Pace(longer, pace.blocked)
                 point = replace(attempt.ahead, increment=pace.increment)
                 yield point
@@ -287,7 +287,7 @@ class Path:
         last = self._last_increment(point, closing)
         if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
             return None
-        step, shortest = min(pace.increment, self.increments.largest, _within_reach(point)), self._shortest(point)
+        step, shortest = min(pace.increment, self._largest(point), _within_reach(point)), self._shortest(point)
         least = shortest * BRACKET
         if pace.blocked is not None and direction * (pace.blocked - point.value) > 0:
             step, least = min(step, max(abs(pace.blocked - point.value) / 2, shortest)), shortest
@@ -365,6 +365,14 @@ class Path:
             return []
         near = self.corrected(before_fold(limit, ends[1]), limit.balance.state.penetration, ends[1])
         return [] if near is None or self.interpenetrates(near) else [near]
+
+    def _largest(self, point: Equilibrium) -> float:
+        """The largest increment of the control at a point: the one asked for, or what moves the contact as far."""
+        control = self.system.control
+        if control.load_weight == 0:
+            return self.increments.largest
+        growth = control.penetration_weight + control.load_weight * point.balance.stiffness
+        return max(self.increments.largest, self.increments.deepest * growth)
 
     def _last_increment(self, point: Equilibrium, closing: float) -> float:
         """The increment before complete contact: the smallest; half the way, where several gaps are left."""

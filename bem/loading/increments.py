@@ -41,12 +41,16 @@ class Increments:
         Increments; an event is resolved within the smallest, or less in thin layers.
     coarse, fine : Accuracy
         Between targets, and at targets.
+    deepest : float
+        Change of the penetration, in rms heights, up to which an increment may be longer than `largest`: under load a
+        stiff contact hardly moves.
     """
 
     largest: float
     smallest: float
     coarse: Accuracy = COARSE
     fine: Accuracy = FINE
+    deepest: float = 0.0
 
 
 @dataclass

@@ -29,6 +29,7 @@ from bem.scene.scene import Scene
 
 PER_INCREMENT, PER_CREST, PER_TARGET = 6.3, 25.0, 6.6  # evaluations with adhesion
 LOADED = 0.5  # increments under a given load count so much: fewer states are stored on the way
+BEGINNING = 5.0  # increments of a leg under load, at most, though the contact hardly moves: the first ones are short
 PER_BARE_TARGET = 7.1  # without
 AREA = 2.5  # geometric overlap over the area of contact
 LEAST_AREA = 1e-3
@@ -127,15 +128,18 @@ def _legs(scene: Scene, surface: Profile, levels: FloatArray, crests: FloatArray
     loading, scale = scene.loading, _pressure_scale(scene, surface)
     pressed, complete = loading.control == "mean_pressure", loading.initial == "complete_contact"
     lowest, highest, passed = float(levels[0]), surface.max_height, np.unique(crests)
-    step = scene.accuracy.max_increment * (1e-2 * scale if pressed else surface.rms_height)
+    largest = scene.accuracy.max_increment
     legs: list[Leg] = []
     value, plane = _start(scene, surface, scale), lowest if complete else highest
     for target, ahead in _route(scene, surface, levels):
         ahead = min(max(ahead, lowest), highest)
         below = np.searchsorted(passed, (plane, ahead), side="right")
         count = abs(int(below[0]) - int(below[1]))
-        way = abs(target - value) if pressed else abs(ahead - plane)
-        legs.append(Leg(value, target, ahead, (LOADED if pressed else 1.0) * way / step, count))
+        increments = abs(ahead - plane) / (largest * surface.rms_height)
+        if pressed:
+            loaded = LOADED * abs(target - value) / (1e-2 * largest * scale)
+            increments = min(loaded, max(increments, BEGINNING))
+        legs.append(Leg(value, target, ahead, increments, count))
         value, plane = target, ahead
     rest = Leg(value, value, plane, 0.0, 0)
     return (*legs, *(rest for _ in range(len(loading.targets) - len(legs))))
