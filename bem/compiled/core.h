@@ -124,7 +124,7 @@ static inline double log_of_size(double x)
     double f, k, s, z, r, result;
     memcpy(&bits, &x, 8);
     bits &= INT64_C(0x7fffffffffffffff);
-    shifted = bits + (one - root_half);
+    shifted = (int64_t)((uint64_t)bits + (uint64_t)(one - root_half)); /* of NaN it wraps */
     whole = (int64_t)((uint64_t)shifted >> 52) | INT64_C(0x4330000000000000);
     memcpy(&k, &whole, 8);
     k -= 4503599627370496.0 + 1023.0;

@@ -53,7 +53,8 @@ DECLARED(pair_by_pair)
 DECLARED(near_patch)
 {
     Call call;
-    Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1], n_modes, n_count, n_index, i, k;
+    Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1], n_modes, n_count, n_index;
+    Size i, k;
     double *center, *half_width, *charges, *places, *total, *terms, *x, *values, *ones;
     int64_t *n_charges, *n_terms, *index;
     PyObject *result;
@@ -77,8 +78,8 @@ DECLARED(near_patch)
     index = integers(&call, given[4], &n_index);
     x = reals(&call, given[5], 1, n);
     expect(&call, of_width[0] == patches[0] && of_charges[0] == patches[0] && of_places[0] == patches[0] &&
-                      of_places[1] == of_charges[1] && n_modes == patches[0] && of_total[0] == patches[0] && n_count == patches[0] &&
-                      of_terms[0] == patches[0] && n_index == n[0],
+                      of_places[1] == of_charges[1] && n_modes == patches[0] && of_total[0] == patches[0] &&
+                      n_count == patches[0] && of_terms[0] == patches[0] && n_index == n[0],
            "arrays of the patches differ in size");
     result = new_reals(&call, 1, n[0], 0, &values);
     for (i = 0; !call.failed && i < n[0]; i++)

@@ -43,9 +43,11 @@ def stress_intensity_jacobian(state: Evaluation) -> FloatArray:
 
 
 def own_sensitivity(state: Evaluation) -> FloatArray:
-    """dK_e / d(outward motion of the same edge) as K vanishes, (2 L,): what does without the compliance of the edges.
+    """dK_e / d(outward motion of the same edge), (2 L,).
 
-    The rest of the Jacobian is a multiple of K.
+    Where the compliance of the edges is not known, without its term -Z_ee K_e / (2 r_e), which vanishes with K.
     """
+    if state.edge_compliance.size:
+        return np.diagonal(stress_intensity_jacobian(state))
     half_width = np.concatenate([state.patches.half_width, state.patches.half_width])
     return np.asarray(-state.stress_intensity / (4 * half_width) - np.sqrt(np.pi / half_width) * state.edge_slope / 2)

@@ -185,7 +185,9 @@ class _Search:
     def evaluated(self) -> Evaluation:
         """The state of the patches at the target."""
         at = self.control.guess(self.penetration, self.target)
-        found = evaluate(self.elastic, self.patches, at, self.tolerance, with_compliance=False)
+        found = evaluate(
+            self.elastic, self.patches, at, self.tolerance, with_compliance=self.elastic.kernel is not None
+        )
         state = self.control.reach(found, self.target)
         self.penetration, self.measure = state.penetration, edge_residual(state)
         return state

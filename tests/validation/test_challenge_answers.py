@@ -45,7 +45,8 @@ def test_answers_are_what_all_routes_give(name):
         for shipped, again in zip(one.checks, made.answers[quantity].checks, strict=True):
             (route, _, known), (other, _, spread) = (check.route.partition(", known to ") for check in (shipped, again))
             assert route == other
-            assert float(known or 0) == pytest.approx(float(spread or 0), rel=0.4)  # one digit; measured: 6e-6 for 7e-6
+            low, high = sorted((float(known or 0), float(spread or 0)))
+            assert high <= 2 * low  # one digit each: 1.5 may be 1 or 2
 
 
 @pytest.mark.parametrize("name", names())
