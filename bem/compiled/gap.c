@@ -53,8 +53,8 @@ DECLARED(pair_by_pair)
 DECLARED(near_patch)
 {
     Call call;
-    Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1], n_modes, n_count, n_index;
-    Size i, k;
+    Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1];
+    Size n_modes, n_count, n_index, i, k;
     double *center, *half_width, *charges, *places, *total, *terms, *x, *values, *ones;
     int64_t *n_charges, *n_terms, *index;
     PyObject *result;

@@ -101,6 +101,6 @@ MEASURED = {"evaluations": 0.0, "seconds, compiled kernels": 0.0193, "seconds, N
 CASES = (
     Case(id="predicted-cost", group="cost", level="quick",
          question="Does the cost that is predicted for a scene hold within a factor of 3, for nine scenes of ten?",
-         equations="evaluations = 6.3 increments (half or less under load) + 25 crests + 6.6 targets; bare: 7.1 targets",
+         equations="evaluations = 6.3 increments (under load half, or fewer) + 25 crests + 6.6 targets; bare: 7.1",
          sources=("persson2001",), compute=_predicted_cost, effects=("half_space", "adhesion")),
 )  # fmt: skip
