@@ -164,16 +164,15 @@ def test_balance_sees_the_energy_of_every_event(name):
     assert resolved > 0
 
 
-@pytest.mark.parametrize("name", ["separation", "load", "layer"])
-def test_quadrature_of_the_work_converges(name):
-    """Where nothing happens the balance closes by the order of Hermite's rule; measured 20 to 320 times better.
+@pytest.mark.parametrize(("name", "largest"), [("separation", 0.08), ("load", 0.1), ("layer", 0.05)])
+def test_quadrature_of_the_work_converges(name, largest):
+    """Where nothing happens the balance closes by the order of Hermite's rule; measured 18 to 320 times better.
 
     The median, because next to a fold, where slopes have no bound, no rule has its order.
     """
     missing = []
     for part in (1.0, 0.5):
-        tables = PATHS[name] | {"accuracy": {"max_increment": part * parse_scene(PATHS[name]).accuracy.max_increment}}
-        posed = parse_scene(tables)
+        posed = parse_scene(PATHS[name] | {"accuracy": {"max_increment": part * largest}})
         result = solve(posed)
         smooth = [b for b in balances(posed, result, Units.of(posed)) if not b.events and b.state > 0]
         missing.append(float(np.median([abs(b.missing) / b.energies for b in smooth])))
