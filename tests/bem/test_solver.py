@@ -167,7 +167,7 @@ def test_increments_under_load_grow_where_the_contact_is_stiff():
     assert count < 150
     for event, again in zip(events, shorter, strict=True):
         assert event[0] == again[0]
-        assert event[1:] == pytest.approx(again[1:], rel=1e-10, abs=1e-12)  # measured: 2e-8 of 8e4 Pa; 1e-14 J/m^2
+        assert event[1:] == pytest.approx(again[1:], rel=2e-12, abs=1e-13)  # measured: 2e-8 of 8e4 Pa; 1e-14 J/m^2
 
 
 def test_a_pressure_on_the_way_becomes_a_target():
