@@ -165,6 +165,4 @@ def _jump_distance(problem: Problem) -> float:
     """
     if problem.law is None:
         return np.inf
-    profile = problem.profile
-    curvature = float(np.sqrt(np.sum((profile.orders**2 * profile.amplitudes) ** 2) / 2))
-    return 0.5 * float(np.cbrt(problem.law.least_work**2 / curvature))
+    return 0.5 * float(np.cbrt(problem.law.least_work**2 / problem.profile.rms_curvature))

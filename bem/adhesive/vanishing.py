@@ -89,8 +89,7 @@ def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
     Source: Barquins, J. Adhesion 26 (1988) 1.
     """
     profile = system.elastic.profile
-    rms_curvature = float(np.sqrt(np.sum((profile.orders**2 * profile.amplitudes) ** 2) / 2))
-    curvature = np.maximum(-profile.curvature(x), rms_curvature)
+    curvature = np.maximum(-profile.curvature(x), profile.rms_curvature)
     half_width = np.cbrt(system.law.work_of_adhesion(x) / (np.pi * curvature**2))
     return np.asarray(np.minimum(half_width, 1 / profile.max_order))
 

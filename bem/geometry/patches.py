@@ -53,7 +53,7 @@ class Patches:
     @cached_property
     def gap_after(self) -> FloatArray:
         """Width of the gap behind each patch, up to the next one on the circle, (L,)."""
-        return np.append(self.left[1:], self.left[:1] + TWO_PI) - self.right
+        return np.concatenate([self.left[1:], self.left[:1] + TWO_PI]) - self.right
 
     @cached_property
     def gap_before(self) -> FloatArray:
@@ -73,7 +73,7 @@ class Patches:
     @property
     def is_ordered(self) -> bool:
         """Whether all widths and gaps are positive."""
-        return bool(np.all(self.width > 0) and np.all(self.gap_after > 0))
+        return bool(self.width.min(initial=np.inf) > 0 and self.gap_after.min(initial=np.inf) > 0)
 
     def moved(self, outward: FloatArray) -> Patches:
         """Patches after each edge moved outward by the given (2 L,) amounts."""

@@ -144,6 +144,11 @@ class Profile:
         """Root mean square slope (unit of height per unit of length)."""
         return float(np.sqrt(np.sum((self.q0 * self.orders * self.amplitudes) ** 2) / 2))
 
+    @cached_property
+    def rms_curvature(self) -> float:
+        """Root mean square curvature (unit of height per square of the unit of length)."""
+        return float(np.sqrt(np.sum(((self.q0 * self.orders) ** 2 * self.amplitudes) ** 2) / 2))
+
     @property
     def is_flat(self) -> bool:
         """Whether every amplitude is zero."""
