@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
+from bem.adhesive.equilibrium import Balance, System, balance, energy_noise, symmetric_part
 from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.trust_region import trust_region_step
 from bem.adhesive.vanishing import Change, closing_gaps, pulled_shut, vanishing_patches
@@ -209,7 +209,7 @@ class _Walk:
     def step(self, here: Balance) -> _Step:
         """The step that minimises the quadratic model within the trust radius."""
         scale = _step_scale(self.system, here, self.steps.largest)
-        hessian = (here.hessian + here.hessian.T) / 2 * np.outer(scale, scale)
+        hessian = symmetric_part(here.hessian, scale)
         gradient = here.gradient * scale
         parts = trust_region_step(gradient, hessian, self.radius)
         return _Step(scale, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))

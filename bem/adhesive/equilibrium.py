@@ -107,8 +107,7 @@ class Balance:
     @cached_property
     def hessian_by_edge_scale(self) -> FloatArray:
         """Symmetric part of the Hessian with every edge in units of its edge scale, (2 L, 2 L)."""
-        scale = self.state.patches.edge_scale
-        return np.asarray((self.hessian + self.hessian.T) / 2 * np.outer(scale, scale))
+        return symmetric_part(self.hessian, self.state.patches.edge_scale)
 
     @cached_property
     def factor(self) -> FloatArray | None:
@@ -120,7 +119,7 @@ class Balance:
     def stable_at_fixed_load(self) -> bool:
         """Whether the Hessian bordered with Delta, of U - load Delta, is positive definite."""
         soft = self.fixed_penetration_hessian - np.outer(self.load_gradient, self.load_gradient) / self.state.load_rate
-        return bool(lowest_modes(self._scaled(soft), 1)[0][0] > 0)
+        return bool(lowest_modes(symmetric_part(soft, self.scale), 1)[0][0] > 0)
 
     @cached_property
     def stiffness(self) -> float:
@@ -142,15 +141,20 @@ class Balance:
     @property
     def scaled_hessian(self) -> FloatArray:
         """Symmetric part of the Hessian, scaled: of order 1 at edges of patches of any size, (2 L, 2 L)."""
-        return self._scaled(self.hessian)
+        return symmetric_part(self.hessian, self.scale)
 
     @property
     def scale(self) -> FloatArray:
         """Root of edge scale over work of adhesion of each edge, (2 L,)."""
         return np.asarray(np.sqrt(self.state.patches.edge_scale / self.work))
 
-    def _scaled(self, hessian: FloatArray) -> FloatArray:
-        return np.asarray((hessian + hessian.T) / 2 * np.outer(self.scale, self.scale))
+
+def symmetric_part(hessian: FloatArray, scale: FloatArray) -> FloatArray:
+    """Symmetric part of a Hessian in units of length of every edge, (2 L, 2 L)."""
+    result = hessian + hessian.T
+    result *= (scale / 2)[:, None]  # in place: fresh memory for large matrices takes longer than the product
+    result *= scale
+    return result
 
 
 def edge_positions(patches: Patches) -> FloatArray:
@@ -260,13 +264,13 @@ def _newton_step(system: System, here: Balance) -> FloatArray:
     state, control = here.state, system.control
     jacobian = here.jacobian.copy()
     if control.load_weight > 0:
-        jacobian -= (
-            control.load_weight * control.rate(state) * np.outer(state.stress_intensity_rate, here.load_gradient)
-        )
+        share = control.load_weight * control.rate(state)
+        jacobian -= np.outer(share * state.stress_intensity_rate, here.load_gradient)
     diagonal = np.arange(here.work.size)
     jacobian[diagonal, diagonal] -= here.work_gradient / np.sqrt(here.work)
     try:
         missing = 2 * np.sqrt(here.work) - state.stress_intensity
-        return np.asarray(np.linalg.solve(jacobian * state.patches.edge_scale, missing))
+        jacobian *= state.patches.edge_scale
+        return np.asarray(np.linalg.solve(jacobian, missing))
     except np.linalg.LinAlgError:
         return np.full(here.work.size, np.inf)

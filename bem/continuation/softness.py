@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.equilibrium import Balance, System, balance, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.sensitivities import stress_intensity_jacobian
@@ -92,7 +92,7 @@ def _stiffening(system: System, here: Balance, outward: FloatArray) -> float:
 
 def hessian_in(here: Balance, scale: FloatArray) -> FloatArray:
     """The symmetric part of a Hessian in units of length of every edge, (2 L, 2 L)."""
-    return np.asarray((here.hessian + here.hessian.T) / 2 * np.outer(scale, scale))
+    return symmetric_part(here.hessian, scale)
 
 
 def is_at_rest(soft: Soft, modes: FloatArray) -> NDArray[np.bool_]:

@@ -76,7 +76,7 @@ class DisplacementControl:
         """Hessian of the potential, (2 L, 2 L)."""
         if not self.load_weight:
             return hessian
-        return hessian - self.load_weight * self.rate(state) * np.outer(load_gradient, load_gradient)
+        return hessian + np.outer(-self.load_weight * self.rate(state) * load_gradient, load_gradient)
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class LoadControl:
 
     def hessian_under_control(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
         """Hessian of the potential, (2 L, 2 L)."""
-        return hessian - np.outer(load_gradient, load_gradient) / state.load_rate
+        return hessian + np.outer(-self.rate(state) * load_gradient, load_gradient)
 
 
 Control = DisplacementControl | LoadControl
