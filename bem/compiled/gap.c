@@ -48,14 +48,38 @@ DECLARED(pair_by_pair)
     return result;
 }
 
+/* What one patch adds at LANES points beside it, t half widths from its center: -pi times its series, by Horner's rule
+   in zeta with all terms that the point nearest to it sees, less the potential of its skeleton. */
+VECTORISED static void beside_patch(const double *RESTRICT t, double total, Size n_terms, const double *RESTRICT terms,
+                                    Size n, const double *RESTRICT places, const double *RESTRICT charges,
+                                    double *RESTRICT values)
+{
+    double zeta[LANES], sum[LANES] = {0}, coarse[LANES] = {0}, nearest = 0.0, most;
+    Size i, k;
+    for (k = 0; k < LANES; k++) {
+        double square = (t[k] - 1) * (t[k] + 1);
+        zeta[k] = 1 / (t[k] + copysign(sqrt(square > 0 ? square : 0.0), t[k]));
+        nearest = fabs(zeta[k]) > nearest ? fabs(zeta[k]) : nearest;
+    }
+    most = NEGLIGIBLE / log(nearest - 1e-16);
+    for (i = most < (double)n_terms ? (Size)ceil(most) : n_terms; i > 0; i--)
+        for (k = 0; k < LANES; k++)
+            sum[k] = (sum[k] + terms[i - 1]) * zeta[k];
+    for (i = 0; i < n; i++)
+        for (k = 0; k < LANES; k++)
+            coarse[k] += charges[i] * log_of_size(t[k] - places[i]);
+    for (k = 0; k < LANES; k++)
+        values[k] = -PI * (log_of_size(2 * zeta[k]) * total + sum[k]) - coarse[k];
+}
+
 /* gap.near_patch(center, half_width, skeletons, series, index, x): the exact logarithmic part of one patch less that of
    its skeleton, for each x the patch beside which it lies. */
 DECLARED(near_patch)
 {
     Call call;
     Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1];
-    Size n_modes, n_count, n_index, i, k;
-    double *center, *half_width, *charges, *places, *total, *terms, *x, *values, *ones;
+    Size n_modes, n_count, n_index, i, k, next;
+    double *center, *half_width, *charges, *places, *total, *terms, *x, *values;
     int64_t *n_charges, *n_terms, *index;
     PyObject *result;
     if (!enter(&call, n_given, 6))
@@ -86,27 +110,17 @@ DECLARED(near_patch)
         expect(&call, 0 <= index[i] && index[i] < patches[0] && n_terms[index[i]] <= of_terms[1] &&
                           n_charges[index[i]] <= of_charges[1],
                "no such patch");
-    ones = call.failed ? NULL : workspace(of_charges[1]);
-    for (k = 0; ones != NULL && k < of_charges[1]; k++)
-        ones[k] = 1.0;
-    for (i = 0; ones != NULL && i < n[0]; i++) {
-        Size which = (Size)index[i], width = of_charges[1];
-        const double *charge = charges + which * width, *place = places + which * width;
-        const double *term = terms + which * of_terms[1];
-        double t = (x[i] - center[which]) / half_width[which], square = t * t - 1, exact, power = 1.0;
-        double zeta = 1 / (t + copysign(sqrt(square > 0 ? square : 0.0), t));
-        double most = NEGLIGIBLE / log(fabs(zeta) - 1e-16), sum = 0.0;
-        Size last = most < (double)n_terms[which] ? (Size)ceil(most) : (Size)n_terms[which];
-        exact = log_of_size(2 * zeta) * total[which];
-        for (k = 0; k < last; k++) {
-            power *= zeta;
-            sum += power * term[k];
-        }
-        values[i] = -PI * (exact + sum) - potential((Size)n_charges[which], t, -1.0, ones, place, charge);
+    for (i = 0; !call.failed && i < n[0]; i = next) {
+        Size which = (Size)index[i];
+        double t[LANES], beside[LANES];
+        for (next = i; next < n[0] && next < i + LANES && index[next] == which; next++)
+            t[next - i] = (x[next] - center[which]) / half_width[which];
+        for (k = next - i; k < LANES; k++)
+            t[k] = t[0];
+        beside_patch(t, total[which], (Size)n_terms[which], terms + which * of_terms[1], (Size)n_charges[which],
+                     places + which * of_charges[1], charges + which * of_charges[1], beside);
+        memcpy(values + i, beside, (size_t)(next - i) * sizeof(double));
     }
-    if (ones == NULL)
-        Py_CLEAR(result);
-    PyMem_Free(ones);
     leave(&call);
     return result;
 }

@@ -126,7 +126,7 @@ def near_patch(
     """
     (charges, places, _), (total, count, terms) = skeletons, series
     t = (x - center[index]) / half_width[index]
-    zeta = 1 / (t + np.copysign(np.sqrt(np.maximum(t * t - 1, 0.0)), t))
+    zeta = 1 / (t + np.copysign(np.sqrt(np.maximum((t - 1) * (t + 1), 0.0)), t))
     exact = np.log(np.abs(2 * zeta)) * total[index] + _power_series(terms, count, index, zeta)
     distance = np.abs(t[:, None] - places[index])
     coarse = np.einsum("nk,nk->n", np.log(distance, out=distance), charges[index])
