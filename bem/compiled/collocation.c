@@ -53,6 +53,44 @@ DECLARED(skeleton_columns)
     return result;
 }
 
+/* collocation.all_charges(coupled, series, skeleton): Q_n of every patch. */
+DECLARED(all_charges)
+{
+    Call call;
+    Size patches, of_series[2], n[1], i, k, start = 0;
+    double *series, *skeleton, *charges;
+    int64_t *index;
+    Table *tables;
+    PyObject *classes, *result;
+    if (!enter(&call, n_given, 3))
+        return NULL;
+    index = integers(&call, attribute(&call, given[0], "index"), &patches);
+    classes = attribute(&call, given[0], "tables");
+    series = reals(&call, given[1], 2, of_series);
+    skeleton = reals(&call, given[2], 1, n);
+    tables = tables_of(&call, classes);
+    for (i = 0; !call.failed && i < patches; i++) {
+        expect(&call, 0 <= index[i] && index[i] < PyTuple_GET_SIZE(classes), "modes: index out of range");
+        expect(&call, call.failed || tables[index[i]].n <= of_series[1], "more modes than terms of the series");
+        start += call.failed ? 0 : tables[index[i]].n;
+    }
+    expect(&call, patches == of_series[0] && start == n[0], "charges, series and modes differ");
+    result = new_reals(&call, 2, of_series[0], of_series[1], &charges);
+    for (i = 0; !call.failed && i < patches; i++) {
+        const Table *table = &tables[index[i]];
+        times('N', table->n, table->n, 2 / PI, table->values, table->n, skeleton, 0.0, charges);
+        charges[0] /= 2;
+        for (k = table->n; k < of_series[1]; k++)
+            charges[k] = (double)k / -PI * series[k];
+        charges += of_series[1];
+        series += of_series[1];
+        skeleton += table->n;
+    }
+    PyMem_Free(tables);
+    leave(&call);
+    return result;
+}
+
 /* collocation.slopes_at_edges(coupled, charges): sum n^2 (+-1)^n Q_n of the coupled modes, left edges first. */
 DECLARED(slopes_at_edges)
 {

@@ -236,6 +236,7 @@ static PyMethodDef methods[] = {
     KERNEL(skeleton_columns),
     KERNEL(solved),
     KERNEL(stress_intensity_jacobian),
+    KERNEL(all_charges),
     KERNEL(slopes_at_edges),
     KERNEL(uncoupled),
     KERNEL(integral),

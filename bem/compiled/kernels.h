@@ -10,6 +10,7 @@ DECLARED(sampled_series);
 DECLARED(skeleton_columns);
 DECLARED(solved);
 DECLARED(stress_intensity_jacobian);
+DECLARED(all_charges);
 DECLARED(slopes_at_edges);
 DECLARED(uncoupled);
 DECLARED(integral);

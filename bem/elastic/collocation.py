@@ -163,13 +163,12 @@ class Evaluation:
 
     def pressure(self) -> PatchPressure:
         """The pressure as Chebyshev series on the patches."""
-        coupled = chebyshev.by_modes(self.resolution.modes)
-        charges = self.series * (-np.arange(self.series.shape[1]) / np.pi)
-        for modes, members in coupled.classes:
-            nodal = self.skeleton[coupled.starts[members, None] + np.arange(modes)] * (modes / np.pi)
-            charges[members, :modes] = chebyshev.coefficients(nodal)
-        series = tuple(row[:nodes] for row, nodes in zip(charges, self.resolution.nodes.tolist(), strict=True))
-        return PatchPressure(self.patches.left, self.patches.right, series)
+        rows = zip(self.charges(), self.resolution.nodes.tolist(), strict=True)
+        return PatchPressure(self.patches.left, self.patches.right, tuple(row[:nodes] for row, nodes in rows))
+
+    def charges(self) -> FloatArray:
+        """Chebyshev coefficients Q_n of the pressure on the patches, (L, max N_i), filled up with zeros."""
+        return all_charges(chebyshev.by_modes(self.resolution.modes), self.series, self.skeleton)
 
 
 def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
@@ -308,6 +307,16 @@ def uncoupled(series: FloatArray, modes: IntArray) -> tuple[FloatArray, FloatArr
     left, right, slope_left, slope_right = (term @ sums).T
     at_edge, slope = np.concatenate([left, right]), np.concatenate([slope_left, slope_right])
     return at_edge, slope, float(np.vdot(term, series))
+
+
+@mirrored
+def all_charges(coupled: chebyshev.BySize, series: FloatArray, skeleton: FloatArray) -> FloatArray:
+    """Q_n of every patch: of the coupled modes from the nodal charges, of the others -n C_n / pi, (L, max N_i)."""
+    charges = series * (-np.arange(series.shape[1]) / np.pi)
+    for size, members in coupled.classes:
+        nodal = skeleton[coupled.starts[members, None] + np.arange(size)] * (size / np.pi)
+        charges[members, :size] = chebyshev.coefficients(nodal)
+    return charges
 
 
 @mirrored

@@ -102,13 +102,9 @@ class GapField:
     @cached_property
     def _series(self) -> tuple[FloatArray, IntArray, FloatArray]:
         """c_0 of the patches and number of their other c_n, (L,) each, and c_n / n, (L, n), filled up with zeros."""
-        skeletons, _, modes = self._skeletons
-        total, terms = np.empty(modes.size), self.state.series[:, 1:] / -np.pi
-        for size in np.unique(modes).tolist():
-            who = np.flatnonzero(modes == size)
-            coupled = chebyshev.coefficients(skeletons[who, :size] * (size / np.pi))
-            total[who], terms[who, : size - 1] = coupled[:, 0], coupled[:, 1:] / np.arange(1, size)
-        return total, self.state.resolution.nodes - 1, terms
+        charges = self.state.charges()
+        terms = charges[:, 1:] / np.arange(1, charges.shape[1])
+        return np.ascontiguousarray(charges[:, 0]), self.state.resolution.nodes - 1, terms
 
 
 @mirrored

@@ -152,6 +152,11 @@ def test_sums_over_the_uncoupled_modes(posed):
     assert energy == pytest.approx(energy_expected, rel=ROUNDING)
 
 
+def test_charges_of_all_modes(posed):
+    given = posed.coupled, posed.series, np.random.default_rng(1).normal(size=posed.skeleton.x.size)
+    check(CORE.all_charges(*given), posed.reference.all_charges(*given))
+
+
 def test_slopes_at_the_edges(posed):
     charges = np.random.default_rng(1).normal(size=(2, posed.skeleton.x.size))
     given = posed.coupled, charges
