@@ -240,6 +240,8 @@ static PyMethodDef methods[] = {
     KERNEL(slopes_at_edges),
     KERNEL(uncoupled),
     KERNEL(integral),
+    KERNEL(box_moments),
+    KERNEL(box_potential),
     KERNEL(near_patch),
     KERNEL(pair_by_pair),
     {NULL, NULL, 0, NULL},

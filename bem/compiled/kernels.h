@@ -14,6 +14,8 @@ DECLARED(all_charges);
 DECLARED(slopes_at_edges);
 DECLARED(uncoupled);
 DECLARED(integral);
+DECLARED(box_moments);
+DECLARED(box_potential);
 DECLARED(near_patch);
 DECLARED(pair_by_pair);
 

@@ -28,7 +28,7 @@ from bem.geometry.arrays import FloatArray, IntArray
 
 TWO_PI = 2 * np.pi
 LARGEST_BLOCK = 1 << 16  # chords at a time, half a megabyte
-DIRECT, PER_BOX = 400_000, 18  # pairs up to which boxes do not pay, and root of the pairs per box (measured)
+DIRECT, PER_BOX = 200_000, 18  # pairs up to which boxes do not pay, and root of the pairs per box (measured)
 BOX_TERMS = 20  # of a polynomial in a box; (3 + sqrt 8)^-20 = 5e-16
 
 
@@ -73,28 +73,10 @@ class LogarithmicPotential:
     def _by_boxes(self, x: FloatArray, points: FloatArray) -> FloatArray:
         """Pair by pair between boxes of the circle that touch, by polynomials between the others, (n,)."""
         boxes = 1 << int(np.log2(np.sqrt(x.size * self.position.size) / PER_BOX))
-        (box_x, values_x), (box, values) = _in_boxes(x, boxes), _in_boxes(self.position, boxes)
-        entry = box * BOX_TERMS + np.arange(BOX_TERMS)[:, None]
-        moments = np.bincount(entry.ravel(), (values * self.charge).ravel(), boxes * BOX_TERMS)
-        spectrum = _coupling(boxes) @ np.fft.rfft(moments.reshape(boxes, BOX_TERMS, 1), axis=0)
-        series = np.fft.irfft(spectrum, boxes, axis=0)[:, :, 0].T
-        total = np.einsum("kn,kn->n", values_x, series.take(box_x, axis=1))
-        order_x, order = np.argsort(box_x, kind="stable"), np.argsort(box, kind="stable")
-        ends_x, ends = (np.cumsum(np.bincount(which, minlength=boxes)).tolist() for which in (box_x, box))
-        circle = np.concatenate([order[ends[-2] :], order, order[: ends[0]]])  # from the last box round to the first
-        in_last = order.size - ends[-2]
-        starts = [0, in_last, *(in_last + end for end in ends), circle.size]  # of boxes -1, 0, 1, ..., 0 in the circle
-        points, sources, charge = points[:, order_x], self._sources[:, circle], self.charge[circle]
-        touching = [
-            pair_by_pair(
-                np.ascontiguousarray(points[:, first:last]),
-                np.ascontiguousarray(sources[:, start:stop]),
-                charge[start:stop],
-            )
-            for first, last, start, stop in zip([0, *ends_x], ends_x, starts, starts[3:], strict=False)
-        ]
-        total[order_x] += np.concatenate(touching)
-        return np.asarray(total)
+        moments = box_moments(self.position, self.charge, boxes)
+        spectrum = _coupling(boxes) @ np.fft.rfft(moments[:, :, None], axis=0)
+        series = np.fft.irfft(spectrum, boxes, axis=0)[:, :, 0]
+        return box_potential(x, points, self.position, self._sources, self.charge, series)
 
 
 @mirrored
@@ -106,6 +88,44 @@ def pair_by_pair(points: FloatArray, sources: FloatArray, charge: FloatArray) ->
         np.log(np.abs(chord, out=chord), out=chord)
         total[first : first + block] = chord @ charge
     return total
+
+
+@mirrored
+def box_moments(position: FloatArray, charge: FloatArray, boxes: int) -> FloatArray:
+    """Sums of q_j T_k(t_j) over the charges in each of equal boxes of the circle, (boxes, BOX_TERMS)."""
+    box, values = _in_boxes(position, boxes)
+    entry = box * BOX_TERMS + np.arange(BOX_TERMS)[:, None]
+    moments = np.bincount(entry.ravel(), (values * charge).ravel(), boxes * BOX_TERMS)
+    return moments.reshape(boxes, BOX_TERMS)
+
+
+@mirrored
+def box_potential(
+    x: FloatArray, points: FloatArray, position: FloatArray, sources: FloatArray, charge: FloatArray, series: FloatArray
+) -> FloatArray:
+    """Potential at x, (n,), of charges in the same box and in the two beside it, pair by pair; plus a series per box.
+
+    Points and sources are those of `pair_by_pair`; series of T_k across the boxes, (boxes, BOX_TERMS).
+    """
+    boxes = series.shape[0]
+    (box_x, values), box = _in_boxes(x, boxes), _in_boxes(position, boxes)[0]
+    total = np.einsum("kn,kn->n", values, series.T.take(box_x, axis=1))
+    order_x, order = np.argsort(box_x, kind="stable"), np.argsort(box, kind="stable")
+    ends_x, ends = (np.cumsum(np.bincount(which, minlength=boxes)).tolist() for which in (box_x, box))
+    circle = np.concatenate([order[ends[-2] :], order, order[: ends[0]]])  # from the last box round to the first
+    in_last = order.size - ends[-2]
+    starts = [0, in_last, *(in_last + end for end in ends), circle.size]  # of boxes -1, 0, 1, ..., 0 in the circle
+    points, sources, charge = points[:, order_x], sources[:, circle], charge[circle]
+    touching = [
+        pair_by_pair(
+            np.ascontiguousarray(points[:, first:last]),
+            np.ascontiguousarray(sources[:, start:stop]),
+            charge[start:stop],
+        )
+        for first, last, start, stop in zip([0, *ends_x], ends_x, starts, starts[3:], strict=False)
+    ]
+    total[order_x] += np.concatenate(touching)
+    return np.asarray(total)
 
 
 def _in_boxes(x: FloatArray, boxes: int) -> tuple[IntArray, FloatArray]:

@@ -170,6 +170,19 @@ def test_potential_of_charges(points):
     check(CORE.pair_by_pair(*given), kernels.REFERENCES["pair_by_pair"](*given))
 
 
+@pytest.mark.parametrize("boxes", [4, 32])
+def test_boxes_of_charges(boxes):
+    random = np.random.default_rng(2)
+    x, position = random.uniform(-7, 14, 1000), random.uniform(-7, 14, 333)
+    charge, series = random.normal(size=333), random.normal(size=(boxes, 20))
+    points = np.stack([np.sin(x / 2), np.cos(x / 2)]) * 2
+    sources = np.stack([np.cos(position / 2), -np.sin(position / 2)])
+    moments = position, charge, boxes
+    potential = x, points, position, sources, charge, series
+    check(CORE.box_moments(*moments), kernels.REFERENCES["box_moments"](*moments))
+    check(CORE.box_potential(*potential), kernels.REFERENCES["box_potential"](*potential))
+
+
 def test_logarithm():
     random = np.random.default_rng(6)
     x = np.concatenate([random.uniform(0.5, 2, 20_000), 10 ** random.uniform(-300, 300, 20_000)])
