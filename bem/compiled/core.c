@@ -242,6 +242,8 @@ static PyMethodDef methods[] = {
     KERNEL(integral),
     KERNEL(box_moments),
     KERNEL(box_potential),
+    KERNEL(chebyshev_sums),
+    KERNEL(lower_bounds),
     KERNEL(near_patch),
     KERNEL(pair_by_pair),
     {NULL, NULL, 0, NULL},

@@ -140,11 +140,12 @@ DECLARED(box_moments)
 }
 
 /* sum_k series_k T_k(t) by Clenshaw's rule, in lanes. */
-VECTORISED static void sum_series(const double *RESTRICT series, const double *RESTRICT t, double *RESTRICT values)
+VECTORISED static void sum_series(Size terms, const double *RESTRICT series, const double *RESTRICT t,
+                                   double *RESTRICT values)
 {
     double before[LANES] = {0}, here[LANES] = {0};
     Size i, k;
-    for (k = BOX_TERMS - 1; k > 0; k--)
+    for (k = terms - 1; k > 0; k--)
         for (i = 0; i < LANES; i++) {
             double after = series[k] + 2 * t[i] * here[i] - before[i];
             before[i] = here[i];
@@ -152,6 +153,69 @@ VECTORISED static void sum_series(const double *RESTRICT series, const double *R
         }
     for (i = 0; i < LANES; i++)
         values[i] = series[0] + t[i] * here[i] - before[i];
+}
+
+/* gap.chebyshev_sums(series, node). */
+DECLARED(chebyshev_sums)
+{
+    Call call;
+    Size of_series[2], n[2], row, i, k;
+    double *series, *node, *values;
+    PyObject *result;
+    if (!enter(&call, n_given, 2))
+        return NULL;
+    series = reals(&call, given[0], 2, of_series);
+    node = reals(&call, given[1], 2, n);
+    expect(&call, of_series[0] == n[0] && of_series[1] > 0, "series and nodes differ");
+    result = new_reals(&call, 2, n[0], n[1], &values);
+    for (row = 0; !call.failed && row < n[0]; row++, node += n[1], values += n[1])
+        for (i = 0; i < n[1]; i += LANES) {
+            double t[LANES] = {0}, sum[LANES];
+            Size size = n[1] - i < LANES ? n[1] - i : LANES;
+            for (k = 0; k < size; k++)
+                t[k] = node[i + k];
+            sum_series(of_series[1], series + row * of_series[1], t, sum);
+            memcpy(values + i, sum, (size_t)size * sizeof(double));
+        }
+    leave(&call);
+    return result;
+}
+
+/* gap.lower_bounds(gap, x, u, highest). */
+DECLARED(lower_bounds)
+{
+    Call call;
+    Size n, of_x[1], of_u[1], of_highest[1], i, k;
+    double *x, *u, *highest, *bounds, bend, before = 0.0, unit;
+    int64_t *gap;
+    PyObject *result;
+    if (!enter(&call, n_given, 4))
+        return NULL;
+    gap = integers(&call, given[0], &n);
+    x = reals(&call, given[1], 1, of_x);
+    u = reals(&call, given[2], 1, of_u);
+    highest = reals(&call, given[3], 1, of_highest);
+    unit = (double)of_highest[0] / (4 * PI);
+    expect(&call, of_x[0] == n && of_u[0] == n, "points and values differ");
+    result = new_reals(&call, 1, n, 0, &bounds);
+    for (i = 0; !call.failed && i < n; i++) {
+        expect(&call, 0 <= x[i] && x[i] * unit < (double)of_highest[0], "a point beyond two periods");
+        bounds[i] = HUGE_VAL;
+        if (i + 1 < n && gap[i] == gap[i + 1] && !call.failed) {
+            Size last = (Size)(x[i + 1] * unit);
+            double most = -HUGE_VAL;
+            bend = i + 2 < n && gap[i + 1] == gap[i + 2] ? fabs(u[i + 2] - u[i + 1] - (u[i + 1] - u[i])) : 0.0;
+            for (k = (Size)(x[i] * unit); k <= last && k < of_highest[0]; k++)
+                most = highest[k] > most ? highest[k] : most;
+            bounds[i] = (u[i] < u[i + 1] ? u[i] : u[i + 1]) - bend - before - most;
+            before = bend;
+        } else
+            before = 0.0;
+    }
+    if (call.failed)
+        Py_CLEAR(result);
+    leave(&call);
+    return result;
 }
 
 /* sum_j charge_j log|a first_j + b second_j|, added in lanes. */
@@ -209,7 +273,7 @@ DECLARED(box_potential)
                 a[j] = points[in.order[at]];
                 b[j] = points[n[0] + in.order[at]];
             }
-            sum_series(series + k * BOX_TERMS, t, sum);
+            sum_series(BOX_TERMS, series + k * BOX_TERMS, t, sum);
             for (beside = k + boxes - 1; beside <= k + boxes + 1; beside++) {
                 Size start = from.starts[beside & (boxes - 1)], end = from.starts[(beside & (boxes - 1)) + 1];
                 add_potential(end - start, a, b, sorted + start, sorted + m[0] + start, sorted + 2 * m[0] + start, sum);

@@ -16,6 +16,8 @@ DECLARED(uncoupled);
 DECLARED(integral);
 DECLARED(box_moments);
 DECLARED(box_potential);
+DECLARED(chebyshev_sums);
+DECLARED(lower_bounds);
 DECLARED(near_patch);
 DECLARED(pair_by_pair);
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,7 @@ SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evalua
 POINTS_PER_WAVELENGTH = 10
 WHOLE = 128  # points: larger grids are looked at in stretches
 STRETCH, ENDS = 8, 4  # points of a stretch, and stretches at each end that are looked at in any case
-FEW = 0.1  # share of stretches that are low up to which u is interpolated in these alone
+FEW = 1000  # points up to which powers sum a Chebyshev series faster than Clenshaw's rule (measured)
 REFINEMENTS, REFINEMENT_RATIO = 3, 5.0  # of a minimum: parabolas on ever shorter bases; the first is a tenth off
 DOWNHILL = 10  # grid cells to a minimum that has moved
 NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
@@ -253,15 +253,16 @@ def _looked_at(field: GapField, sizes: IntArray, threshold: float) -> Iterator[P
     samples = field.displacement(_in_gaps(field.state.patches, owner, np.concatenate(sampled)), owner)
     parts: list[FloatArray] = []
     wide: list[Sampled] = []
-    start = 0
-    for first, last in pairwise([0, *(np.flatnonzero(np.diff(ascending, append=0)) + 1).tolist()]):
-        size, stop = ascending[first], start + (last - first) * sampled[first].size
+    first = start = 0
+    for size, alike in groupby(ascending):
+        last = first + len(list(alike))
+        stop = start + (last - first) * sampled[first].size
         here = samples[start:stop].reshape(last - first, -1)
         u, count = _on_grid(here, size), _columns(size)[0].size
         parts.append(u[:, :count].ravel())
         if count < size:
             wide.append((size, gaps[first:last], here, u[:, count:]))
-        start = stop
+        first, start = last, stop
     columns, places = [_columns(size)[0] for size in ascending], [_places(size)[0] for size in ascending]
     owner = np.repeat(gaps, [column.size for column in columns])
     yield owner, np.concatenate(columns), np.concatenate(places), np.concatenate(parts)
@@ -271,32 +272,48 @@ def _looked_at(field: GapField, sizes: IntArray, threshold: float) -> Iterator[P
 
 def _low_stretches(field: GapField, wide: list[Sampled], threshold: float) -> Iterator[Points]:
     """Points of the stretches of wide gaps in which bounds of u and of the profile leave room for a low gap."""
-    patches, highest = field.state.patches, _highest(field.elastic.profile)
-    gap = np.concatenate([np.repeat(gaps, at_edges.shape[1]) for _, gaps, _, at_edges in wide])
+    patches = field.state.patches
+    edges = [at_edges.shape[1] for _, gaps, _, at_edges in wide for _ in gaps]
+    gap = np.repeat(np.concatenate([gaps for _, gaps, _, _ in wide]), edges)
     place = np.concatenate([_places(size)[1] for size, gaps, _, _ in wide for _ in gaps])
     u = np.concatenate([at_edges.ravel() for _, _, _, at_edges in wide])
-    same = gap[1:] == gap[:-1]  # both edges of a stretch, not the last of one gap and the first of the next
+    x = (patches.right - np.floor(patches.right / TWO_PI) * TWO_PI)[gap] + patches.gap_after[gap] * place
+    room = lower_bounds(gap, x, u, _highest(field.elastic.profile))
+    low = np.flatnonzero(room < threshold - field.clearance)
+    ends = np.cumsum([at_edges.size for _, _, _, at_edges in wide])
+    parts = pairwise([0, *np.searchsorted(low, ends).tolist()])
+    for (size, gaps, samples, at_edges), end, (first, last) in zip(wide, ends.tolist(), parts, strict=True):
+        if first < last:
+            row, stretch = np.divmod(low[first:last] - (end - at_edges.size), at_edges.shape[1])
+            column = _columns(size)[1][stretch, None] + np.arange(-1, STRETCH + 2)
+            between = chebyshev_sums(chebyshev.coefficients(samples)[row], _node(column, size))
+            owner = np.repeat(gaps[row], column.shape[1])
+            yield owner, column.ravel(), _place((column.ravel() + 0.5) / size), between.ravel()
+
+
+@mirrored
+def lower_bounds(gap: IntArray, x: FloatArray, u: FloatArray, highest: FloatArray) -> FloatArray:
+    """Lower bounds of u less the profile between a point and the next in its gap, inf behind the last one, (n,).
+
+    Points x in two periods, ascending in each gap; between its values u bends by its second differences at most;
+    upper bounds of the profile are those of `_highest`.
+    """
+    same = gap[1:] == gap[:-1]
     bend = np.zeros(u.size)
     bend[1:-1] = np.where(same[1:] & same[:-1], np.abs(np.diff(u, 2)), 0.0)
     least = np.minimum(u[1:], u[:-1]) - bend[1:] - bend[:-1]
-    x = _in_gaps(patches, gap, place) - np.floor(patches.right[gap] / TWO_PI) * TWO_PI
     index = (x * (highest.size / (2 * TWO_PI))).astype(np.int64)
     most = np.maximum(np.maximum.reduceat(highest, index)[:-1], highest[index[1:]])
-    low = np.append(same & (least - most < threshold - field.clearance), False)
-    for size, gaps, samples, at_edges in wide:
-        here, low = np.flatnonzero(low[: at_edges.size]), low[at_edges.size :]
-        if here.size:
-            row, stretch = np.divmod(here, at_edges.shape[1])
-            column = _columns(size)[1][stretch, None] + np.arange(-1, STRETCH + 2)
-            series = chebyshev.coefficients(samples)
-            if here.size > FEW * at_edges.size:
-                between = np.polynomial.chebyshev.chebval(_node(np.arange(size), size), series.T)[row[:, None], column]
-            else:
-                waves = _powers(np.exp(1j * np.arccos(_node(column.ravel(), size))), samples.shape[1] - 1).real
-                waves = waves.reshape(-1, *column.shape)
-                between = series[row, :1] + np.einsum("ksc,sk->sc", waves, series[row, 1:])
-            owner = np.repeat(gaps[row], column.shape[1])
-            yield owner, column.ravel(), _place((column.ravel() + 0.5) / size), between.ravel()
+    return np.append(np.where(same, least - most, np.inf), np.inf)
+
+
+@mirrored
+def chebyshev_sums(series: FloatArray, node: FloatArray) -> FloatArray:
+    """sum_k series_sk T_k(node_sc), (n_series, n_nodes)."""
+    if node.size > FEW:
+        return np.asarray(np.polynomial.chebyshev.chebval(node.T, series.T, tensor=False).T)
+    waves = _powers(np.exp(1j * np.arccos(node.ravel())), series.shape[1] - 1).real.reshape(-1, *node.shape)
+    return np.asarray(series[:, :1] + np.einsum("ksc,sk->sc", waves, series[:, 1:]))
 
 
 @lru_cache(maxsize=8)

@@ -210,6 +210,25 @@ def test_potential_beside_a_patch(posed):
     check(CORE.near_patch(*given), kernels.REFERENCES["near_patch"](*given))
 
 
+@pytest.mark.parametrize("rows", [3, 300])
+def test_chebyshev_sums(rows):
+    random = np.random.default_rng(7)
+    given = random.normal(size=(rows, 40)), random.uniform(-1, 1, (rows, 11))
+    check(CORE.chebyshev_sums(*given), kernels.REFERENCES["chebyshev_sums"](*given))
+
+
+def test_lower_bounds_of_the_gap():
+    random, gap = np.random.default_rng(8), np.repeat([3, 0, 5, 1], [9, 40, 1, 2])
+    x = random.uniform(0, 2 * TWO_PI, gap.size)
+    given = gap, x[np.lexsort((x, np.cumsum(np.diff(gap, prepend=0) != 0)))], random.normal(size=gap.size)
+    bounds = random.normal(size=1024)
+    found, expected = CORE.lower_bounds(*given, bounds), kernels.REFERENCES["lower_bounds"](*given, bounds)
+    within = np.isfinite(expected)
+    assert within.sum() == 8 + 39 + 1
+    assert np.all(found[~within] == np.inf)
+    check(found[within], expected[within])
+
+
 def test_true_length():
     x, length = np.random.default_rng(4).uniform(-20, 20, 500), true_length(ROUGH, 0.3)
     given = length.start, length.width, length.series, length.whole, x
