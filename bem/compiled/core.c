@@ -7,7 +7,7 @@
 #include "core.h"
 #include "kernels.h"
 
-#define INTERFACE "3" /* kernels.INTERFACE */
+#define INTERFACE "4" /* kernels.INTERFACE */
 
 Blas blas;
 static PyObject *numpy_empty;
@@ -244,7 +244,7 @@ static PyMethodDef methods[] = {
     KERNEL(box_potential),
     KERNEL(chebyshev_sums),
     KERNEL(lower_bounds),
-    KERNEL(near_patch),
+    KERNEL(near_patches),
     KERNEL(pair_by_pair),
     {NULL, NULL, 0, NULL},
 };

@@ -316,15 +316,15 @@ VECTORISED static void beside_patch(const double *RESTRICT t, double total, Size
         values[k] = -PI * (log_of_size(2 * zeta[k]) * total + sum[k]) - coarse[k];
 }
 
-/* gap.near_patch(center, half_width, skeletons, series, index, x): the exact logarithmic part of one patch less that of
-   its skeleton, for each x the patch beside which it lies. */
-DECLARED(near_patch)
+/* gap.near_patches(center, half_width, skeletons, series, gap, x): the exact logarithmic part of the two patches beside
+   a gap less that of their skeletons. */
+DECLARED(near_patches)
 {
     Call call;
     Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1];
-    Size n_modes, n_count, n_index, i, k, next;
+    Size n_modes, n_count, n_gap, side, i, k, next;
     double *center, *half_width, *charges, *places, *total, *terms, *x, *values;
-    int64_t *n_charges, *n_terms, *index;
+    int64_t *n_charges, *n_terms, *gap;
     PyObject *result;
     if (!enter(&call, n_given, 6))
         return NULL;
@@ -343,28 +343,34 @@ DECLARED(near_patch)
     total = reals(&call, PyTuple_GET_ITEM(given[3], 0), 1, of_total);
     n_terms = integers(&call, PyTuple_GET_ITEM(given[3], 1), &n_count);
     terms = reals(&call, PyTuple_GET_ITEM(given[3], 2), 2, of_terms);
-    index = integers(&call, given[4], &n_index);
+    gap = integers(&call, given[4], &n_gap);
     x = reals(&call, given[5], 1, n);
     expect(&call, of_width[0] == patches[0] && of_charges[0] == patches[0] && of_places[0] == patches[0] &&
                       of_places[1] == of_charges[1] && n_modes == patches[0] && of_total[0] == patches[0] &&
-                      n_count == patches[0] && of_terms[0] == patches[0] && n_index == n[0],
+                      n_count == patches[0] && of_terms[0] == patches[0] && n_gap == n[0],
            "arrays of the patches differ in size");
     result = new_reals(&call, 1, n[0], 0, &values);
-    for (i = 0; !call.failed && i < n[0]; i++)
-        expect(&call, 0 <= index[i] && index[i] < patches[0] && n_terms[index[i]] <= of_terms[1] &&
-                          n_charges[index[i]] <= of_charges[1],
-               "no such patch");
-    for (i = 0; !call.failed && i < n[0]; i = next) {
-        Size which = (Size)index[i];
-        double t[LANES], beside[LANES];
-        for (next = i; next < n[0] && next < i + LANES && index[next] == which; next++)
-            t[next - i] = (x[next] - center[which]) / half_width[which];
-        for (k = next - i; k < LANES; k++)
-            t[k] = t[0];
-        beside_patch(t, total[which], (Size)n_terms[which], terms + which * of_terms[1], (Size)n_charges[which],
-                     places + which * of_charges[1], charges + which * of_charges[1], beside);
-        memcpy(values + i, beside, (size_t)(next - i) * sizeof(double));
+    for (i = 0; !call.failed && i < patches[0]; i++)
+        expect(&call, n_terms[i] <= of_terms[1] && n_charges[i] <= of_charges[1], "more terms or charges than there are");
+    for (i = 0; !call.failed && i < n[0]; i++) {
+        expect(&call, 0 <= gap[i] && gap[i] < patches[0], "no such gap");
+        values[i] = 0.0;
     }
+    for (side = 0; side < 2; side++)
+        for (i = 0; !call.failed && i < n[0]; i = next) {
+            Size which = ((Size)gap[i] + side) % patches[0];
+            double turn = side == 1 && which <= gap[i] ? 2 * PI : 0.0, t[LANES], beside[LANES];
+            for (next = i; next < n[0] && next < i + LANES && gap[next] == gap[i]; next++)
+                t[next - i] = (x[next] - turn - center[which]) / half_width[which];
+            for (k = next - i; k < LANES; k++)
+                t[k] = t[0];
+            beside_patch(t, total[which], (Size)n_terms[which], terms + which * of_terms[1], (Size)n_charges[which],
+                         places + which * of_charges[1], charges + which * of_charges[1], beside);
+            for (k = i; k < next; k++)
+                values[k] += beside[k - i];
+        }
+    if (call.failed)
+        Py_CLEAR(result);
     leave(&call);
     return result;
 }

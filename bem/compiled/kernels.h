@@ -18,7 +18,7 @@ DECLARED(box_moments);
 DECLARED(box_potential);
 DECLARED(chebyshev_sums);
 DECLARED(lower_bounds);
-DECLARED(near_patch);
+DECLARED(near_patches);
 DECLARED(pair_by_pair);
 
 #endif

@@ -71,15 +71,9 @@ class GapField:
             total += self.elastic.kernel.field(x, self._skeleton_potential.position, self.state.skeleton)
         for background in self.elastic.backgrounds:
             total += background(x)
-        following = (gap + 1) % self.state.patches.count
-        ahead = x - np.where(following <= gap, TWO_PI, 0.0)
-        beside = self._near_patch(np.concatenate([gap, following]), np.concatenate([x, ahead]))
-        return np.asarray(-(total + beside[: x.size] + beside[x.size :]) / np.pi)
-
-    def _near_patch(self, index: IntArray, x: FloatArray) -> FloatArray:
-        """Exact logarithmic part of one patch less that of its skeleton, for each x the patch it lies beside, (n,)."""
         patches = self.state.patches
-        return near_patch(patches.center, patches.half_width, self._skeletons, self._series, index, x)
+        total += near_patches(patches.center, patches.half_width, self._skeletons, self._series, gap, x)
+        return total / -np.pi
 
     @cached_property
     def _skeletons(self) -> tuple[FloatArray, FloatArray, IntArray]:
@@ -108,7 +102,25 @@ class GapField:
 
 
 @mirrored
-def near_patch(
+def near_patches(
+    center: FloatArray,
+    half_width: FloatArray,
+    skeletons: tuple[FloatArray, FloatArray, IntArray],
+    series: tuple[FloatArray, IntArray, FloatArray],
+    gap: IntArray,
+    x: FloatArray,
+) -> FloatArray:
+    """Exact logarithmic part of the two patches beside a gap less that of their skeletons, (n,).
+
+    Each x lies in the gap behind patch `gap`; skeletons and series of the patches are those of `GapField`.
+    """
+    following = (gap + 1) % center.size
+    index, ahead = np.concatenate([gap, following]), x - np.where(following <= gap, TWO_PI, 0.0)
+    beside = _near_patch(center, half_width, skeletons, series, index, np.concatenate([x, ahead]))
+    return np.asarray(beside[: x.size] + beside[x.size :])
+
+
+def _near_patch(
     center: FloatArray,
     half_width: FloatArray,
     skeletons: tuple[FloatArray, FloatArray, IntArray],
@@ -116,10 +128,7 @@ def near_patch(
     index: IntArray,
     x: FloatArray,
 ) -> FloatArray:
-    """Exact logarithmic part of one patch less that of its skeleton, for each x the patch it lies beside, (n,).
-
-    Skeletons and series of the patches are those of `GapField`.
-    """
+    """Exact logarithmic part of one patch less that of its skeleton, for each x the patch it lies beside, (n,)."""
     (charges, places, _), (total, count, terms) = skeletons, series
     t = (x - center[index]) / half_width[index]
     zeta = 1 / (t + np.copysign(np.sqrt(np.maximum((t - 1) * (t + 1), 0.0)), t))
@@ -387,8 +396,7 @@ def _parabola_vertex(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArr
     rise_left, rise_right = y[0] - y[1], y[2] - y[1]
     curvature = (rise_right / right - rise_left / left) / (right - left)
     slope = rise_left / left - curvature * left
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shift = np.where(curvature > 0, -slope / (2 * curvature), 0.0)
-    shift = np.clip(shift, left, right)
+    shift = np.divide(-slope, 2 * curvature, out=np.zeros_like(slope), where=curvature > 0)
+    shift = np.minimum(np.maximum(shift, left), right)
     depth = y[1] + shift * (slope + curvature * shift)
     return x[1] + shift, depth

@@ -57,7 +57,10 @@ class LogarithmicPotential:
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Potential at points x, (n,), none of them on a charge."""
-        points = 2 * np.stack([np.sin(x / 2), np.cos(x / 2)])
+        half, points = x / 2, np.empty((2, x.size))
+        np.sin(half, out=points[0])
+        np.cos(half, out=points[1])
+        points *= 2
         if x.size * self.position.size > DIRECT:
             return self._by_boxes(x, points)
         return pair_by_pair(points, self._sources, self.charge)

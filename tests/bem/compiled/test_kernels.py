@@ -200,14 +200,14 @@ def test_logarithm_of_nothing_and_of_what_is_no_number():
     assert found[3:5] == pytest.approx([0.0, np.log(1e300)], rel=2e-16)
 
 
-def test_potential_beside_a_patch(posed):
+def test_potential_of_the_patches_beside_a_gap(posed):
     state = collocation.evaluate(Elastic(ROUGH), posed.patches, 1.0, 1e-4)
     field, random = gap_field(Elastic(ROUGH), state), np.random.default_rng(3)
     which = random.integers(0, posed.patches.count, 100)
     apart = np.where(random.random(100) < 0.3, 1e-9, random.random(100))  # of the gap behind the patch
     x = posed.patches.right[which] + apart * posed.patches.gap_after[which]
     given = posed.patches.center, posed.patches.half_width, field._skeletons, field._series, which, x
-    check(CORE.near_patch(*given), kernels.REFERENCES["near_patch"](*given))
+    check(CORE.near_patches(*given), kernels.REFERENCES["near_patches"](*given))
 
 
 @pytest.mark.parametrize("rows", [3, 300])
