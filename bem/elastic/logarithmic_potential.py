@@ -99,7 +99,7 @@ def box_moments(position: FloatArray, charge: FloatArray, boxes: int) -> FloatAr
     box, values = _in_boxes(position, boxes)
     entry = box * BOX_TERMS + np.arange(BOX_TERMS)[:, None]
     moments = np.bincount(entry.ravel(), (values * charge).ravel(), boxes * BOX_TERMS)
-    return moments.reshape(boxes, BOX_TERMS)
+    return np.asarray(moments.reshape(boxes, BOX_TERMS), dtype=np.float64)
 
 
 @mirrored
