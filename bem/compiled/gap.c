@@ -3,37 +3,29 @@
 #include "core.h"
 #include "kernels.h"
 
-#define LANES 8
-#define CHUNK 256
+#define LANES 8            /* points at a time: loops over them are vectorised */
 #define BOX_TERMS 20       /* logarithmic_potential.BOX_TERMS */
 #define NEGLIGIBLE (-39.0) /* gap.NEGLIGIBLE */
 
-/* sum_j charge_j log|a first_j + b second_j|, in lanes that are summed last, so that the loops are vectorised. */
-VECTORISED static double potential(Size n, double a, double b, const double *RESTRICT first,
-                                   const double *RESTRICT second, const double *RESTRICT charge)
+/* sum_j charge_j log|a first_j + b second_j|, added in lanes. */
+VECTORISED static void add_potential(Size n, const double *RESTRICT a, const double *RESTRICT b,
+                                     const double *RESTRICT first, const double *RESTRICT second,
+                                     const double *RESTRICT charge, double *RESTRICT values)
 {
-    double lanes[LANES] = {0}, terms[CHUNK], total = 0.0;
-    Size start, i, k;
-    for (start = 0; start < n; start += CHUNK) {
-        Size size = n - start < CHUNK ? n - start : CHUNK;
-        for (i = 0; i < size; i++)
-            terms[i] = charge[start + i] * log_of_size(a * first[start + i] + b * second[start + i]);
-        for (i = 0; i + LANES <= size; i += LANES)
-            for (k = 0; k < LANES; k++)
-                lanes[k] += terms[i + k];
-        for (; i < size; i++)
-            total += terms[i];
-    }
-    for (k = 0; k < LANES; k++)
-        total += lanes[k];
-    return total;
+    double sum[LANES] = {0};
+    Size i, k;
+    for (k = 0; k < n; k++)
+        for (i = 0; i < LANES; i++)
+            sum[i] += charge[k] * log_of_size(a[i] * first[k] + b[i] * second[k]);
+    for (i = 0; i < LANES; i++)
+        values[i] += sum[i];
 }
 
 /* logarithmic_potential.pair_by_pair(points, sources, charge). */
 DECLARED(pair_by_pair)
 {
     Call call;
-    Size of_points[2], of_sources[2], n[1], i;
+    Size of_points[2], of_sources[2], n[1], i, k;
     double *points, *sources, *charge, *values;
     PyObject *result;
     if (!enter(&call, n_given, 3))
@@ -43,8 +35,16 @@ DECLARED(pair_by_pair)
     charge = reals(&call, given[2], 1, n);
     expect(&call, of_points[0] == 2 && of_sources[0] == 2 && of_sources[1] == n[0], "points and charges differ");
     result = new_reals(&call, 1, of_points[1], 0, &values);
-    for (i = 0; !call.failed && i < of_points[1]; i++)
-        values[i] = potential(n[0], points[i], points[of_points[1] + i], sources, sources + n[0], charge);
+    for (i = 0; !call.failed && i < of_points[1]; i += LANES) {
+        Size size = of_points[1] - i < LANES ? of_points[1] - i : LANES;
+        double a[LANES], b[LANES], sum[LANES] = {0};
+        for (k = 0; k < LANES; k++) {
+            a[k] = points[i + (k < size ? k : 0)];
+            b[k] = points[of_points[1] + i + (k < size ? k : 0)];
+        }
+        add_potential(n[0], a, b, sources, sources + n[0], charge, sum);
+        memcpy(values + i, sum, (size_t)size * sizeof(double));
+    }
     leave(&call);
     return result;
 }
@@ -216,20 +216,6 @@ DECLARED(lower_bounds)
         Py_CLEAR(result);
     leave(&call);
     return result;
-}
-
-/* sum_j charge_j log|a first_j + b second_j|, added in lanes. */
-VECTORISED static void add_potential(Size n, const double *RESTRICT a, const double *RESTRICT b,
-                                     const double *RESTRICT first, const double *RESTRICT second,
-                                     const double *RESTRICT charge, double *RESTRICT values)
-{
-    double sum[LANES] = {0};
-    Size i, k;
-    for (k = 0; k < n; k++)
-        for (i = 0; i < LANES; i++)
-            sum[i] += charge[k] * log_of_size(a[i] * first[k] + b[i] * second[k]);
-    for (i = 0; i < LANES; i++)
-        values[i] += sum[i];
 }
 
 /* logarithmic_potential.box_potential(x, points, position, sources, charge, series). */
