@@ -337,7 +337,7 @@ DECLARED(near_patches)
            "arrays of the patches differ in size");
     result = new_reals(&call, 1, n[0], 0, &values);
     for (i = 0; !call.failed && i < patches[0]; i++)
-        expect(&call, n_terms[i] <= of_terms[1] && n_charges[i] <= of_charges[1], "more terms or charges than there are");
+        expect(&call, n_terms[i] <= of_terms[1] && n_charges[i] <= of_charges[1], "more terms than there are");
     for (i = 0; !call.failed && i < n[0]; i++) {
         expect(&call, 0 <= gap[i] && gap[i] < patches[0], "no such gap");
         values[i] = 0.0;
