@@ -8,8 +8,12 @@ u = -(1/pi) int log|2 sin((x - x')/2)| sigma dx' takes the logarithm apart into
   section 12.3),
 - log|x - x'| of patches near by: int T_n(t) log|z - t| / sqrt(1 - t^2) dt = -(pi/n) zeta^n,
   zeta = z - sgn(z) sqrt(z^2 - 1) (n = 0: -pi log|2 zeta|), as many n as the powers of zeta are worth,
-- the rest, smooth over the boxes into which the circle is cut: patches far from a box, and what the period adds to
-  those near it, by the midpoint rule in theta at Chebyshev nodes of every box, and from there by interpolation.
+- the rest, smooth over boxes of the circle, by the midpoint rule in theta at Chebyshev nodes of a box, and from there
+  by interpolation: over the whole circle what the period adds to images of the patches within a turn, with s = d/(2 pi)
+
+      log|2 sin(d/2)| = log|d/l| + log|(d - 2 pi)/l| + log|(d + 2 pi)/l| - log Gamma(2 + s) - log Gamma(2 - s),
+
+  l = (2 pi)^(2/3), and over boxes ever half as wide the images that are far from them as well.
 
 A layer adds (ratio_m - 1) sigma_m / m to mode m.  Nothing is taken from the collocation or the gap search.
 Dimensionless (scaling.py), mean-free.  Limits: double precision, 1e-15 of the largest u; contact not complete.
@@ -22,8 +26,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dct
+from scipy.special import gammaln
 
 from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
@@ -32,9 +36,9 @@ ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 ROUNDING = 1e-16
 LONGEST_SERIES = 1 << 16  # modes of a layer
-LARGEST_BLOCK = 1 << 16  # pairs of points and patches at a time: memory of larger arrays is asked for anew each time
-TINY = 1e-300  # keeps sin(y)/y defined at 0
-LEAST_BOXES, BOXES_PER_ROOT = 8, 4.0  # boxes of the circle, over the root of the number of patches (measured)
+LARGEST_BLOCK = 1 << 14  # pairs of points and patches at a time, or logarithms: they stay in the cache
+TINY = 1e-300  # keeps the number of terms defined at an edge
+UNIT = (2 * np.pi) ** (2 / 3)  # of length in logarithms: three images make up for the period without a constant
 CLEAR = 3.0  # half boxes, and then a width of the patch, from the center of a box to that of the nearest far patch
 TERMS = 4  # of a power series at a time
 
@@ -70,16 +74,23 @@ class Boxes:
     center: FloatArray
     series: FloatArray  # int log|2 sin| sigma dx' less log|x - x'| of the near images, (n_terms, n_boxes)
 
+    @property
+    def count(self) -> int:
+        """Number of boxes."""
+        return self.start.size - 1
+
     def of(self, x: FloatArray) -> IntArray:
         """Box of each point of [0, 2 pi], (n,)."""
-        return np.minimum((x / (2 * self.half)).astype(np.int64), self.start.size - 2)
+        return np.minimum((x / (2 * self.half)).astype(np.int64), self.count - 1)
+
+    def images(self, box: IntArray) -> tuple[IntArray, IntArray]:
+        """Near images of some boxes, one box after the other: place of the box in the list, and index of the image."""
+        return _joined(self.start[box], np.diff(self.start)[box])
 
     def pairs(self, x: FloatArray, box: IntArray) -> Pairs:
         """Points with their near images."""
-        count = np.diff(self.start)[box]
-        point = np.repeat(np.arange(x.size), count)
-        at = np.arange(point.size) + np.repeat(self.start[box] - np.cumsum(count) + count, count)
-        return Pairs(point, self.patch[at], x[point] - self.center[at])
+        point, image = self.images(box)
+        return Pairs(point, self.patch[image], x[point] - self.center[image])
 
     def rest(self, x: FloatArray, box: IntArray) -> FloatArray:
         """The smooth rest at points of boxes, by Clenshaw's rule, (n,)."""
@@ -112,11 +123,11 @@ class DisplacementField:
         self.center = (pressure.left + pressure.right) / 2
         self.radius = (pressure.right - pressure.left) / 2
         self._size = np.array([charge.size for charge in pressure.charges])
-        self._powers = np.zeros((int(self._size.max(initial=1)) + TERMS, self.count))  # factors of zeta^n, n >= 1
-        for i, charge in enumerate(pressure.charges):
-            self._powers[: charge.size - 1, i] = charge[1:] / -np.arange(1, charge.size)
-        self._mean = np.array([charge[0] for charge in pressure.charges])
-        self._boxes = self._in_boxes(max(LEAST_BOXES, int(np.ceil(BOXES_PER_ROOT * np.sqrt(self.count)))))
+        self._terms = np.zeros((self.count, int(self._size.max(initial=1)) + TERMS))  # charges, filled up with zeros
+        self._terms[np.arange(self._terms.shape[1]) < self._size[:, None]] = np.concatenate(pressure.charges)
+        # factors of zeta^n, n >= 1
+        self._powers = np.ascontiguousarray((self._terms[:, 1:] / -np.arange(1, self._terms.shape[1])).T)
+        self._boxes = self._in_boxes()
         self._layer = None if compliance_ratio is None else self._layer_modes(compliance_ratio)
 
     def in_contact(self, x: FloatArray, owner: IntArray) -> FloatArray:
@@ -159,8 +170,7 @@ class DisplacementField:
         x = x - 2 * np.pi * np.floor(x / (2 * np.pi))
         box = self._boxes.of(x)
         total = self._boxes.rest(x, box)
-        most = int(np.diff(self._boxes.start).max())
-        block = max(1, LARGEST_BLOCK // max(most, 1))
+        block = max(1, LARGEST_BLOCK // int(np.diff(self._boxes.start).max()))
         for first in range(0, x.size, block):
             part = slice(first, first + block)
             pairs = self._boxes.pairs(x[part], box[part])
@@ -192,36 +202,54 @@ class DisplacementField:
                 total[active] *= factor[active]
         result = np.empty(zeta.size)
         result[order] = total
-        return np.asarray(np.pi * (result + self._mean[patch] * (np.log(self.radius[patch] / 2) + decay)))
+        return np.asarray(np.pi * (result + self._terms[patch, 0] * (np.log(self.radius[patch] / (2 * UNIT)) + decay)))
 
-    def _in_boxes(self, count: int) -> Boxes:
-        """The circle in boxes.  Around one, the far field is analytic in x up to CLEAR half boxes from its center."""
-        half = np.pi / count
-        middle = (2 * np.arange(count) + 1.0) * half
-        base = np.rint((middle[:, None] - self.center) / (2 * np.pi))
-        turns = base[:, :, None] + np.array([-1.0, 0.0, 1.0])
-        away = np.abs(middle[:, None, None] - self.center[:, None] - 2 * np.pi * turns)
-        near = away < CLEAR * half + 2 * self.radius[:, None]
-        box, patch, image = np.nonzero(near)
-        start = np.searchsorted(box, np.arange(count + 1))
-        center = self.center[patch] + 2 * np.pi * turns[box, patch, image]
+    def _in_boxes(self) -> Boxes:
+        """The circle in boxes, cut in halves until they are as many as the patches."""
+        boxes = self._whole_circle()
+        while boxes.count < self.count:  # twice or half as many take as long (measured)
+            boxes = self._halved(boxes)
+        return boxes
 
-        terms = int(_decaying(np.array([CLEAR]))[0])
-        nodes = middle[:, None] + half * np.cos((np.arange(terms) + 0.5) * (np.pi / terms))
+    def _whole_circle(self) -> Boxes:
+        """One box, the three images of every patch within a turn near it; singularities of the rest are 4 pi away."""
+        center = self.center - 2 * np.pi * np.floor(self.center / (2 * np.pi))
+        modes, terms = _decaying(2 * np.pi / self.radius), int(_decaying(np.array([2.0]))[0])
+        sources, charges = self._sources(modes)
+        turns = (_nodes(np.full(1, np.pi), np.pi, terms).T - np.repeat(center, modes) - sources) / (2 * np.pi)
+        rest = -gammaln(2 + turns) - gammaln(2 - turns)
+        images = np.concatenate([center - 2 * np.pi, center, center + 2 * np.pi])
+        patch = np.tile(np.arange(self.count), 3)
+        return Boxes(np.pi, np.array([0, patch.size]), patch, images, _series((rest @ charges)[None]))
+
+    def _halved(self, whole: Boxes) -> Boxes:
+        """Boxes half as wide.  Around one, the far field is analytic in x up to CLEAR half boxes from its center."""
+        half, count = whole.half / 2, 2 * whole.count
+        middle, parent = np.asarray((2 * np.arange(count) + 1.0) * half), np.arange(count) // 2
+        box, image = whole.images(parent)
+        patch, center = whole.patch[image], whole.center[image]
+        near = np.abs(middle[box] - center) < CLEAR * half + 2 * self.radius[patch]
+        start = np.searchsorted(box[near], np.arange(count + 1))
+
+        nodes = _nodes(middle, half, int(_decaying(np.array([CLEAR]))[0]))
+        in_parent = (nodes[:2].ravel() - whole.half) / whole.half
+        values = (np.polynomial.chebyshev.chebvander(in_parent, whole.series.shape[0] - 1) @ whole.series).T
+        values = values.reshape(nodes.shape)
         modes = _decaying(2 + (CLEAR - 1) * half / self.radius)
         sources, charges = self._sources(modes)
-        careful = near.any(axis=2)
-        values = _periodic_field(nodes, sources, charges, np.repeat(careful, modes, axis=1))
-        rows, columns = np.nonzero(careful)
-        for size in np.unique(modes[columns]):
-            chosen = modes[columns] == size
-            i, j = rows[chosen], columns[chosen]
-            which = (np.cumsum(modes) - modes)[j, None] + np.arange(size)
-            apart = (nodes[i] - 2 * np.pi * base[i, j, None])[:, :, None] - sources[which][:, None, :]
-            np.add.at(values, i, np.einsum("ijk,ik->ij", _periodic_rest(apart, near[i, j]), charges[which]))
-        series: FloatArray = dct(values, type=2, axis=1).T / terms
-        series[0] /= 2
-        return Boxes(half, start, patch, center, series)
+        far, which = _joined((np.cumsum(modes) - modes)[patch[~near]], modes[patch[~near]])
+        owner, position = box[~near][far], (center[~near][far] + sources[which]) / UNIT
+        scaled = nodes / UNIT
+        block = max(1, LARGEST_BLOCK // nodes.shape[1])
+        for first in range(0, which.size, block):
+            part = slice(first, first + block)
+            logs = scaled[owner[part]]
+            logs -= position[part, None]
+            np.log(np.abs(logs, out=logs), out=logs)
+            logs *= charges[which[part], None]
+            begin = np.flatnonzero(np.diff(owner[part], prepend=-1))
+            values[owner[part][begin]] += np.add.reduceat(logs, begin, axis=0)
+        return Boxes(half, start, patch[near], center[near], _series(values))
 
     def _completed(self, total: FloatArray, x: FloatArray) -> FloatArray:
         """u from the integral of the half-space kernel."""
@@ -236,20 +264,20 @@ class DisplacementField:
         folded = weight[np.abs(j[:, None] - j)] + weight[(j[:, None] + j) % (2 * n)]
         q[:, [0, -1]] /= 2
         # log|x - x'| = log(r/2) + 1/2 log 4 sin^2((a-b)/2) + 1/2 log 4 sin^2((a+b)/2), 0 <= b <= pi
-        level = np.log(self.radius[who] / 2) * (np.pi / n) * q.sum(axis=1)
+        level = np.log(self.radius[who] / (2 * UNIT)) * (np.pi / n) * q.sum(axis=1)
         return np.asarray(q @ folded / 2 + level[:, None])
 
     def _sources(self, modes: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Positions and charges (pi/n) q of n nodes of the midpoint rule on every patch, joined."""
+        """Places from the center and charges (pi/n) q of n nodes of the midpoint rule on every patch, joined."""
         first = np.cumsum(modes) - modes
         sources, charges = np.empty((2, int(modes.sum())))
-        for n in np.unique(modes):
+        for n in np.unique(modes).tolist():
             who = np.flatnonzero(modes == n)
             rows = first[who, None] + np.arange(n)
             angle = (np.arange(n) + 0.5) * (np.pi / n)
-            low = np.stack([_cut(self.pressure.charges[i], int(n)) for i in who])
-            sources[rows] = self.center[who, None] + self.radius[who, None] * np.cos(angle)
-            charges[rows] = low @ np.cos(np.multiply.outer(np.arange(n), angle)) * (np.pi / n)
+            low = self._terms[who, :n]
+            sources[rows] = self.radius[who, None] * np.cos(angle)
+            charges[rows] = low @ np.cos(np.multiply.outer(np.arange(low.shape[1]), angle)) * (np.pi / n)
         return sources, charges
 
     def _layer_modes(self, compliance_ratio: ComplianceRatio) -> ComplexArray:
@@ -295,35 +323,22 @@ def _kress_weights(n: int) -> FloatArray:
     return np.fft.irfft(spectrum, 2 * n)
 
 
-def _periodic_field(x: FloatArray, sources: FloatArray, charges: FloatArray, left_out: NDArray[np.bool_]) -> FloatArray:
-    """Sum of charge times log|2 sin((x - x')/2)| at points of boxes, (n_boxes, n), less sources left out of a box."""
-    total = np.empty(x.shape)
-    split = np.stack([np.cos(sources / 2), -np.sin(sources / 2)])
-    block = max(1, LARGEST_BLOCK // (x.shape[1] * sources.size))
-    for first in range(0, x.shape[0], block):
-        part = slice(first, first + block)
-        chord = 2 * np.stack([np.sin(x[part] / 2), np.cos(x[part] / 2)], axis=-1) @ split
-        np.abs(chord, out=chord)
-        np.copyto(chord, 1.0, where=left_out[part, None, :])
-        total[part] = np.log(chord, out=chord) @ charges
-    return total
+def _joined(first: IntArray, count: IntArray) -> tuple[IntArray, IntArray]:
+    """Ranges of integers one after the other: the place of each in the list of ranges, and its value."""
+    range_of = np.repeat(np.arange(count.size), count)
+    return range_of, np.arange(range_of.size) + (first - np.cumsum(count) + count)[range_of]
 
 
-def _periodic_rest(apart: FloatArray, near: NDArray[np.bool_]) -> FloatArray:
-    """log|2 sin(d/2)| less log|d - 2 pi k| of the images k = -1, 0, 1 that are near, for d of shape (n, ., .)."""
-    nearest = np.abs(apart - 2 * np.pi * np.rint(apart / (2 * np.pi)))
-    ratio = 2 * np.sin(np.maximum(nearest, TINY) / 2)
-    for image, is_near in zip((-1, 0, 1), near.T, strict=True):
-        distance = np.abs(apart[is_near] - 2 * np.pi * image)
-        ratio[is_near] /= np.maximum(distance, TINY)
-    return np.asarray(np.log(ratio))
+def _nodes(middle: FloatArray, half: float, terms: int) -> FloatArray:
+    """Chebyshev nodes of boxes, (n_boxes, n_terms)."""
+    return np.asarray(middle[:, None] + half * np.cos((np.arange(terms) + 0.5) * (np.pi / terms)))
 
 
-def _cut(charge: FloatArray, n: int) -> FloatArray:
-    """The first n coefficients, zeros where there are fewer, (n,)."""
-    cut = np.zeros(n)
-    cut[: min(n, charge.size)] = charge[:n]
-    return cut
+def _series(values: FloatArray) -> FloatArray:
+    """Chebyshev series through values at the nodes of boxes, (n_boxes, n_terms), transposed."""
+    series: FloatArray = dct(values, type=2, axis=1).T / values.shape[1]
+    series[0] /= 2
+    return series
 
 
 def _decaying(distance: FloatArray) -> IntArray:
