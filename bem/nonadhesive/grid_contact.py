@@ -158,36 +158,43 @@ def _descent(operator: FloatArray, drive: FloatArray, mean: float | None, z: Flo
     direction, force, last = np.zeros(z.size), np.zeros(z.size), np.inf
     for _ in range(ITERATIONS):
         positive = z > 0
-        slope = _filtered(z, operator) - drive
+        slope = _filtered(z, operator)
+        slope -= drive
         if mean is not None:
-            slope -= _mean(slope, positive.astype(np.float64))
-        free = (positive | (slope < 0)).astype(np.float64)
-        before, force = force, slope * free
-        miss = _within(free, _filtered(force, inverse), mean)
+            slope -= _mean(slope[positive])
+        free = np.flatnonzero(positive | (slope < 0))  # z, force and direction are zero elsewhere
+        now = slope[free]
+        before, force = force[free], _spread(now, free, z.size)
+        miss = _less_mean(_filtered(force, inverse)[free], mean)
         if float(np.abs(miss).sum()) <= CONVERGED * float(z.sum()):
             break
-        size = float(force @ miss)
-        direction *= max(0.0, (size - float(before @ miss)) / last)
-        direction = (direction + miss) * free
+        size = float(now @ miss)
+        ahead = direction[free] * max(0.0, (size - float(before @ miss)) / last) + miss
+        direction = _spread(ahead, free, z.size)
         last = size
-        response = _within(free, _filtered(direction, operator), mean)
-        bend = float(response @ direction)
+        response = _less_mean(_filtered(direction, operator)[free], mean)
+        bend = float(response @ ahead)
         if bend <= 0:
             break
-        z = np.maximum(z - float(force @ direction) / bend * direction, 0.0)
-        if mean is not None:
-            z *= mean / z.mean()
+        reached = np.maximum(z[free] - float(now @ ahead) / bend * ahead, 0.0)
+        z = _spread(reached if mean is None else reached * (mean * z.size / float(reached.sum())), free, z.size)
     return z
 
 
-def _mean(values: FloatArray, weight: FloatArray) -> float:
-    """Mean where the weight is 1 instead of 0."""
-    return float(values @ weight) / float(weight.sum())
+def _spread(values: FloatArray, at: IntArray, size: int) -> FloatArray:
+    """Values at some points of the grid, zero at the others, (size,)."""
+    spread = np.zeros(size)
+    spread[at] = values
+    return spread
 
 
-def _within(free: FloatArray, values: FloatArray, mean: float | None) -> FloatArray:
-    """Values where the unknown is free, zero elsewhere; less their mean where that of the unknown is prescribed."""
-    return np.asarray((values if mean is None else values - _mean(values, free)) * free)
+def _mean(values: FloatArray) -> float:
+    return float(values.sum()) / values.size
+
+
+def _less_mean(values: FloatArray, mean: float | None) -> FloatArray:
+    """Values less their mean where that of the unknown is prescribed."""
+    return values if mean is None else values - _mean(values)
 
 
 def _intervals(values: FloatArray, drive: FloatArray, power: float) -> Patches:
