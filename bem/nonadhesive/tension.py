@@ -6,6 +6,8 @@ which is sampled at twice as many nodes as it has coefficients.  Dimensionless.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
@@ -55,23 +57,37 @@ def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArra
     found: list[tuple[IntArray, FloatArray]] = []
     for size in np.unique(sizes).tolist():
         who = np.flatnonzero(sizes == size)
+        rows = joined[starts[who, None] + np.arange(size)]
+        if size <= chebyshev.SMALL_TRANSFORM:
+            found.append((who, rows @ _values(size)))
+            continue
         halved = np.zeros((who.size, 2 * size))
-        halved[:, :size] = joined[starts[who, None] + np.arange(size)] / 2
+        halved[:, :size] = rows / 2
         halved[:, 0] *= 2
         found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
     return found
+
+
+@lru_cache(maxsize=64)
+def _values(size: int) -> FloatArray:
+    """T_j at the nodes of a series of this size, (size, 2 size)."""
+    angle = (np.arange(2 * size)[::-1] + 0.5) * (np.pi / (2 * size))
+    return np.asarray(np.cos(np.multiply.outer(np.arange(size), angle)))
 
 
 def under_tension(pressure: PatchPressure, rounded: float) -> dict[int, list[tuple[int, int]]]:
     """Patches whose pressure is tensile somewhere inside: first and last nodes of the parts of each that are not."""
     found: dict[int, list[tuple[int, int]]] = {}
     for who, values in _at_nodes(pressure.charges):
-        most, mean = values.max(axis=1), np.array([pressure.charges[i][0] for i in who])
-        compressive = values > (-TENSILE * most - rounded)[:, None]
+        most = values.max(axis=1)
+        least = -TENSILE * most - rounded
+        tensile = np.flatnonzero(~((values.min(axis=1) > least) & (most > 0)))
+        compressive = values[tensile] > least[tensile, None]
         parts = compressive[:, 0] + np.count_nonzero(compressive[:, 1:] > compressive[:, :-1], axis=1)
-        in_one = np.all(compressive, axis=1) | ((parts == 1) & (mean > 0))  # tension at the ends alone moves these
-        for k in np.flatnonzero(~(in_one & (most > 0))):
-            found[int(who[k])] = _compressive(compressive[k], bool(mean[k] > 0)) if most[k] > 0 else []
+        for k, row, count in zip(tensile.tolist(), compressive, parts.tolist(), strict=True):
+            is_loaded = bool(pressure.charges[who[k]][0] > 0)
+            if not (count == 1 and is_loaded and most[k] > 0):  # tension at the ends alone moves these
+                found[int(who[k])] = _compressive(row, is_loaded) if most[k] > 0 else []
     return found
 
 
