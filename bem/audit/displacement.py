@@ -232,9 +232,7 @@ class DisplacementField:
         start = np.searchsorted(box[near], np.arange(count + 1))
 
         nodes = _nodes(middle, half, int(_decaying(np.array([CLEAR]))[0]))
-        in_parent = (nodes[:2].ravel() - whole.half) / whole.half
-        values = (np.polynomial.chebyshev.chebvander(in_parent, whole.series.shape[0] - 1) @ whole.series).T
-        values = values.reshape(nodes.shape)
+        values = (_in_halves(nodes.shape[1], whole.series.shape[0]) @ whole.series).T.reshape(nodes.shape)
         modes = _decaying(2 + (CLEAR - 1) * half / self.radius)
         sources, charges = self._sources(modes)
         far, which = _joined((np.cumsum(modes) - modes)[patch[~near]], modes[patch[~near]])
@@ -273,11 +271,9 @@ class DisplacementField:
         sources, charges = np.empty((2, int(modes.sum())))
         for n in np.unique(modes).tolist():
             who = np.flatnonzero(modes == n)
-            rows = first[who, None] + np.arange(n)
-            angle = (np.arange(n) + 0.5) * (np.pi / n)
-            low = self._terms[who, :n]
-            sources[rows] = self.radius[who, None] * np.cos(angle)
-            charges[rows] = low @ np.cos(np.multiply.outer(np.arange(low.shape[1]), angle)) * (np.pi / n)
+            rows, waves, low = first[who, None] + np.arange(n), _waves(n), self._terms[who, :n]
+            sources[rows] = self.radius[who, None] * waves[1]
+            charges[rows] = low @ waves[: low.shape[1]] * (np.pi / n)
         return sources, charges
 
     def _layer_modes(self, compliance_ratio: ComplianceRatio) -> ComplexArray:
@@ -327,6 +323,19 @@ def _joined(first: IntArray, count: IntArray) -> tuple[IntArray, IntArray]:
     """Ranges of integers one after the other: the place of each in the list of ranges, and its value."""
     range_of = np.repeat(np.arange(count.size), count)
     return range_of, np.arange(range_of.size) + (first - np.cumsum(count) + count)[range_of]
+
+
+@lru_cache(maxsize=256)
+def _waves(n: int) -> FloatArray:
+    """cos(k theta) for k < n at the nodes theta of the midpoint rule, (n, n)."""
+    return np.asarray(np.cos(np.multiply.outer(np.arange(n), (np.arange(n) + 0.5) * (np.pi / n))))
+
+
+@lru_cache(maxsize=4)
+def _in_halves(nodes: int, terms: int) -> FloatArray:
+    """Chebyshev polynomials of a box at the nodes of its halves, (2 n_nodes, n_terms)."""
+    places = _nodes(np.array([-0.5, 0.5]), 0.5, nodes).ravel()
+    return np.asarray(np.polynomial.chebyshev.chebvander(places, terms - 1), dtype=np.float64)
 
 
 def _nodes(middle: FloatArray, half: float, terms: int) -> FloatArray:

@@ -57,8 +57,8 @@ def gap_depths(
         for row, i in zip(padded, who, strict=True):
             row[: lengths[i]] = series[i] * size
         u = idct(padded, type=2, axis=1)
-        contact = profile.height(field.positions(_clustered(width, who, size))) + contact_level
-        gap = u - contact.reshape(u.shape)
+        x = field.pressure.right[who, None] + width[who, None] * _over_a_gap(int(size)).from_left
+        gap = u - profile.height(x) - contact_level
         lowest = gap.min(axis=1)
         lowest_at[who] = (gap.argmin(axis=1) + 0.5) * (np.pi / size)
         before, inner, after = gap[:, :-2], gap[:, 1:-1], gap[:, 2:]
