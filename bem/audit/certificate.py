@@ -10,7 +10,7 @@ stability and symmetry of the Hessian.
 
 Dimensionless (scaling.py).  Limits: double precision; a patch on which the profile varies by less than
 `SMALLEST_VARIATION`, or which carries less than `SMALLEST_CHARGE`, is judged against that instead.
-Cost: 0.03 s for 112 patches with 2900 coefficients on a profile of 1000 harmonics.
+Cost: 0.02 s for 112 patches with 2900 coefficients on a profile of 1000 harmonics.
 """
 
 from __future__ import annotations
