@@ -16,90 +16,103 @@ static void release(Cluster *cluster)
     }
 }
 
-/* hierarchical._middle: M of two halves, (2 q, 2 q), from X_1, X_2 and C; 0 where the matrix is not positive definite.
-   `work` has room for 6 q q + 2 q numbers; all matrices but R and the factor are symmetric. */
-static int middle(Size q, const double *first, const double *second, const double *core, double *work, double *m)
+/* hierarchical._middle: the three different blocks of M of two halves, (q, q), from X_1, X_2 and C; 0 where the matrix
+   is not positive definite.  `work` has room for 5 q q + 2 q numbers; C is symmetric. */
+static int middle(Size q, const double *first, const double *second, const double *core, double *work, double *const *m)
 {
-    double *root = work, *turned = root + q * q, *inner = turned + q * q, *other = inner + q * q;
-    double *through = other + q * q, *factor = through + q * q, *scratch = factor + q * q, tolerance = -1.0;
-    int *pivots = (int *)through, order = (int)q, rank, info;
-    char lower = 'L', upper = 'U';
+    double *root = work, *other = root + q * q, *factor = other + q * q, *to_first = factor + q * q;
+    double *to_second = to_first + q * q, *scratch = to_second + q * q, tolerance = -1.0;
+    int *pivots = (int *)to_second, order = (int)q, rank, info;
+    char lower = 'L';
     Size i, j;
     memcpy(other, first, (size_t)(q * q) * sizeof(double));
     blas.dpstrf(&lower, &order, other, &order, pivots, &rank, &tolerance, scratch, &info);
-    memset(root, 0, (size_t)(q * q) * sizeof(double)); /* R^T, `rank` rows */
+    memset(root, 0, (size_t)(q * q) * sizeof(double)); /* R, `rank` columns */
     for (j = 0; j < rank; j++)
         for (i = j; i < q; i++)
-            root[(pivots[i] - 1) * q + j] = other[j * q + i];
+            root[j * q + pivots[i] - 1] = other[j * q + i];
     product('N', 'N', q, q, q, 1.0, second, q, core, q, 0.0, other, q);
-    product('N', 'N', q, q, q, 1.0, core, q, other, q, 0.0, turned, q);
-    product('N', 'T', q, rank, q, 1.0, turned, q, root, q, 0.0, other, q);
-    product('N', 'N', rank, rank, q, -1.0, root, q, other, q, 0.0, factor, q);
+    product('N', 'N', q, q, q, -1.0, core, q, other, q, 0.0, m[0], q); /* -H */
+    product('N', 'N', q, rank, q, 1.0, m[0], q, root, q, 0.0, to_first, q);
+    product('T', 'N', rank, rank, q, 1.0, root, q, to_first, q, 0.0, factor, q);
     for (i = 0; i < rank; i++)
         factor[i * q + i] += 1.0;
-    blas.dpotrf(&upper, &rank, factor, &order, &info);
+    blas.dpotrf(&lower, &rank, factor, &order, &info);
     if (info != 0)
         return 0;
-    solve_upper('T', rank, q, factor, q, root, q);
-    product('T', 'N', q, q, rank, 1.0, root, q, root, q, 0.0, inner, q);
-    product('N', 'N', q, q, q, 1.0, turned, q, inner, q, 0.0, through, q);
-    for (j = 0; j < q; j++)
-        for (i = 0; i < q; i++) {
-            m[j * 2 * q + i] = -turned[j * q + i];
-            m[(q + j) * 2 * q + i] = core[j * q + i];
-        }
-    product('N', 'N', q, q, q, -1.0, through, q, turned, q, 1.0, m, 2 * q);
-    product('N', 'N', q, q, q, 1.0, through, q, core, q, 1.0, m + 2 * q * q, 2 * q);
-    product('N', 'N', q, q, q, 1.0, inner, q, core, q, 0.0, other, q);
-    product('N', 'N', q, q, q, -1.0, core, q, other, q, 0.0, m + 2 * q * q + q, 2 * q);
-    for (j = 0; j < q; j++)
-        for (i = 0; i < q; i++)
-            m[i * 2 * q + q + j] = m[(q + j) * 2 * q + i];
+    solve_lower('R', 'T', q, rank, factor, q, root, q); /* E is its product with its transpose */
+    solve_lower('R', 'T', q, rank, factor, q, to_first, q);
+    product('N', 'N', q, rank, q, 1.0, core, q, root, q, 0.0, to_second, q);
+    memcpy(m[1], core, (size_t)(q * q) * sizeof(double));
+    product('N', 'T', q, q, rank, -1.0, to_first, q, to_first, q, 1.0, m[0], q);
+    product('N', 'T', q, q, rank, -1.0, to_first, q, to_second, q, 1.0, m[1], q);
+    product('N', 'T', q, q, rank, -1.0, to_second, q, to_second, q, 0.0, m[2], q);
     return 1;
 }
 
-/* hierarchical._joined: b^T A^-1 b of a pair and M V of its shared columns from those of its halves. */
+/* hierarchical._joined: b^T A^-1 b of a pair and M V of its shared columns from those of its halves.  V of the edges of
+   one half has no rows of the other. */
 static Status joined(Cluster *pair, const double *core)
 {
-    Size shared = pair->shared, q = pair->rank, size = pair->m, place = shared, i, j, part;
-    double *work = workspace(12 * q * q + 2 * q + 4 * q * size), *own, *m, *seen, *reply, *gram;
+    Size shared = pair->shared, q = pair->rank, size = pair->m, place = shared, edges[2], part, i, j;
+    double *work = workspace(10 * q * q + 2 * q + q * (2 * shared + 2 * size)), *own[2], *m[3], *seen[2];
+    double *gram = pair->gram = workspace(size * size);
     Status status = FAILED;
-    gram = pair->gram = workspace(size * size);
     pair->response = workspace(2 * q * shared);
     if (work != NULL && gram != NULL && pair->response != NULL) {
-        own = work + 6 * q * q + 2 * q; /* X_1 and X_2 */
-        m = own + 2 * q * q;
-        seen = m + 4 * q * q;
-        reply = seen + 2 * q * size;
-        memset(gram, 0, (size_t)(size * size) * sizeof(double));
-        memset(seen, 0, (size_t)(2 * q * size) * sizeof(double));
+        for (i = 0; i < 2; i++) {
+            edges[i] = pair->halves[i].m - shared - q;
+            own[i] = work + (5 + i) * q * q + 2 * q; /* X_1 and X_2 */
+        }
+        for (i = 0; i < 3; i++)
+            m[i] = own[1] + (1 + i) * q * q;
+        seen[0] = m[2] + q * q;
+        seen[1] = seen[0] + q * (shared + edges[0]);
         for (part = 0; part < 2; part++) {
-            Size full = pair->halves[part].m, edges = full - shared - q;
-            const double *from = pair->halves[part].gram, *beyond = from + shared + q;
+            Size full = pair->halves[part].m;
+            const double *from = pair->halves[part].gram;
+            for (i = 0; i < q; i++)
+                memcpy(own[part] + i * q, from + (shared + i) * full + shared, (size_t)q * sizeof(double));
+            for (i = 0; i < shared + edges[part]; i++) {
+                Size column = i < shared ? i : i + q;
+                memcpy(seen[part] + i * q, from + column * full + shared, (size_t)q * sizeof(double));
+            }
             for (i = 0; i < shared; i++) {
                 for (j = 0; j < shared; j++)
-                    gram[i * size + j] += from[i * full + j];
-                memcpy(gram + i * size + place, beyond + i * full, (size_t)edges * sizeof(double));
+                    gram[i * size + j] = from[i * full + j] + (part == 0 ? 0.0 : gram[i * size + j]);
+                memcpy(gram + i * size + place, from + i * full + shared + q, (size_t)edges[part] * sizeof(double));
             }
-            for (i = 0; i < edges; i++) {
-                const double *row = from + (shared + q + i) * full;
-                memcpy(gram + (place + i) * size, row, (size_t)shared * sizeof(double));
-                memcpy(gram + (place + i) * size + place, row + shared + q, (size_t)edges * sizeof(double));
-            }
-            for (i = 0; i < q; i++) {
-                double *row = seen + (part * q + i) * size;
-                memcpy(row, from + (shared + i) * full, (size_t)shared * sizeof(double));
-                memcpy(row + place, beyond + (shared + i) * full, (size_t)edges * sizeof(double));
-                memcpy(own + (part * q + i) * q, from + (shared + i) * full + shared, (size_t)q * sizeof(double));
-            }
-            place += edges;
+            for (i = 0; i < edges[part]; i++)
+                memcpy(gram + (place + i) * size + place, from + (shared + q + i) * full + shared + q,
+                       (size_t)edges[part] * sizeof(double));
+            place += edges[part];
         }
-        status = middle(q, own, own + q * q, core, work, m) ? SOLVED : NOT_DEFINITE;
+        status = middle(q, own[0], own[1], core, work, m) ? SOLVED : NOT_DEFINITE;
         if (status == SOLVED) {
-            product('N', 'N', size, 2 * q, 2 * q, 1.0, seen, size, m, 2 * q, 0.0, reply, size);
-            product('N', 'T', size, size, 2 * q, -1.0, seen, size, reply, size, 1.0, gram, size);
-            for (i = 0; i < 2 * q; i++)
-                memcpy(pair->response + i * shared, reply + i * size, (size_t)shared * sizeof(double));
+            double *edge[2] = {seen[0] + shared * q, seen[1] + shared * q}, *reply = seen[1] + q * (shared + edges[1]);
+            double *top = pair->response, *bottom = top + q, *corner = gram + shared * (size + 1);
+            for (j = shared + edges[0]; j < size; j++)
+                memset(gram + j * size + shared, 0, (size_t)edges[0] * sizeof(double));
+            product('N', 'N', q, shared, q, 1.0, m[0], q, seen[0], q, 0.0, top, 2 * q);
+            product('N', 'N', q, shared, q, 1.0, m[1], q, seen[1], q, 1.0, top, 2 * q);
+            product('T', 'N', q, shared, q, 1.0, m[1], q, seen[0], q, 0.0, bottom, 2 * q);
+            product('N', 'N', q, shared, q, 1.0, m[2], q, seen[1], q, 1.0, bottom, 2 * q);
+            product('T', 'N', shared + edges[0], shared, q, -1.0, seen[0], q, top, 2 * q, 1.0, gram, size);
+            product('T', 'N', shared, shared, q, -1.0, seen[1], q, bottom, 2 * q, 1.0, gram, size);
+            product('T', 'N', edges[1], shared, q, -1.0, edge[1], q, bottom, 2 * q, 1.0, gram + shared + edges[0],
+                    size);
+            product('N', 'N', q, edges[0], q, 1.0, m[0], q, edge[0], q, 0.0, reply, q);
+            product('N', 'N', q, edges[1], q, 1.0, m[1], q, edge[1], q, 0.0, reply + q * edges[0], q);
+            product('T', 'N', edges[0], edges[0] + edges[1], q, -1.0, edge[0], q, reply, q, 1.0, corner, size);
+            product('N', 'N', q, edges[1], q, 1.0, m[2], q, edge[1], q, 0.0, reply, q);
+            product('T', 'N', edges[1], edges[1], q, -1.0, edge[1], q, reply, q, 1.0, corner + edges[0] * (size + 1),
+                    size);
+            for (j = shared; j < size; j++) {
+                for (i = 0; i < shared; i++)
+                    gram[j * size + i] = gram[i * size + j];
+                for (i = shared + edges[0]; j < shared + edges[0] && i < size; i++)
+                    gram[j * size + i] = gram[i * size + j];
+            }
         }
     }
     PyMem_Free(work);
@@ -157,14 +170,14 @@ static int charges_of(const Cluster *cluster, const double *amounts, double *cha
     Size shared = cluster->shared, q = cluster->rank, inner = shared + q, part, k;
     double *into, *given;
     if (cluster->halves == NULL) {
-        product('N', 'N', cluster->n, 2, shared, 1.0, cluster->solved, cluster->n, amounts, shared, 0.0, charges, ld);
-        solve_upper('N', cluster->n, 2, cluster->factor, cluster->n, charges, ld);
+        product('T', 'N', cluster->n, 2, shared, 1.0, cluster->solved, cluster->m, amounts, shared, 0.0, charges, ld);
+        solve_lower('L', 'T', cluster->n, 2, cluster->factor, cluster->n, charges, ld);
         return 1;
     }
     if ((into = workspace(4 * q + 2 * inner)) == NULL)
         return 0;
     given = into + 4 * q;
-    product('T', 'N', 2 * q, 2, shared, -1.0, cluster->response, shared, amounts, shared, 0.0, into, 2 * q);
+    product('N', 'N', 2 * q, 2, shared, -1.0, cluster->response, 2 * q, amounts, shared, 0.0, into, 2 * q);
     for (part = 0; part < 2; part++) {
         for (k = 0; k < 2; k++) {
             memcpy(given + k * inner, amounts + k * shared, (size_t)shared * sizeof(double));

@@ -25,8 +25,8 @@ typedef struct {
     Size n_ranges;
 } System;
 
-/* A solved cluster.  Of a leaf: U with A' = U^T U, and U^-T of its columns; of a pair: M V of the shared columns,
-   `shared` numbers a row, and its halves. */
+/* A solved cluster.  Of a leaf: L with A' = L L^T, and Y^T = b^T L^-T, (m, n); of a pair: M V of the shared columns,
+   (2 q, shared), and its halves. */
 typedef struct Cluster {
     Size n, m, shared, rank;
     double *gram, *factor, *solved, *response;

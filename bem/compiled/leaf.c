@@ -2,7 +2,7 @@
 
 #include "hierarchical.h"
 
-#define BLOCK_ROWS 64      /* of the forward substitution */
+#define BLOCK_ROWS 48      /* of the forward substitution */
 #define WIDEST_SERIES 0.4  /* half_space.WIDEST_SERIES */
 #define SERIES 8           /* half_space.TERMS */
 
@@ -12,7 +12,7 @@ static const double zeta_over[SERIES] = {
     0.20019891502556358, 0.166707681092218, 0.1428658925907227, 0.12500191028242608,
 };
 
-/* uniform - log|2 sin((x_i - x_j)/2)| above the diagonal, by columns; sine and cosine of x/2 are those of `half`. */
+/* uniform - log|2 sin((x_i - x_j)/2)| below the diagonal, by columns; sine and cosine of x/2 are those of `half`. */
 VECTORISED static void between_nodes(Size n, const double *RESTRICT half, double uniform, double *RESTRICT matrix)
 {
     Size i, j;
@@ -20,13 +20,13 @@ VECTORISED static void between_nodes(Size n, const double *RESTRICT half, double
     for (j = 0; j < n; j++) {
         double *RESTRICT column = matrix + j * n;
         double s = 2 * sine[j], c = 2 * cosine[j];
-        for (i = 0; i < j; i++)
+        for (i = j + 1; i < n; i++)
             column[i] = uniform - log_of_size(sine[i] * c - cosine[i] * s);
         column[j] = uniform;
     }
 }
 
-/* half_space.within_patch, on and above the diagonal: uniform - moments - log r - log sinc(r (t - t')/2). */
+/* half_space.within_patch, on and below the diagonal: uniform - moments - log r - log sinc(r (t - t')/2). */
 VECTORISED static void within_patch(const Table *table, double r, double uniform, double *RESTRICT matrix, Size ld)
 {
     Size i, j, n = table->n, k;
@@ -34,29 +34,30 @@ VECTORISED static void within_patch(const Table *table, double r, double uniform
     for (j = 0; j < n; j++) {
         double *RESTRICT column = matrix + j * ld;
         const double *moments = table->moments + j * n;
-        for (i = 0; i <= j; i++) {
+        for (i = j; i < n; i++) {
             double apart = r * (table->nodes[i] - table->nodes[j]) / (2 * PI), square = apart * apart, sum = 0.0;
             for (k = SERIES - 1; k >= 0; k--)
                 sum = (sum + zeta_over[k]) * square;
             column[i] = rest - moments[i] + sum;
         }
         if (r > WIDEST_SERIES)
-            for (i = 0; i < j; i++) {
+            for (i = j + 1; i < n; i++) {
                 double y = r * (table->nodes[i] - table->nodes[j]) / 2;
                 column[i] = rest - moments[i] - log(sin(y) / y);
             }
     }
 }
 
-/* hierarchical._gram: Y = U^-T rhs in place by blocks of rows, and Y^T Y; column c of rhs begins at row begin[c]. */
-static void substitute(Size n, Size m, const double *upper, double *rhs, const Size *begin, double *gram)
+/* hierarchical._gram: Y^T = rhs L^-T in place by blocks of columns, and Y^T Y, (m, m); row c of rhs begins at column
+   begin[c]. */
+static void substitute(Size n, Size m, const double *lower, double *rhs, const Size *begin, double *gram)
 {
     Size start, end, active, from, to, seen;
-    char triangle = 'U', transposed = 'T';
+    char triangle = 'U', plain = 'N';
     double one = 1.0;
     memset(gram, 0, (size_t)(m * m) * sizeof(double));
     for (start = 0, active = 0; start < n; start = end) {
-        int in_active, rows, ld = (int)n, ld_gram = (int)m;
+        int in_active, columns, ld = (int)m;
         end = start + BLOCK_ROWS < n ? start + BLOCK_ROWS : n;
         while (active < m && begin[active] < end)
             active++;
@@ -64,13 +65,13 @@ static void substitute(Size n, Size m, const double *upper, double *rhs, const S
             to = from + BLOCK_ROWS;
             while (seen < m && begin[seen] < to)
                 seen++;
-            product('T', 'N', end - start, seen, to - from, -1.0, upper + start * n + from, n, rhs + from, n, 1.0,
-                    rhs + start, n);
+            product('N', 'T', seen, end - start, to - from, -1.0, rhs + from * m, m, lower + from * n + start, n, 1.0,
+                    rhs + start * m, m);
         }
-        solve_upper('T', end - start, active, upper + start * n + start, n, rhs + start, n);
+        solve_lower('R', 'T', active, end - start, lower + start * n + start, n, rhs + start * m, m);
         in_active = (int)active;
-        rows = (int)(end - start);
-        blas.dsyrk(&triangle, &transposed, &in_active, &rows, &one, rhs + start, &ld, &one, gram, &ld_gram);
+        columns = (int)(end - start);
+        blas.dsyrk(&triangle, &plain, &in_active, &columns, &one, rhs + start * m, &ld, &one, gram, &ld);
     }
     for (start = 0; start < m; start++)
         for (end = 0; end < start; end++)
@@ -85,13 +86,15 @@ Status solved_leaf(const System *system, Size first, Size last, const double *sh
     Status status = FAILED;
     leaf->gram = workspace(m * m);
     if (matrix != NULL && rhs != NULL && half != NULL && begin != NULL && leaf->gram != NULL) {
-        char upper = 'U';
+        char lower = 'L';
         int order = (int)n, info;
         memcpy(half, system->half + start, (size_t)n * sizeof(double));
         memcpy(half + n, system->half + system->n + start, (size_t)n * sizeof(double));
         between_nodes(n, half, system->uniform, matrix);
-        memcpy(rhs, shared, (size_t)(n * leaf->shared) * sizeof(double));
-        memset(rhs + n * leaf->shared, 0, (size_t)(n * (m - leaf->shared)) * sizeof(double));
+        memset(rhs, 0, (size_t)(n * m) * sizeof(double));
+        for (i = 0; i < n; i++)
+            for (c = 0; c < leaf->shared; c++)
+                rhs[i * m + c] = shared[c * n + i];
         for (c = 0; c < leaf->shared; c++)
             begin[c] = 0;
         for (i = first; i < last; i++) {
@@ -102,15 +105,15 @@ Status solved_leaf(const System *system, Size first, Size last, const double *sh
                 continue;
             begin[c] = begin[c + 1] = from;
             for (k = from; k < from + table->n; k++) {
-                rhs[c * n + k] = system->at_edges[2 * (start + k)];
-                rhs[(c + 1) * n + k] = system->at_edges[2 * (start + k) + 1];
+                rhs[k * m + c] = system->at_edges[2 * (start + k)];
+                rhs[k * m + c + 1] = system->at_edges[2 * (start + k) + 1];
             }
             c += 2;
         }
         if (system->addition != NULL)
             for (i = 0; i < n * n; i++)
                 matrix[i] -= system->addition[i];
-        blas.dpotrf(&upper, &order, matrix, &order, &info);
+        blas.dpotrf(&lower, &order, matrix, &order, &info);
         status = info == 0 ? SOLVED : NOT_DEFINITE;
         if (status == SOLVED)
             substitute(n, m, matrix, rhs, begin, leaf->gram);

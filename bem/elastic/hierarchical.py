@@ -47,7 +47,7 @@ Inputs = ParamSpec("Inputs")
 Output = TypeVar("Output")
 
 UNIFORM = 0.03  # alpha; the kernel of a whole period has the eigenvalues 0 and 1 / (2 n)
-LARGEST_LEAF = 110  # unknowns, above which a cluster of several patches is split (measured)
+LARGEST_LEAF = 130  # unknowns, above which a cluster of several patches is split (measured)
 FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by blocks of rows (measured)
 
 
