@@ -21,7 +21,7 @@ import numpy as np
 from scipy import fft
 
 from bem.elastic.collocation import Elastic
-from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import Control
 
@@ -99,7 +99,7 @@ class GridProblem:
     @property
     def _complete(self) -> FloatArray:
         """Pressure of complete contact less its mean, (n,)."""
-        return _Filter.by(self._stiffness)(self.height)
+        return _filtered(self.height, self._stiffness)
 
 
 def grid_problem(elastic: Elastic) -> GridProblem:
@@ -121,35 +121,9 @@ def grid_problem(elastic: Elastic) -> GridProblem:
     return GridProblem(height - elastic.profile.max_height, compliance)
 
 
-@dataclass(frozen=True, eq=False)
-class _Filter:
-    """Multiplies every mode of n = 2 k values by a real factor, with complex Fourier transforms of k pairs of values.
-
-    With Z the transform of the pairs z_j = v_2j + i v_(2j+1), even and odd points by themselves give that of the result
-
-        (s - d sin a) Z_m + i d cos a conj(Z_-m),   a = pi m / k,   s, d = (f_m +- f_(m+k)) / 2,   f_(n-m) = f_m.
-    """
-
-    straight: ComplexArray
-    mirrored: ComplexArray
-
-    @classmethod
-    def by(cls, factor: FloatArray) -> _Filter:
-        """The filter of factors of the modes m = 0..k, (k + 1,)."""
-        half = factor.size - 1
-        lower, upper, angle = factor[:-1], factor[:0:-1], np.pi / half * np.arange(half)
-        same, crossed = (lower + upper) / 2, (lower - upper) / 2
-        return cls(same - crossed * np.sin(angle) + 0j, 1j * crossed * np.cos(angle))
-
-    def __call__(self, values: FloatArray) -> FloatArray:
-        """The values filtered, (n,)."""
-        modes = fft.fft(values.view(np.complex128))
-        conjugate = np.conj(modes)
-        conjugate[1:] = conjugate[:0:-1]
-        conjugate *= self.mirrored
-        modes *= self.straight
-        modes += conjugate
-        return np.asarray(fft.ifft(modes, overwrite_x=True).view(np.float64))
+def _filtered(values: FloatArray, factor: FloatArray) -> FloatArray:
+    """Values with every mode multiplied, (n,)."""
+    return np.asarray(fft.irfft(fft.rfft(values) * factor, values.size))
 
 
 def _minimiser(operator: FloatArray, drive: FloatArray, mean: float | None) -> FloatArray:
@@ -179,26 +153,26 @@ def _highest(drive: FloatArray, mean: float | None) -> FloatArray:
 
 def _descent(operator: FloatArray, drive: FloatArray, mean: float | None, z: FloatArray) -> FloatArray:
     """The minimiser by preconditioned conjugate gradients, from a multiple of z >= 0, (n,)."""
-    response_to, inverse = _Filter.by(operator), _Filter.by(1 / np.where(operator > 0, operator, operator[1]))
-    z = z * (max(float(z @ drive), 0.0) / float(z @ response_to(z)) if mean is None else mean / z.mean())
+    z = z * (max(float(z @ drive), 0.0) / float(z @ _filtered(z, operator)) if mean is None else mean / z.mean())
+    inverse = 1 / np.where(operator > 0, operator, operator[1])
     direction, force, last = np.zeros(z.size), np.zeros(z.size), np.inf
     for _ in range(ITERATIONS):
         positive = z > 0
-        slope = response_to(z)
+        slope = _filtered(z, operator)
         slope -= drive
         if mean is not None:
             slope -= _mean(slope[positive])
         free = np.flatnonzero(positive | (slope < 0))  # z, force and direction are zero elsewhere
         now = slope[free]
         before, force = force[free], _spread(now, free, z.size)
-        miss = _less_mean(inverse(force)[free], mean)
+        miss = _less_mean(_filtered(force, inverse)[free], mean)
         if float(np.abs(miss).sum()) <= CONVERGED * float(z.sum()):
             break
         size = float(now @ miss)
         ahead = direction[free] * max(0.0, (size - float(before @ miss)) / last) + miss
         direction = _spread(ahead, free, z.size)
         last = size
-        response = _less_mean(response_to(direction)[free], mean)
+        response = _less_mean(_filtered(direction, operator)[free], mean)
         bend = float(response @ ahead)
         if bend <= 0:
             break
