@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack
 
 from bem.adhesive.equilibrium import Balance, System, energy_noise
 from bem.adhesive.lowest_modes import lowest_modes
@@ -28,11 +27,7 @@ ASTRAY, UNCERTAIN = 0.3, 10.0  # of the largest motion of an edge; times the res
 
 def tangent(control: Control, here: Balance) -> FloatArray:
     """d(outward motion of the edges) / dtau along the branch, (2 L,)."""
-    scale = here.state.patches.edge_scale
-    pull = here.load_gradient * scale * control.rate(here.state)
-    if here.factor is not None:
-        return np.asarray(-scale * lapack.dpotrs(here.factor, pull, lower=0)[0])
-    return np.asarray(-scale * np.linalg.solve(here.hessian_by_edge_scale, pull))
+    return -control.rate(here.state) * here.response(here.load_gradient)
 
 
 @dataclass(frozen=True)

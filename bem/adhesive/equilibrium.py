@@ -121,11 +121,23 @@ class Balance:
         soft = self.fixed_penetration_hessian - np.outer(self.load_gradient, self.load_gradient) / self.state.load_rate
         return bool(lowest_modes(symmetric_part(soft, self.scale), 1)[0][0] > 0)
 
+    def response(self, force: FloatArray) -> FloatArray:
+        """Outward motion of the edges under a force on them, H^-1 force, (2 L,)."""
+        scale = self.state.patches.edge_scale
+        if self.factor is not None:
+            return np.asarray(scale * lapack.dpotrs(self.factor, scale * force, lower=0)[0])
+        return np.asarray(scale * np.linalg.solve(self.hessian_by_edge_scale, scale * force))
+
     @cached_property
     def stiffness(self) -> float:
-        """d(load)/dDelta along the branch, the edges following."""
-        response = np.linalg.solve(self.fixed_penetration_hessian, self.load_gradient)
-        return float(self.state.load_rate - self.load_gradient @ response)
+        """d(load)/dDelta along the branch, the edges following.
+
+        At fixed penetration H is larger by (1 - penetration_rate) / load_rate times the square of the load gradient.
+        """
+        softened = float(self.load_gradient @ self.response(self.load_gradient))
+        return float(
+            self.state.load_rate - softened / (1 + softened * (1 - self.penetration_rate) / self.state.load_rate)
+        )
 
     @property
     def smallest_eigenvalue(self) -> float:
@@ -260,8 +272,14 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
 
 
 def _newton_step(system: System, here: Balance) -> FloatArray:
-    """Newton step on K = 2 sqrt(w) in units of the edge scale, (2 L,); infinite where it does not exist."""
+    """Newton step on K = 2 sqrt(w) in units of the edge scale, (2 L,); infinite where it does not exist.
+
+    Where all edges are tensile, with the Hessian itself: as if w grew with K^2/4 where it varies.
+    """
     state, control = here.state, system.control
+    missing = 2 * np.sqrt(here.work) - state.stress_intensity
+    if here.all_tensile:
+        return here.response(state.stress_intensity / 2 * missing) / state.patches.edge_scale
     jacobian = here.jacobian.copy()
     if control.load_weight > 0:
         share = control.load_weight * control.rate(state)
@@ -269,7 +287,6 @@ def _newton_step(system: System, here: Balance) -> FloatArray:
     diagonal = np.arange(here.work.size)
     jacobian[diagonal, diagonal] -= here.work_gradient / np.sqrt(here.work)
     try:
-        missing = 2 * np.sqrt(here.work) - state.stress_intensity
         jacobian *= state.patches.edge_scale
         return np.asarray(np.linalg.solve(jacobian, missing))
     except np.linalg.LinAlgError:

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.elastic.collocation import finer
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
@@ -31,7 +29,7 @@ def assess_equilibrium(system: System, here: Balance, value: float, tolerance: f
     state, resolution = here.state, finer(here.state.resolution)
     system = replace(system, elastic=with_left_out(system.elastic, state))
     fine = balance(system, state.patches, state.penetration, value, tolerance, resolution)
-    corrected = state.patches.moved(np.asarray(-np.linalg.solve(fine.hessian, fine.gradient)))
+    corrected = state.patches.moved(-fine.response(fine.gradient))
     correction = UNKNOWN
     if corrected.is_ordered:
         exact = balance(system, corrected, state.penetration, value, tolerance, resolution)

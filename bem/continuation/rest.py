@@ -39,7 +39,7 @@ def at_rest(
     """
     first, finest = tolerances
     found: list[EventNumbers] = []
-    outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
+    outward = -here.response(here.gradient)
     for tolerance, last in ((first, False), (first, False), (finest, True)):
         size = float(np.max(np.abs(outward) / here.state.patches.edge_scale))
         if size > LONGEST_STEP:
@@ -51,7 +51,7 @@ def at_rest(
             return None
         wanted = resolve(system.elastic, patches, tolerance)
         here = balance(system, patches, here.state.penetration, value, tolerance, finer(wanted) if last else wanted)
-        outward = np.asarray(-np.linalg.solve(here.hessian, here.gradient))
+        outward = -here.response(here.gradient)
         found.append(after_step(system, here, value, outward, 0.0))
     if here.factor is None or float(np.max(np.abs(outward) / here.state.patches.edge_scale)) > SHORT:
         return None

@@ -380,7 +380,7 @@ def _on_grid(samples: FloatArray, size: int) -> FloatArray:
     if samples.shape[1] * (WHOLE + size / STRETCH) <= LARGEST_MATRIX:
         return np.asarray(samples @ _interpolation(samples.shape[1], size))
     nodes = _node(np.concatenate(_columns(size)), size)
-    return np.asarray(np.polynomial.chebyshev.chebval(nodes, chebyshev.coefficients(samples).T))
+    return chebyshev_sums(chebyshev.coefficients(samples), np.tile(nodes, (len(samples), 1)))
 
 
 @lru_cache(maxsize=256)
