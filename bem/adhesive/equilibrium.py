@@ -134,10 +134,9 @@ class Balance:
 
         At fixed penetration H is larger by (1 - penetration_rate) / load_rate times the square of the load gradient.
         """
+        rate, share = self.state.load_rate, self.penetration_rate
         softened = float(self.load_gradient @ self.response(self.load_gradient))
-        return float(
-            self.state.load_rate - softened / (1 + softened * (1 - self.penetration_rate) / self.state.load_rate)
-        )
+        return (rate - share * softened) / (1 + (1 - share) * softened / rate)
 
     @property
     def smallest_eigenvalue(self) -> float:
