@@ -271,14 +271,8 @@ def correct(system: System, patches: Patches, penetration: float, target: float,
 
 
 def _newton_step(system: System, here: Balance) -> FloatArray:
-    """Newton step on K = 2 sqrt(w) in units of the edge scale, (2 L,); infinite where it does not exist.
-
-    Where all edges are tensile, with the Hessian itself: as if w grew with K^2/4 where it varies.
-    """
+    """Newton step on K = 2 sqrt(w) in units of the edge scale, (2 L,); infinite where it does not exist."""
     state, control = here.state, system.control
-    missing = 2 * np.sqrt(here.work) - state.stress_intensity
-    if here.all_tensile:
-        return here.response(state.stress_intensity / 2 * missing) / state.patches.edge_scale
     jacobian = here.jacobian.copy()
     if control.load_weight > 0:
         share = control.load_weight * control.rate(state)
@@ -286,6 +280,7 @@ def _newton_step(system: System, here: Balance) -> FloatArray:
     diagonal = np.arange(here.work.size)
     jacobian[diagonal, diagonal] -= here.work_gradient / np.sqrt(here.work)
     try:
+        missing = 2 * np.sqrt(here.work) - state.stress_intensity
         jacobian *= state.patches.edge_scale
         return np.asarray(np.linalg.solve(jacobian, missing))
     except np.linalg.LinAlgError:

@@ -287,8 +287,8 @@ VECTORISED static void beside_patch(const double *RESTRICT t, double total, Size
     double zeta[LANES], sum[LANES] = {0}, coarse[LANES] = {0}, nearest = 0.0, most;
     Size i, k;
     for (k = 0; k < LANES; k++) {
-        double square = (t[k] - 1) * (t[k] + 1);
-        zeta[k] = 1 / (t[k] + copysign(sqrt(square > 0 ? square : 0.0), t[k]));
+        double outside = fabs(t[k]) < 1 ? copysign(1.0, t[k]) : t[k];
+        zeta[k] = 1 / (outside + copysign(sqrt((outside - 1) * (outside + 1)), outside));
         nearest = fabs(zeta[k]) > nearest ? fabs(zeta[k]) : nearest;
     }
     most = NEGLIGIBLE / log(nearest - 1e-16);

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from bem.adhesive.equilibrium import System
+from bem.adhesive.equilibrium import System, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
-from bem.continuation.softness import LONGEST_STEP, SIDEWAYS, Soft, forces_at, hessian_in, is_at_rest
+from bem.continuation.softness import LONGEST_STEP, SIDEWAYS, Soft, forces_at, is_at_rest
 from bem.geometry.arrays import FloatArray
 
 EVEN = 0.1  # of the reach, at most, over which dH is a difference
@@ -118,7 +118,7 @@ def foretell_folds(system: System, soft: Soft, reach: float, tolerance: float) -
     along = -direction * lapack.dpotrs(factor, soft.pull, lower=0)[0]
     step = min(SIDEWAYS / soft.size(along), EVEN * abs(reach))
     beside = forces_at(system, soft, step * along, soft.value + direction * step, tolerance, soft.here.state.resolution)
-    change = (hessian_in(beside, soft.scale) - soft.hessian) / step
+    change = (symmetric_part(beside.hessian, soft.scale) - soft.hessian) / step
     half = lapack.dtrtrs(factor, change, lower=0, trans=1)[0]
     whole = lapack.dtrtrs(factor, half.T, lower=0, trans=1)[0]
     rates, modes = lowest_modes((whole + whole.T) / 2, MODES)

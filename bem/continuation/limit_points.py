@@ -26,7 +26,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.equilibrium import Balance, System, balance, symmetric_part
 from bem.continuation.foretold_folds import Foretold, foretell_folds
 from bem.continuation.softness import (
     LONGEST_STEP,
@@ -36,7 +36,6 @@ from bem.continuation.softness import (
     after_step,
     eigenvalue_gradient,
     forces_at,
-    hessian_in,
     is_at_rest,
     refined,
     softness,
@@ -182,7 +181,7 @@ def _near(system: System, soft: Soft, expected: Foretold, reach: float, toleranc
 
 def _is_expected(fold: LimitPoint, soft: Soft, expected: Foretold) -> bool:
     """Whether the modes are as soft at a fold as a point of its branch foretells."""
-    return expected.have_softened(hessian_in(fold.balance, soft.scale), fold.exact.value - soft.value)
+    return expected.have_softened(symmetric_part(fold.balance.hessian, soft.scale), fold.exact.value - soft.value)
 
 
 def _step(soft: Soft, slope: FloatArray, breaking: bool) -> tuple[FloatArray, float]:

@@ -62,7 +62,7 @@ def softness(
     system: System, here: Balance, value: float, scale: FloatArray, last: FloatArray | None = None, every: bool = False
 ) -> Soft:
     """Forces of a balance, and its two softest modes or `every` one; the first has the sign of `last`."""
-    hessian = hessian_in(here, scale)
+    hessian = symmetric_part(here.hessian, scale)
     eigenvalues, modes = lowest_modes(hessian, None if every else 2)
     if last is not None:
         modes *= np.sign(modes[:, 0] @ last) or 1.0
@@ -90,11 +90,6 @@ def _stiffening(system: System, here: Balance, outward: FloatArray) -> float:
     return float(rate * (twice / 2 - system.control.load_weight * rate * carried))
 
 
-def hessian_in(here: Balance, scale: FloatArray) -> FloatArray:
-    """The symmetric part of a Hessian in units of length of every edge, (2 L, 2 L)."""
-    return symmetric_part(here.hessian, scale)
-
-
 def is_at_rest(soft: Soft, modes: FloatArray) -> NDArray[np.bool_]:
     """Which modes, (2 L, n) or (2 L,), the load does no work on: they may break a symmetry."""
     cosine = np.abs(modes.T @ soft.pull) / (np.linalg.norm(soft.pull) * np.linalg.norm(modes, axis=0))
@@ -117,9 +112,9 @@ def forces_at(
 
 def eigenvalue_gradient(system: System, soft: Soft, tolerance: float) -> FloatArray:
     """D_v H v, the derivative of the smallest eigenvalue by the edges, (2 L,)."""
-    step = SIDEWAYS / soft.size(soft.mode) * soft.mode
-    beside = forces_at(system, soft, step, soft.value, tolerance, soft.here.state.resolution)
-    return np.asarray((hessian_in(beside, soft.scale) - soft.hessian) @ soft.mode * (soft.size(soft.mode) / SIDEWAYS))
+    distance = SIDEWAYS / soft.size(soft.mode)
+    beside = forces_at(system, soft, distance * soft.mode, soft.value, tolerance, soft.here.state.resolution)
+    return np.asarray((symmetric_part(beside.hessian, soft.scale) - soft.hessian) @ soft.mode / distance)
 
 
 def refined(system: System, soft: Soft, step: FloatArray, value: float, tolerance: float, other: bool) -> Balance:

@@ -131,7 +131,8 @@ def _near_patch(
     """Exact logarithmic part of one patch less that of its skeleton, for each x the patch it lies beside, (n,)."""
     (charges, places, _), (total, count, terms) = skeletons, series
     t = (x - center[index]) / half_width[index]
-    zeta = 1 / (t + np.copysign(np.sqrt(np.maximum((t - 1) * (t + 1), 0.0)), t))
+    outside = np.where(np.abs(t) < 1, np.copysign(1.0, t), t)  # rounding may put a point on the edge into the patch
+    zeta = 1 / (outside + np.copysign(np.sqrt((outside - 1) * (outside + 1)), outside))
     exact = np.log(np.abs(2 * zeta)) * total[index] + _power_series(terms, count, index, zeta)
     distance = np.abs(t[:, None] - places[index])
     coarse = np.einsum("nk,nk->n", np.log(distance, out=distance), charges[index])

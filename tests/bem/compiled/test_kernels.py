@@ -210,6 +210,17 @@ def test_potential_of_the_patches_beside_a_gap(posed):
     check(CORE.near_patches(*given), kernels.REFERENCES["near_patches"](*given))
 
 
+def test_potential_at_a_point_that_rounding_puts_into_the_patch():
+    one, places = np.ones(1), np.array([[-0.5, 0.5]])
+    skeletons, series = (np.ones((1, 2)), places, np.array([2])), (one, np.array([3]), np.array([[0.1, 0.2, 0.3]]))
+    given = np.zeros(1), one, skeletons, series, np.zeros(8, dtype=np.int64)
+    beside = np.linspace(1.5, 3.0, 7)
+    for at_edge in (1.0, np.nextafter(1.0, 0.0)):
+        found = CORE.near_patches(*given, np.append(at_edge, beside))
+        check(found, kernels.REFERENCES["near_patches"](*given, np.append(at_edge, beside)))
+        check(found[1:], kernels.REFERENCES["near_patches"](*given[:4], given[4][1:], beside))
+
+
 @pytest.mark.parametrize("rows", [3, 300])
 def test_chebyshev_sums(rows):
     random = np.random.default_rng(7)

@@ -22,8 +22,11 @@ def foretold_of(monkeypatch, direction, pull):
         size=lambda step: float(np.abs(step).max()),
         here=SimpleNamespace(state=SimpleNamespace(resolution=None)),
     )
-    monkeypatch.setattr(foretold_folds, "forces_at", lambda system, soft, step, value, tolerance, like: value)
-    monkeypatch.setattr(foretold_folds, "hessian_in", lambda value, scale: hessian + value * change)
+
+    def forces_at(system, soft, step, value, tolerance, like):
+        return SimpleNamespace(hessian=hessian + value * change)
+
+    monkeypatch.setattr(foretold_folds, "forces_at", forces_at)
     return foretell_folds(None, soft, direction, 1e-3), soft
 
 
