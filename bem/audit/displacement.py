@@ -16,7 +16,8 @@ u = -(1/pi) int log|2 sin((x - x')/2)| sigma dx' takes the logarithm apart into
   l = (2 pi)^(2/3), and over boxes ever half as wide the images that are far from them as well.
 
 A layer adds (ratio_m - 1) sigma_m / m to mode m.  Nothing is taken from the collocation or the gap search.
-Dimensionless (scaling.py), mean-free.  Limits: double precision, 1e-15 of the largest u; contact not complete.
+Dimensionless (scaling.py), mean-free.  Limits: double precision, 2e-15 of the largest u with 60 patches, 8e-15 with
+2000 (measured); contact not complete.
 """
 
 from __future__ import annotations
