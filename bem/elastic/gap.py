@@ -114,21 +114,8 @@ def near_patches(
 
     Each x lies in the gap behind patch `gap`; skeletons and series of the patches are those of `GapField`.
     """
-    following = (gap + 1) % center.size
-    index, ahead = np.concatenate([gap, following]), x - np.where(following <= gap, TWO_PI, 0.0)
-    beside = _near_patch(center, half_width, skeletons, series, index, np.concatenate([x, ahead]))
-    return np.asarray(beside[: x.size] + beside[x.size :])
-
-
-def _near_patch(
-    center: FloatArray,
-    half_width: FloatArray,
-    skeletons: tuple[FloatArray, FloatArray, IntArray],
-    series: tuple[FloatArray, IntArray, FloatArray],
-    index: IntArray,
-    x: FloatArray,
-) -> FloatArray:
-    """Exact logarithmic part of one patch less that of its skeleton, for each x the patch it lies beside, (n,)."""
+    following, points = (gap + 1) % center.size, x.size
+    index, x = np.concatenate([gap, following]), np.concatenate([x, x - np.where(following <= gap, TWO_PI, 0.0)])
     (charges, places, _), (total, count, terms) = skeletons, series
     t = (x - center[index]) / half_width[index]
     outside = np.where(np.abs(t) < 1, np.copysign(1.0, t), t)  # rounding may put a point on the edge into the patch
@@ -136,7 +123,8 @@ def _near_patch(
     exact = np.log(np.abs(2 * zeta)) * total[index] + _power_series(terms, count, index, zeta)
     distance = np.abs(t[:, None] - places[index])
     coarse = np.einsum("nk,nk->n", np.log(distance, out=distance), charges[index])
-    return np.asarray(-np.pi * exact - coarse)
+    beside = -np.pi * exact - coarse
+    return np.asarray(beside[:points] + beside[points:])
 
 
 def _power_series(terms: FloatArray, count: IntArray, column: IntArray, zeta: FloatArray) -> FloatArray:
