@@ -230,11 +230,11 @@ class _Run:
         direction = self.path.direction(self.point, goal.value, goal.separation)
         for point in self.path.advance(self.point, goal.value, goal.separation):
             before, self.point = self.point, point
-            self.recorder.note(point.events)
             self._report(index)
             if self._fails(point):
+                self.recorder.note(point.events)
                 return "not_converged"
-            ended = self._pressures_met(before, point)
+            ended = self._passed(before, point)
             if ended is not None:
                 return ended
             if self._lost_under_load(point, goal.value):
@@ -295,25 +295,40 @@ class _Run:
         stop = loading.stop_at_mean_pressure
         return {*loading.at_mean_pressures, *(() if stop is None else (stop,))}
 
-    def _pressures_met(self, before: AnyPoint, after: AnyPoint) -> str | None:
-        """Store the states where asked mean pressures are crossed; the status of the path where it ends there."""
-        wanted = {pressure: self.problem.load_of(pressure) for pressure in self._asked - self.met}
-        start, end = (self.path.load_of(point) for point in (before, after)) if wanted else (None, None)
-        if start is None or end is None:
-            return None
-        crossed = [pressure for pressure, load in wanted.items() if self.path.may_meet(before, after, load)]
-        for pressure in sorted(crossed, reverse=bool(end < start)):
-            found: AnyPoint | None = self.path.at_load(before, after, wanted[pressure])
+    def _passed(self, before: AnyPoint, after: AnyPoint) -> str | None:
+        """Keep the events between two points, and states where asked mean pressures are crossed, in their order.
+
+        Returns
+        -------
+        str or None
+            The status of the path where it ends at one of them.
+        """
+        ahead, direction = after.events, float(np.sign(after.value - before.value))
+        for pressure in self._crossed(before, after):
+            found: AnyPoint | None = self.path.at_load(before, after, self.problem.load_of(pressure))
             if found is None:
                 continue
             if self._fails(found):
                 return "not_converged"
+            behind = tuple(event for event in ahead if direction * (event.at.value - found.value) <= 0)
+            self.recorder.note(behind)
+            ahead = ahead[len(behind) :]
             self.met.add(pressure)
             self._keep(found, target=True)
             if pressure == self.scene.loading.stop_at_mean_pressure:
                 self.point = found
                 return "converged"
+        self.recorder.note(ahead)
         return None
+
+    def _crossed(self, before: AnyPoint, after: AnyPoint) -> list[float]:
+        """Mean pressures asked for that lie between those of two points, in the order in which they are crossed."""
+        wanted = self._asked - self.met
+        start, end = (self.path.load_of(point) for point in (before, after)) if wanted else (None, None)
+        if start is None or end is None:
+            return []
+        crossed = [at for at in wanted if self.path.may_meet(before, after, self.problem.load_of(at))]
+        return sorted(crossed, reverse=bool(end < start))
 
     def _report(self, index: int) -> None:
         if self.progress is None:

@@ -182,6 +182,16 @@ def test_a_pressure_on_the_way_becomes_a_target():
     np.testing.assert_allclose([state.mean_pressure for state in result.targets], [*wanted, 5000.0], rtol=1e-9)
 
 
+@pytest.mark.parametrize(("control", "target"), [("separation", 0.0), ("mean_pressure", 1e7)])
+def test_events_beyond_the_pressure_at_which_a_path_stops_do_not_happen(control, target):
+    loading = {"control": control, "targets": [target], "at_mean_pressures": [3e3], "stop_at_mean_pressure": 5e3}
+    result = solve(rough_scene([], harmonics=20, adhesion=None, loading=loading))
+    assert [event.kind for event in result.events] == ["first_touch"]
+    assert [state.events for state in result.states] == [1, 1]
+    whole = solve(rough_scene([target], harmonics=20, adhesion=None, control=control))
+    assert [event.kind for event in whole.events] == ["first_touch", "complete_contact"]
+
+
 def test_load_control_meets_the_states_of_separation_control(rough):
     stable = next(state for state in rough.targets if state.stable_at_fixed_load)
     twin = solve(rough_scene([stable.mean_pressure], control="mean_pressure")).targets[0]
