@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from bem.adhesive.equilibrium import Balance, System, balance
-from bem.elastic.collocation import finer
+from bem.elastic.collocation import Evaluation, finer
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 
 
@@ -34,6 +36,7 @@ def assess_equilibrium(system: System, here: Balance, value: float, tolerance: f
     if corrected.is_ordered:
         exact = balance(system, corrected, state.penetration, value, tolerance, resolution)
         correction = _of_equilibrium(exact).minus(_of_equilibrium(here))
+        correction = replace(correction, stress_intensity=_most_changed(exact.state, state))
         correction = stiffened(correction, system.elastic, state, here.stiffness)
     return Assessment(
         work=here.work,
@@ -44,6 +47,11 @@ def assess_equilibrium(system: System, here: Balance, value: float, tolerance: f
         stable_at_fixed_load=here.stable_at_fixed_load,
         correction=correction,
     )
+
+
+def _most_changed(exact: Evaluation, state: Evaluation) -> float:
+    """Largest change of K of any edge: that of the largest K may be nil by chance, all of them being nearly equal."""
+    return float(np.max(np.abs(exact.stress_intensity - state.stress_intensity)))
 
 
 def _of_equilibrium(here: Balance) -> Quantities:
