@@ -12,7 +12,8 @@ D_v H is a difference of exact Hessians, at a fold improved by the secant as lon
 dH/dtau is exact: K is linear in tau at fixed edges.  Where the mode breaks a
 symmetry that loading keeps, the load does no work on it, and the branch continues unstable: mu changes sign along it.
 Newton on the same equations finds that, with the modes that break the symmetry at rest.  Coarse evaluations lead to
-the point, finer ones improve it, and what the last of these changes, with another resolution, is its error.
+the point, finer ones improve it, and what the last of these changes, with a smaller tolerance or else another
+resolution, is its error.
 Dimensionless.  Limits: at a fold one mode alone is neutral.
 """
 
@@ -310,7 +311,7 @@ def _secant(soft: Soft, ahead: Soft, gradient: FloatArray, step: FloatArray) -> 
 def _improved(
     system: System, at: _Newton, tolerances: tuple[float, ...], breaking: bool
 ) -> tuple[_Newton, list[EventNumbers]] | None:
-    """Finer steps until they are close, and a last one with another resolution; the numbers after each.
+    """Finer steps until they are close, and a last one that shows their error; the numbers after each.
 
     The first of them takes the derivative of the eigenvalue anew: that of a secant leaves 2e-10 of the pressure.
     """
@@ -320,7 +321,7 @@ def _improved(
         if found and not last and at.close:
             continue
         value, gradient, before = at.soft.value + at.change, at.gradient, at.size
-        here = refined(system, at.soft, at.step, value, tolerance, last)
+        here = refined(system, at.soft, at.step, value, tolerance, last and finest == fine)
         soft = softness(system, here, value, at.soft.scale, at.soft.mode, breaking)
         at = _Newton(soft, gradient, *_step(soft, gradient, breaking))
         slow = not at.close and (breaking or at.size > before / 4)
