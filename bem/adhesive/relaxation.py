@@ -26,7 +26,7 @@ from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import DisplacementControl
 from bem.loading.increments import Accuracy
 
-LOCAL_STEP, LOCAL_RESIDUAL = 0.2, 1e-4
+LOCAL_STEP, LOCAL_RESIDUAL = 0.2, 1e-2
 GLOBAL_STEP = 0.4
 NEIGHBOURS = 4
 AVALANCHE_ROUNDS = 200  # besides one for every touch of a crest
