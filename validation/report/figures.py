@@ -74,10 +74,19 @@ def canvas_of(figure: Figure) -> Canvas:
 def save(canvas: Canvas, path: Path) -> None:
     """Write a figure as SVG or PDF, as the ending of the path says; equal figures give equal files."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    stream, kind = io.BytesIO(), path.suffix.removeprefix(".")
+    write_atomically(path, _printed(canvas, path.suffix.removeprefix(".")))
+
+
+def _printed(canvas: Canvas, kind: str) -> bytes:
+    """A figure as SVG or PDF; it is laid out once, whatever it is printed as: that takes as long as to print it."""
+    stream = io.BytesIO()
     with styled(**{"pdf.fonttype": 42}):
+        layout = canvas.get_layout_engine()
+        if layout is not None:
+            layout.execute(canvas)
+            canvas.set_layout_engine(None)
         canvas.savefig(stream, format=kind, metadata=WITHOUT_DATE[kind])
-    write_atomically(path, stream.getvalue())
+    return stream.getvalue()
 
 
 def svg_of(figure: Figure, prefix: str) -> str:
@@ -90,10 +99,7 @@ def svg_of(figure: Figure, prefix: str) -> str:
 
 def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> str:
     """A drawn figure as `svg_of` gives it; `description` is text of an SVG."""
-    with styled():
-        stream = io.StringIO()
-        canvas.savefig(stream, format="svg", metadata=WITHOUT_DATE["svg"])
-    text = stream.getvalue()
+    text = _printed(canvas, "svg").decode()
     element = text[text.index("<svg") :]
     element = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', element)
     element = re.sub(r'(xlink:href|href)="#([^"]+)"', rf'\1="#{prefix}-\2"', element)
@@ -119,10 +125,13 @@ def described(figure: Figure) -> str:
 
 
 def _draw(axes: Axes, panel: Panel) -> None:
+    from validation.report.tick_labels import label_plainly
+
     for index, series in enumerate(panel.series):
         hue = (index if series.hue is None else series.hue) % len(COLOURS)
         _draw_series(axes, series, COLOURS[hue], MARKERS[hue])
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, xscale=panel.xscale, yscale=panel.yscale)
+    label_plainly(axes.xaxis, axes.yaxis)
     if len(panel.series) > MOST_INSIDE:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=8.0)
     else:

@@ -13,9 +13,10 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatterSciNotation, LogLocator
+from matplotlib.ticker import LogLocator
 
 from validation.report.figures import COLOURS, MARKERS, SETTINGS, save
+from validation.report.tick_labels import PlainPowers, label_plainly
 
 WIDE = 64  # characters of a label with which two columns do not fit
 LABELLED = 2.5  # decades of an axis up to which twice and five times a power of ten have labels as well
@@ -61,9 +62,10 @@ def draw(plot: Plot) -> Figure:
         for index, (label, x, y) in enumerate(plot.fits):
             axes.plot(x, y, "--", color=COLOURS[index % len(COLOURS)], linewidth=1.0, label=label)
         axes.set(xlabel=plot.xlabel, ylabel=plot.ylabel, xscale=plot.xscale, yscale=plot.yscale)
+        label_plainly(axes.xaxis, axes.yaxis)
         if plot.xscale == "log":
             axes.xaxis.set_minor_locator(LogLocator(subs=(2, 5)))
-            axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(LABELLED, LABELLED)))
+            axes.xaxis.set_minor_formatter(PlainPowers(minor_thresholds=(LABELLED, LABELLED)))
         for label, upper in plot.bands:
             axes.axvspan(axes.get_xlim()[0] if plot.xscale == "linear" else 1e-18, upper, color="#999999", alpha=0.18,
                          linewidth=0, label=label)  # fmt: skip

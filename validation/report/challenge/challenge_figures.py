@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from validation.report.figures import COLOURS, SETTINGS, inline_svg
+from validation.report.tick_labels import label_plainly
 
 HUES = (*COLOURS, "#b0306a", "#2f8f9d", "#6b8e23", "#a0522d")
 SIGNS = ("o", "s", "^", "D", "v", "x", "P", "<", ">", "h")
@@ -50,6 +51,7 @@ def drawn_standings(title: str, recorded: Sequence[Curve], judged: Curve | None 
                 axes.plot([x], [y], "*", color=JUDGED, markersize=13, label=judged.label)
         axes.set(xlabel="CPU seconds", ylabel="error over scale, geometric mean of the answers")
         axes.set(xscale="log", yscale="log")
+        label_plainly(axes.xaxis, axes.yaxis)
         axes.set_title(title, fontsize=9.5)
         if axes.get_legend_handles_labels()[1]:
             canvas.legend(loc="outside lower center", ncols=2, fontsize=7.5)
