@@ -80,7 +80,7 @@ class CrestsAhead:
         edge = np.flatnonzero(outward > MOVED * wavelength)
         gap = np.where(edge < count, edge - 1, edge - count) % count
         tensile = after.state.stress_intensity > 0
-        at_both_ends = (tensile[count:] & np.roll(tensile[:count], -1))[gap]
+        at_both_ends = tensile[count + gap] & tensile[(gap + 1) % count]
         edge, gap = edge[at_both_ends], gap[at_both_ends]
         reach = np.minimum(REACH * wavelength, patches.gap_after[gap])
         start = patches.right[gap] + np.where(edge < count, patches.gap_after[gap] - reach, 0.0)

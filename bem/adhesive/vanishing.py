@@ -98,4 +98,4 @@ def pulled_shut(here: Balance) -> NDArray[np.bool_]:
     """Gaps behind the patches at whose ends adhesion wins over the stiffness, (L,)."""
     count = here.state.patches.count
     outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
-    return np.asarray(outward[count:] & np.roll(outward[:count], -1))
+    return np.asarray(outward[count:] & np.append(outward[1:count], outward[0]))
