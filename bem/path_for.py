@@ -37,8 +37,9 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
         from bem.nonadhesive.convex_path import ConvexPath
 
         body = CompletedBody(complete, problem.profile.max_height, problem.compliance_ratio)
+        stop = scene.loading.stop_at_mean_pressure
         convex: LoadingPath[ConvexPoint, ContactPoint] = ConvexPath(
-            problem.elastic, problem.control, increments, body, highest
+            problem.elastic, problem.control, increments, body, highest, None if stop is None else problem.load_of(stop)
         )
         return convex
     from bem.adhesive.equilibrium import System

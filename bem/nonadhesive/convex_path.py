@@ -62,6 +62,8 @@ class ConvexPath:
         Complete contact, where load control ends, and what it takes to open gaps in it.
     crests : (n,) array
         Positions of the highest crests (more than one when equally high).
+    stop : float, optional
+        Load behind which nothing is asked for: goals that need more are not solved.
     """
 
     elastic: Elastic
@@ -69,6 +71,7 @@ class ConvexPath:
     increments: Increments
     body: CompletedBody
     crests: FloatArray
+    stop: float | None = None
     effort: Effort = field(default_factory=Effort)
     has_history: ClassVar[bool] = False
 
@@ -79,10 +82,12 @@ class ConvexPath:
         return float(np.sign((point.separation or 0.0) - separation))
 
     def advance(self, point: ConvexPoint, goal: float, separation: float | None = None) -> Iterator[ConvexPoint]:
-        """Yield the point at the goal, at this separation where that is what is controlled."""
+        """Yield the point at the goal, at this separation where that is what is controlled; or where the path stops."""
         if point.value == goal and point.separation == separation:
             return
-        ahead = self.at(goal, separation)
+        stop = self._stopped
+        between = stop is not None and min(point.value, goal) < stop.value < max(point.value, goal)
+        ahead = stop if stop is not None and between else self.at(goal, separation)
         if isinstance(ahead, Failed):
             self.effort.rejected += 1
         else:
@@ -135,11 +140,22 @@ class ConvexPath:
 
     def may_meet(self, before: ConvexPoint, after: ConvexPoint, load: float) -> bool:
         """Whether a load lies between those of two points: the load grows with the penetration."""
+        if load == self.stop and self._stopped is not None and after.value == self._stopped.value:
+            return True  # to the last digit
         start, end = self.load_of(before), self.load_of(after)
         return start is not None and end is not None and min(start, end) < load <= max(start, end)
 
     def at_load(self, before: ConvexPoint, after: ConvexPoint, load: float) -> ConvexPoint:
         """The point at a load, whatever the control: where the path crosses it."""
+        return self._stopped if self._stopped is not None and load == self.stop else self._at_load(load)
+
+    @cached_property
+    def _stopped(self) -> ContactPoint | None:
+        """The point with edges at the load behind which nothing is asked for."""
+        found = None if self.stop is None else self._at_load(self.stop)
+        return found if isinstance(found, ContactPoint) else None
+
+    def _at_load(self, load: float) -> ConvexPoint:
         found = self._solved(LOAD_CONTROL, load)
         penetration = self.elastic.profile.max_height if found.state is None else found.state.penetration
         return replace(found, value=self.control.value(penetration, load))

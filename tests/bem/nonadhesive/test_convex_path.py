@@ -22,7 +22,7 @@ def fresh(control=None):
     path = path_for(SCENE, PROBLEM, _complete())
     assert isinstance(path, ConvexPath)
     return ConvexPath(
-        path.elastic, control or DisplacementControl(), path.increments, path.body, path.crests, path.effort
+        path.elastic, control or DisplacementControl(), path.increments, path.body, path.crests, None, path.effort
     )
 
 
@@ -178,3 +178,19 @@ def test_resumption_knows_which_pressures_were_met(kept):
     half = replace(whole, states=whole.states[:kept], status="interrupted")
     again = solve(scene, resume=half)
     assert [state.edges for state in again.states] == [state.edges for state in whole.states]
+
+
+@pytest.mark.parametrize(
+    ("initial", "goal", "pressures"),
+    [("separated", 1e-6, [1500.0, 3000.0]), ("complete_contact", 85e-6, [3000.0, 1500.0])],
+    ids=["on", "off"],
+)
+def test_what_lies_behind_the_pressure_at_which_a_path_stops_is_not_solved(initial, goal, pressures):
+    loading = {"control": "separation", "targets": [goal], "initial": initial, "at_mean_pressures": [1500.0, 3000.0]}
+    through = solve(rough_scene([], 30, 2, None, loading=loading))
+    solved = []
+    stop = loading | {"stop_at_mean_pressure": pressures[1]}
+    stopped = solve(rough_scene([], 30, 2, None, loading=stop), progress=solved.append)
+    assert [state.mean_pressure for state in stopped.states] == pytest.approx(pressures, rel=1e-12)
+    assert [state.edges for state in stopped.states] == [state.edges for state in through.states[:2]]
+    assert [point.mean_pressure for point in solved] == [stopped.states[1].mean_pressure]
