@@ -20,7 +20,6 @@ from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Evaluation, Resolution, resolve
 from bem.elastic.gap import GapMinima, gap_field, low_minima
-from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import DisplacementControl
@@ -221,13 +220,4 @@ def _frozen_field(
     frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
     keep = np.repeat(frozen, state.resolution.modes)
     charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
-    nodes, charges = state.skeleton_nodes()[keep], charges[keep]
-    kernel, logarithmic = system.elastic.kernel, LogarithmicPotential(nodes, charges)
-
-    def field(x: FloatArray) -> FloatArray:
-        total = logarithmic(x)
-        if kernel is not None:
-            total += kernel.field(x, nodes, charges)
-        return total
-
-    return field
+    return system.elastic.field_of_charges(state.skeleton_nodes()[keep], charges[keep])

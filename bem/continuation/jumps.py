@@ -82,7 +82,7 @@ class Jumps:
         if isinstance(ahead, TouchedFold) and self.ends.surely_misses_energy(point, end):
             return []  # the fold was of another branch
         state = touch.balance.state
-        deeper = interpenetration(self.system, state, DEEPER)
+        deeper = interpenetration(self.system, state, DEEPER - min(touch.left, 0.0))
         if deeper.position.size:  # another minimum of the gap closed before, which at `ahead` there was none of
             return self.from_touch(point, end, deeper) if abs(end.value - point.value) < width else []
         relaxed = self._relaxed(state, state.patches, touch.exact.value, found=touch.touching)

@@ -1,33 +1,44 @@
-"""Touch points: where the gap beside a branch of equilibria closes on a crest, located to the accuracy of a target.
+"""Touch points: where the gap beside a branch of equilibria closes on a crest, located by its own equation.
 
-Between two points of a branch the edges follow a cubic in the control, from which Newton corrects them; the least of
-the gaps that closed in between vanishes at the touch, found by the secant within its bracket.  Gaps that vanish there
-to within `TIED` touch together.  The last two states are evaluated at different accuracies; by how much the touch
-moved is its error.  Dimensionless.  Limits: the branch reaches beyond the touch, as it does until contact forms.
+At a touch an equilibrium leaves a gap of zero at one place y outside contact: with the gradient G of the potential
+
+    G(x, tau) = 0,   gap(y; x, tau) = 0,
+
+and Newton solves both at once, from the cubic in the control that the edges follow between two points of a branch.
+What a motion a of the edges does to the gap follows from reciprocity: the gap at y is a load with the weight
+f = -log|2 sin((x - y)/2)|/pi, so that like the load itself d gap / d a = K K_f / 2, where K_f are the stress
+intensities by heights of the shape f; and these are those of a point charge at y.
+
+Where another gap closes nearly there, steps go on until the first of them is known; gaps that vanish to within `TIED`
+touch together.  The last two states are evaluated at different accuracies; by how much the touch moved is its error.
+Source of the derivative: Rice, Int. J. Solids Struct. 21 (1985) 781.  Dimensionless.  Limits: the branch reaches
+beyond the touch, as it does until contact forms.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bem.adhesive.branch import tangent
-from bem.adhesive.equilibrium import Balance, System, correct
+from bem.adhesive.equilibrium import Balance, System, balance
+from bem.continuation.softness import LONGEST_STEP, after_step
+from bem.elastic.collocation import evaluate
 from bem.elastic.gap import GapMinima, gap_field, minima_near
+from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-from bem.loading.increments import Accuracy
 from bem.loading.path_events import EventNumbers
 
 STEPS = 20
+SHORT = 1e-3  # of the edge scale: a step after which the last evaluation comes
+CLOSE = 1e-5  # the same: what the last step leaves is below 1e-9
 TOUCHED = 1e-10  # of the rms height: a gap that is closed
-AT_TOUCH = 1e-9  # the same: how near to it the last evaluation must be; the rest of the way is extrapolated
-NEARLY = 1e-6  # the same for the evaluations that are not the last
+RIVAL = 1e-4  # the same: gaps this near to the first one may close before it, until
+SETTLED = 1e-9  # the same: the last step changes gaps by no more
 TIED = 1e-9  # of the rms height: gaps that close together
-DISTINCT = (1e-7, 1e-10)  # of the rms height: gaps farther apart give a slope, in the first evaluations and the last
-RESIDUAL = 0.1  # of |G/w - 1| over the tolerance of the evaluation
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,16 +48,20 @@ class TouchPoint:
     Attributes
     ----------
     balance : Balance
+        Forces next to it.
     exact, error : EventNumbers
         Its numbers, and what the last refinement changed.
     touching : GapMinima
         The crests in contact.
+    left : float
+        What their gaps are in the state of these forces.
     """
 
     balance: Balance
     exact: EventNumbers
     error: EventNumbers
     touching: GapMinima
+    left: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +100,7 @@ def locate_touch(
     bracket: Bracket,
     tolerances: tuple[float, float],
 ) -> TouchPoint | None:
-    """The touch between two points of a branch; None where Newton does not follow the branch.
+    """The touch between two points of a branch; None where Newton does not find it.
 
     Parameters
     ----------
@@ -102,50 +117,59 @@ def locate_touch(
     crossing = float(np.clip(np.min(bracket.gaps[0] / (bracket.gaps[0] - bracket.gaps[1])), 0.0, 1.0))
     value = first + (last - first) * (crossing * (2 - crossing) if bracket.folds else crossing)
     before: EventNumbers | None = None
-    slope = float(bracket.gaps[1].min() - bracket.gaps[0].min()) / (last - first)
-    near, patches = bracket.found, branch(value)
-    known: list[tuple[float, float]] = []  # of one accuracy: gaps at the ends may be off by what they are apart
+    near, patches, good = bracket.found, branch(value), first
     for _ in range(STEPS):
-        tolerance = tolerances[int(before is not None)]
         if not patches.is_ordered:
             return None
-        corrected = correct(system, patches, penetration, value, Accuracy(tolerance, RESIDUAL * tolerance))
-        if corrected.balance is None:  # beyond a fold: halfway back to the branch
-            value = (value + (known[-1][0] if known else first)) / 2
+        tolerance = tolerances[int(before is not None)]
+        here = if_solvable(balance, system, patches, penetration, value, tolerance)
+        if here is None:
+            return None
+        if not here.all_tensile or here.factor is None:  # beyond a fold: halfway back to the branch
+            value = (value + good) / 2
             patches = branch(value)
             continue
-        here, at = corrected.balance, value
-        rate = tangent(system.control, here)
         near = minima_near(gap_field(system.elastic, here.state), near.position, bracket.found.gap)
-        depth = float(near.depth.min())
-        if known:
-            other, there = min(known, key=lambda point: abs(point[0] - value))
-            if value != other and abs(depth - there) > DISTINCT[int(before is not None)]:
-                slope = (depth - there) / (value - other)
-        known.append((value, depth))
-        change = -depth / slope
-        exact = _at_touch(system, here, value, change)
-        if before is not None and abs(depth) <= AT_TOUCH:
-            tied = near.depth <= near.depth.min() + TIED
+        deepest = int(np.argmin(near.depth))
+        outward, change = _step(system, here, float(near.position[deepest]), float(near.depth[deepest]), tolerance)
+        size = float(np.max(np.abs(outward) / here.state.patches.edge_scale))
+        if before is not None and size <= CLOSE and _is_first(near.depth):
+            tied = near.depth <= near.depth[deepest] + TIED
             touching = GapMinima(near.position[tied], np.full(int(tied.sum()), -TOUCHED), near.gap[tied])
+            exact = after_step(system, here, value, outward, change)
             error = exact.apart(before, system.control.force(here.state))
-            return TouchPoint(here, exact, error, touching)
-        if before is None and abs(depth) <= NEARLY:
-            before, known = exact, []
-        value += change
-        patches = here.state.patches.moved(rate * (value - at))
+            return TouchPoint(here, exact, error, touching, float(near.depth[deepest]))
+        if before is None and size <= SHORT:
+            before = after_step(system, here, value, outward, change)
+        part, good = min(1.0, LONGEST_STEP / size), value
+        value += part * change
+        patches, penetration = here.state.patches.moved(part * outward), here.state.penetration
         if not bracket.reaches(value):
             return None
     return None
 
 
-def _at_touch(system: System, here: Balance, value: float, change: float) -> EventNumbers:
-    """Numbers of the state on the branch a small change of the control away."""
-    control = system.control
-    deeper = change / (control.penetration_weight + control.load_weight * here.stiffness)
-    return EventNumbers(
-        value + change,
-        here.state.penetration + deeper,
-        here.state.load + deeper * here.stiffness,
-        here.potential + change * control.force(here.state),
-    )
+def _is_first(depth: FloatArray) -> bool:
+    """Whether it is known which of the gaps closes first: one is alone, or they are what they are at the touch."""
+    lowest = float(depth.min())
+    return abs(lowest) <= SETTLED or int(np.sum(depth <= lowest + RIVAL)) == 1
+
+
+def gap_rates(system: System, here: Balance, position: float, tolerance: float) -> tuple[FloatArray, float]:
+    """How the gap at a place outside contact opens: by outward motions of the edges, (2 L,), and by the control."""
+    state, control = here.state, system.control
+    charge = system.elastic.field_of_charges(np.array([position]), np.array([-1.0]))
+    elastic = replace(system.elastic, backgrounds=(*system.elastic.backgrounds, charge))
+    pushed = evaluate(elastic, state.patches, state.penetration, tolerance, state.resolution, with_compliance=False)
+    system.effort.evaluations += 1
+    by_edges = state.stress_intensity * (pushed.stress_intensity - state.stress_intensity) / 2
+    by_control = (pushed.load - state.load - 1) * control.rate(state)
+    return by_edges - control.load_weight * by_control * here.load_gradient, by_control
+
+
+def _step(system: System, here: Balance, position: float, depth: float, tolerance: float) -> tuple[FloatArray, float]:
+    """Newton step of the edges, (2 L,), and of the control to where the edges rest and a gap vanishes."""
+    by_edges, by_control = gap_rates(system, here, position, tolerance)
+    back, along = -here.response(here.gradient), tangent(system.control, here)
+    change = -(depth + float(by_edges @ back)) / (by_control + float(by_edges @ along))
+    return back + change * along, change

@@ -26,6 +26,7 @@ import numpy as np
 
 from bem.compiled.kernels import mirrored
 from bem.elastic.hierarchical import IllConditionedSystemError, Skeleton, solve
+from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches, PatchPressure
@@ -69,6 +70,13 @@ class Elastic:
     def kernel(self) -> KernelSeries | None:
         """What adds to log|2 sin|; None if it is that of the half-space."""
         return None if self.compliance is None else self.compliance.kernel
+
+    def field_of_charges(self, position: FloatArray, charge: FloatArray) -> Field:
+        """The field of charges outside contact, (n,) each, as a function of x: -pi times what it displaces."""
+        logarithmic, kernel = LogarithmicPotential(position, charge), self.kernel
+        if kernel is None:
+            return logarithmic
+        return lambda x: logarithmic(x) + kernel.field(x, position, charge)
 
     @property
     def left_out(self) -> KernelSeries | None:

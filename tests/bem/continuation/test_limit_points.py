@@ -6,9 +6,9 @@ import pytest
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.branch import tangent
 from bem.adhesive.descent import Steps, descend
-from bem.adhesive.equilibrium import Corrected, System, balance, correct, forces
+from bem.adhesive.equilibrium import System, balance, correct, forces
 from bem.adhesive.relaxation import Relaxed, interpenetration
-from bem.continuation import branch_ends, limit_points, touch_points
+from bem.continuation import branch_ends, limit_points
 from bem.continuation.branch_ends import TouchedFold
 from bem.continuation.departure import departure
 from bem.continuation.foretold_folds import foretell_folds
@@ -18,7 +18,6 @@ from bem.continuation.points_with_edges import Equilibrium, equilibrium
 from bem.continuation.rest import at_rest
 from bem.continuation.softness import LostError, softness
 from bem.elastic.collocation import Elastic
-from bem.elastic.gap import GapMinima
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
@@ -318,18 +317,3 @@ def test_an_equilibrium_that_needs_no_steps_has_an_error_from_another_resolution
     better, _, error = at_rest(system, found.balance, 0.5, (1e-8, 1e-8))
     assert np.any(better.state.resolution.nodes != found.balance.state.resolution.nodes)
     assert 0 < error.load <= 4e-12  # measured 1.2e-12
-
-
-def test_a_touch_is_not_located_where_newton_finds_two_states_at_one_value(monkeypatch):
-    system = wave(DisplacementControl())
-    states = [resting(system, [0.0], 0.5, value) for value in (0.3, 0.31)]
-
-    def correct_to_the_other(*_):
-        states.reverse()
-        return Corrected("converged", states[0])
-
-    monkeypatch.setattr(touch_points, "correct", correct_to_the_other)
-    crest = GapMinima(np.array([3.0]), np.array([-1e20]), np.array([0]))
-    bracket = touch_points.Bracket((0.3, 0.4), (np.array([1e20]), np.array([-1e20])), crest, 1.0)
-    tolerances = (1e-5, 1e-8)
-    assert touch_points.locate_touch(system, lambda _: states[0].state.patches, 0.3, bracket, tolerances) is None
