@@ -145,7 +145,7 @@ class ContactState:
         signs = np.repeat([-1.0, 1.0], count)
         matrix = (self.evaluation.stress_intensity / 2)[:, None] * stress_intensity_jacobian(self.evaluation)
         if self._law is not None:
-            matrix = matrix - np.diag(signs * self._law.work_gradient(self._positions))
+            matrix = matrix - np.diag(signs * self._law.work_and_gradient(self._positions)[1])
         order = np.arange(2 * count).reshape(2, count).T.ravel()
         signed: FloatArray = matrix * np.outer(signs, signs)
         return np.asarray(signed[np.ix_(order, order)] * (self.scales.release_rate / self.scales.length))

@@ -68,9 +68,9 @@ class UniformLaw:
         """w at the positions x, same shape."""
         return np.full(x.shape, self.work)
 
-    def work_gradient(self, x: FloatArray) -> FloatArray:
-        """dw/dx at the positions x, same shape."""
-        return np.zeros(x.shape)
+    def work_and_gradient(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """w and dw/dx at the positions x, same shape."""
+        return np.full(x.shape, self.work), np.zeros(x.shape)
 
     def critical_stress_intensity(self, x: FloatArray) -> FloatArray:
         """K = 2 sqrt(w) at the positions x, same shape."""
@@ -170,15 +170,16 @@ class SlopeLaw(UniformLaw):
         """w at the positions x, same shape."""
         return np.asarray(self.work * np.hypot(1.0, self.slope_scale * self.profile.slope(x)))
 
-    def work_gradient(self, x: FloatArray) -> FloatArray:
-        """dw/dx at the positions x, same shape."""
+    def work_and_gradient(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """w and dw/dx at the positions x, same shape."""
         _, slope, curvature = self.profile.height_slope_curvature(x)
         stretch = np.hypot(1.0, self.slope_scale * slope)
-        return np.asarray(self.work * self.slope_scale**2 * slope * curvature / stretch)
+        return self.work * stretch, self.work * self.slope_scale**2 * slope * curvature / stretch
 
     def energy(self, patches: Patches) -> float:
         """U_ad = -int w dx over the patches."""
-        return -self.work * float(np.sum(self.length(patches.right) - self.length(patches.left)))
+        ends = self.length(np.concatenate([patches.left, patches.right]))
+        return -self.work * float(np.sum(ends[patches.count :] - ends[: patches.count]))
 
 
 def dimensionless_law(adhesion: Adhesion, profile: Profile, scales: Scales) -> UniformLaw:

@@ -191,13 +191,11 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
     """Forces on the edges of an evaluated state that is at the target."""
     patches = state.patches
     edges, intensity = edge_positions(patches), state.stress_intensity
-    work = system.law.work_of_adhesion(edges)
+    work, work_gradient = system.law.work_and_gradient(edges)
+    work_gradient[: patches.count] *= -1.0
     jacobian = stress_intensity_jacobian(state)
     hessian = (intensity / 2)[:, None] * jacobian
-    work_gradient = system.law.work_gradient(edges)
-    work_gradient[: patches.count] *= -1.0
-    diagonal = np.arange(edges.size)
-    hessian[diagonal, diagonal] -= work_gradient
+    hessian.reshape(-1)[:: edges.size + 1] -= work_gradient
     load_gradient = intensity * state.stress_intensity_rate / 2
     energy = state.elastic_energy + system.law.energy(patches)
     return Balance(

@@ -7,7 +7,7 @@
 #include "core.h"
 #include "kernels.h"
 
-#define INTERFACE "4" /* kernels.INTERFACE */
+#define INTERFACE "5" /* kernels.INTERFACE */
 
 Blas blas;
 static PyObject *numpy_empty;
@@ -49,17 +49,19 @@ void expect(Call *call, int holds, const char *what)
     }
 }
 
+PyObject *held(Call *call, PyObject *object)
+{
+    if (object != NULL && call->n_objects < MOST_HELD)
+        return call->objects[call->n_objects++] = object;
+    expect(call, object == NULL, "more objects than a kernel takes");
+    call->failed = 1;
+    Py_XDECREF(object);
+    return Py_None;
+}
+
 PyObject *attribute(Call *call, PyObject *object, const char *name)
 {
-    PyObject *found;
-    if (call->failed)
-        return Py_None;
-    found = call->n_objects < MOST_HELD ? PyObject_GetAttrString(object, name) : NULL;
-    if (found == NULL) {
-        call->failed = 1;
-        return Py_None;
-    }
-    return call->objects[call->n_objects++] = found;
+    return call->failed ? Py_None : held(call, PyObject_GetAttrString(object, name));
 }
 
 double *reals(Call *call, PyObject *array, int dimensions, Size *shape)
@@ -114,24 +116,30 @@ int truth(Call *call, PyObject *object)
     return value > 0;
 }
 
+/* An array that was made, and where its numbers are. */
+static PyObject *opened(Call *call, PyObject *array, void **data)
+{
+    Py_buffer *found = array != NULL ? view(call, array, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE) : NULL;
+    if (found == NULL) {
+        call->failed = 1;
+        Py_CLEAR(array);
+    } else
+        *data = found->buf;
+    return array;
+}
+
 PyObject *new_reals(Call *call, int dimensions, Size n, Size m, double **data)
 {
-    PyObject *array = NULL;
-    Py_buffer *found;
-    if (!call->failed)
-        array = dimensions == 1 ? PyObject_CallFunction(numpy_empty, "n", n)
-                                : PyObject_CallFunction(numpy_empty, "((nn))", n, m);
-    if (array == NULL) {
-        call->failed = 1;
-        return NULL;
-    }
-    found = view(call, array, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE);
-    if (found == NULL) {
-        Py_DECREF(array);
-        return NULL;
-    }
-    *data = (double *)found->buf;
-    return array;
+    return opened(call,
+                  call->failed        ? NULL
+                  : dimensions == 1 ? PyObject_CallFunction(numpy_empty, "n", n)
+                                    : PyObject_CallFunction(numpy_empty, "((nn))", n, m),
+                  (void **)data);
+}
+
+PyObject *new_integers(Call *call, Size n, int64_t **data)
+{
+    return opened(call, call->failed ? NULL : PyObject_CallFunction(numpy_empty, "ns", n, "i8"), (void **)data);
 }
 
 double *workspace(Size n)
@@ -142,37 +150,43 @@ double *workspace(Size n)
     return memory;
 }
 
-Table *tables_of(Call *call, PyObject *tuple)
+Table *tables_of(Call *call, const char *packed, const int64_t *sizes, Size count)
 {
+    PyObject *module, *found;
     Table *tables;
-    Size i, shape[1], size;
-    expect(call, PyTuple_Check(tuple), "tables: not a tuple");
+    Size i, j, shape[1], n, start = 0;
     if (call->failed)
         return NULL;
-    size = PyTuple_GET_SIZE(tuple);
-    tables = PyMem_Malloc((size_t)(size + 1) * sizeof(Table));
-    if (tables == NULL) {
-        PyErr_NoMemory();
-        call->failed = 1;
-        return NULL;
-    }
-    for (i = 0; i < size; i++) {
-        double *at = reals(call, PyTuple_GET_ITEM(tuple, i), 1, shape);
-        Size n = call->failed || shape[0] == 0 ? 0 : (Size)at[0];
-        expect(call, n > 0 && shape[0] == 1 + 5 * n + 2 * n * n, "tables: not as chebyshev.basis packs them");
-        if (call->failed)
-            break;
+    module = PyImport_ImportModule("bem.geometry.chebyshev");
+    tables = PyMem_Malloc((size_t)(count + 1) * sizeof(Table));
+    call->failed = module == NULL || tables == NULL;
+    for (i = 0; !call->failed && i < count; i++) {
+        for (j = i - 1; j >= 0 && sizes[j] != sizes[i]; j--)
+            ;
+        n = (Size)sizes[i];
+        if (j >= 0)
+            tables[i] = tables[j];
+        tables[i].start = start;
+        start += n;
+        if (j >= 0)
+            continue;
+        found = held(call, PyObject_CallMethod(module, packed, "n", n));
         tables[i].n = n;
-        tables[i].nodes = at + 1;
-        tables[i].at_edges = at + 1 + n;
-        tables[i].slopes = at + 1 + 3 * n;
-        tables[i].values = at + 1 + 5 * n;
+        tables[i].nodes = reals(call, found, 1, shape);
+        expect(call, n > 0 && (shape[0] == n || shape[0] == n + n * n || shape[0] == 5 * n + 2 * n * n),
+               "tables: not as chebyshev packs them");
+        tables[i].transform = shape[0] == n ? NULL : tables[i].nodes + n;
+        tables[i].at_edges = tables[i].nodes + n;
+        tables[i].slopes = tables[i].nodes + 3 * n;
+        tables[i].values = tables[i].nodes + 5 * n;
         tables[i].moments = tables[i].values + n * n;
     }
+    Py_XDECREF(module);
     if (call->failed) {
         PyMem_Free(tables);
         return NULL;
     }
+    tables[count].start = start;
     return tables;
 }
 
@@ -232,13 +246,11 @@ static int look_up_all(void)
 
 static PyMethodDef methods[] = {
     KERNEL(taylor),
-    KERNEL(sampled_series),
-    KERNEL(skeleton_columns),
+    KERNEL(sizes),
+    KERNEL(right_hand_sides),
     KERNEL(solved),
     KERNEL(stress_intensity_jacobian),
     KERNEL(all_charges),
-    KERNEL(slopes_at_edges),
-    KERNEL(uncoupled),
     KERNEL(integral),
     KERNEL(box_moments),
     KERNEL(box_potential),

@@ -43,7 +43,8 @@ typedef struct {
 
 int enter(Call *call, Size n_given, Size n_wanted);                              /* TypeError where they differ */
 void leave(Call *call);
-PyObject *attribute(Call *call, PyObject *object, const char *name);            /* borrowed until `leave` */
+PyObject *held(Call *call, PyObject *object);                                   /* a new one, borrowed until `leave` */
+PyObject *attribute(Call *call, PyObject *object, const char *name);            /* the same */
 double *reals(Call *call, PyObject *array, int dimensions, Size *shape);        /* C-contiguous float64 */
 int64_t *integers(Call *call, PyObject *array, Size *size);                     /* (n,) int64 */
 double number(Call *call, PyObject *object);
@@ -51,15 +52,22 @@ Size count(Call *call, PyObject *object);
 int truth(Call *call, PyObject *object);
 void expect(Call *call, int holds, const char *what);                           /* ValueError unless it holds */
 PyObject *new_reals(Call *call, int dimensions, Size n, Size m, double **data); /* numpy.empty */
+PyObject *new_integers(Call *call, Size n, int64_t **data);                     /* the same of int64 */
 double *workspace(Size n);                                                      /* malloc; sets MemoryError */
 
-/* Tables of n Gauss-Chebyshev nodes, chebyshev.Basis.packed: n and each part one behind the other. */
+/* Tables of n Gauss-Chebyshev nodes: of chebyshev.packed_nodes the first two, `transform` NULL where there is none; of
+   chebyshev.packed_basis all but that.  `start` counts the nodes of the patches before, behind the last one all. */
 typedef struct {
-    Size n;
-    const double *nodes, *at_edges, *slopes, *values, *moments;
+    Size start, n;
+    const double *nodes, *transform, *at_edges, *slopes, *values, *moments;
 } Table;
 
-Table *tables_of(Call *call, PyObject *tuple); /* PyMem_Free it */
+Table *tables_of(Call *call, const char *packed, const int64_t *sizes, Size count); /* of each patch; PyMem_Free it */
+
+/* A derivative of the profile at n points from its Taylor table (profile.c). */
+#define TAYLOR_TERMS 14 /* profile._TAYLOR_TERMS */
+void expansion(const double *table, Size rows, double spacing_inverse, int order, Size n, const double *x,
+               double *values);
 
 /* BLAS and LAPACK of SciPy; matrices by columns. */
 typedef struct {

@@ -123,10 +123,10 @@ static Status joined(Cluster *pair, const double *core)
 static Status solved_cluster(System *system, Size first, Size last, Size shared, const double *columns,
                              Cluster *cluster)
 {
-    const int64_t *starts = system->starts;
+    const Table *tables = system->tables;
     double *wider[2] = {NULL, NULL}, *core = NULL, best = HUGE_VAL;
     const Range *range = NULL;
-    Size n = (Size)(starts[last] - starts[first]), cut = first + 1, i;
+    Size n = tables[last].start - tables[first].start, cut = first + 1, i;
     Status status = FAILED;
     memset(cluster, 0, sizeof *cluster);
     cluster->n = n;
@@ -135,7 +135,7 @@ static Status solved_cluster(System *system, Size first, Size last, Size shared,
     if (last - first == 1 || n <= system->largest || system->addition != NULL)
         return solved_leaf(system, first, last, columns, cluster);
     for (i = first + 1; i < last; i++) {
-        double off = fabs((double)starts[i] - ((double)starts[first] + (double)starts[last]) / 2);
+        double off = fabs((double)tables[i].start - (double)(tables[first].start + tables[last].start) / 2);
         if (off < best) {
             best = off;
             cut = i;
@@ -164,143 +164,167 @@ static Status solved_cluster(System *system, Size first, Size last, Size shared,
     return status;
 }
 
-/* A'^-1 b of the shared columns in two amounts each, (shared, 2); 0 without memory. */
-static int charges_of(const Cluster *cluster, const double *amounts, double *charges, Size ld)
+/* A'^-1 b of the shared columns in these amounts, (shared, k) to (n, k); 0 without memory. */
+static int charges_of(const Cluster *cluster, Size k, const double *amounts, double *charges, Size ld)
 {
-    Size shared = cluster->shared, q = cluster->rank, inner = shared + q, part, k;
+    Size shared = cluster->shared, q = cluster->rank, inner = shared + q, part, i;
     double *into, *given;
     if (cluster->halves == NULL) {
-        product('T', 'N', cluster->n, 2, shared, 1.0, cluster->solved, cluster->m, amounts, shared, 0.0, charges, ld);
-        solve_lower('L', 'T', cluster->n, 2, cluster->factor, cluster->n, charges, ld);
+        product('T', 'N', cluster->n, k, shared, 1.0, cluster->solved, cluster->m, amounts, shared, 0.0, charges, ld);
+        solve_lower('L', 'T', cluster->n, k, cluster->factor, cluster->n, charges, ld);
         return 1;
     }
-    if ((into = workspace(4 * q + 2 * inner)) == NULL)
+    if ((into = workspace(k * (2 * q + inner))) == NULL)
         return 0;
-    given = into + 4 * q;
-    product('N', 'N', 2 * q, 2, shared, -1.0, cluster->response, 2 * q, amounts, shared, 0.0, into, 2 * q);
+    given = into + k * 2 * q;
+    product('N', 'N', 2 * q, k, shared, -1.0, cluster->response, 2 * q, amounts, shared, 0.0, into, 2 * q);
     for (part = 0; part < 2; part++) {
-        for (k = 0; k < 2; k++) {
-            memcpy(given + k * inner, amounts + k * shared, (size_t)shared * sizeof(double));
-            memcpy(given + k * inner + shared, into + k * 2 * q + part * q, (size_t)q * sizeof(double));
+        for (i = 0; i < k; i++) {
+            memcpy(given + i * inner, amounts + i * shared, (size_t)shared * sizeof(double));
+            memcpy(given + i * inner + shared, into + i * 2 * q + part * q, (size_t)q * sizeof(double));
         }
-        if (!charges_of(&cluster->halves[part], given, charges + (part == 0 ? 0 : cluster->halves[0].n), ld))
+        if (!charges_of(&cluster->halves[part], k, given, charges + (part == 0 ? 0 : cluster->halves[0].n), ld))
             break;
     }
     PyMem_Free(into);
     return part == 2;
 }
 
-/* hierarchical.without_uniform: edges in the order of edge vectors, then the shared columns; alpha 1 1^T taken out by
-   the formula of Sherman and Morrison. */
-static Status without_uniform(Size m, const double *from, double uniform, double *gram, Size n, const double *charges,
-                              double *values)
+/* Values of k columns with alpha 1 1^T taken out by the formula of Sherman and Morrison: `change` times those of column
+   1, the last itself. */
+static void corrected(Size k, const double *change, Size n, double *values)
 {
-    Size edges = (m - 2) / 2, i, j;
-    double factor = uniform / (1 - uniform * from[m + 1]), *ones;
-    if (1 - uniform * from[m + 1] <= 0)
-        return NOT_DEFINITE;
-    if ((ones = workspace(m)) == NULL)
-        return FAILED;
-    for (i = 0; i < m; i++) /* b^T A'^-1 1: the column, whatever rounding left of the row */
-        ones[i] = from[i * m + 1];
-    for (i = 0; i < m; i++) {
-        /* place of the shared columns: 0 and 1; of edges: 2, 4, ... on the left, 3, 5, ... on the right */
-        Size place = i < edges ? 2 + 2 * i : i < 2 * edges ? 3 + 2 * (i - edges) : i - 2 * edges;
+    Size i, j;
+    for (i = k - 1; i >= 0; i--) {
+        double *row = values + (i > 1 ? i : 1 - i) * n, factor = change[i > 1 ? i : 1 - i];
+        for (j = 0; j < n; j++)
+            row[j] += factor * values[n + j];
+    }
+}
+
+/* The same of a Gram matrix of m columns, of which k are shared: compliance of the edges, left ones first, and Gram
+   matrix of the shared ones. */
+static void corrected_gram(Size k, Size m, const double *from, const double *change, double *compliance, double *gram)
+{
+    const double *ones = from + m; /* b^T A'^-1 1 */
+    Size i, j;
+    for (i = 0; i < m - k; i++) {
+        Size place = i < (m - k) / 2 ? k + 2 * i : 2 * i + 2 * k + 1 - m; /* edges come patch by patch */
         const double *old = from + place * m;
-        double *row = gram + i * m;
-        for (j = 0; j < edges; j++) {
-            row[j] = old[2 + 2 * j] + ones[place] * (ones[2 + 2 * j] * factor);
-            row[edges + j] = old[3 + 2 * j] + ones[place] * (ones[3 + 2 * j] * factor);
+        for (j = k; j < m; j += 2)
+            *compliance++ = old[j] + ones[place] * change[j];
+        for (j = k + 1; j < m; j += 2)
+            *compliance++ = old[j] + ones[place] * change[j];
+    }
+    for (i = 0; i < k; i++)
+        for (j = 0; j < k; j++)
+            gram[i * k + j] = from[i * m + j] + change[i] * ones[j];
+}
+
+/* q of the charges of k columns at the edges, and sum n^2 (+-1)^n Q_n, (k, 2 L) each, left edges first. */
+static void sums_at_edges(const System *system, Size patches, Size k, const double *charges, double *values,
+                          double *slopes)
+{
+    Size column, i, j;
+    for (column = 0; column < k; column++, values += 2 * patches, slopes += 2 * patches)
+        for (i = 0; i < patches; i++) {
+            const double *to = system->tables[i].at_edges;
+            Size n = system->tables[i].n;
+            double sums[4] = {0.0, 0.0, 0.0, 0.0};
+            for (j = 0; j < n; j++, to++, charges++) {
+                sums[0] += to[0] * *charges;
+                sums[1] += to[n] * *charges;
+                sums[2] += to[2 * n] * *charges; /* `slopes` stands behind `at_edges` */
+                sums[3] += to[3 * n] * *charges;
+            }
+            values[i] = sums[0];
+            values[patches + i] = sums[1];
+            slopes[i] = sums[2];
+            slopes[patches + i] = sums[3];
         }
-        row[2 * edges] = old[0] + ones[place] * (ones[0] * factor);
-        row[2 * edges + 1] = old[1] + ones[place] * (ones[1] * factor);
-    }
-    for (i = 0; i < n; i++) {
-        values[2 * i] = charges[i] + charges[n + i] * (ones[0] * factor);
-        values[2 * i + 1] = charges[n + i] + charges[n + i] * (ones[1] * factor);
-    }
-    PyMem_Free(ones);
-    return SOLVED;
 }
 
 /* hierarchical.solved(skeleton, splitting). */
 DECLARED(solved)
 {
     Call call;
-    Size n[1], patches[1], of_edges[2], of_left[1], of_right[1], of_force[1], of_addition[2], n_index, n_starts, i;
-    double *half = NULL, *columns = NULL, *charges = NULL, *gram, *values;
-    const double *force, unit[4] = {1.0, 0.0, 0.0, 1.0};
+    Size n[1], patches[1], of_left[1], of_right[1], of_columns[2], of_addition[2], of_modes, i, k, edges;
+    double *half = NULL, *unit = NULL, *change = NULL, *columns, *made[5], remaining;
+    int64_t *modes;
     System system;
     Cluster whole;
-    Table *tables;
     Status status = FAILED;
-    PyObject *held, *coupled, *classes, *parts[2], *result = NULL;
+    PyObject *object, *parts[5], *result = NULL;
     if (!enter(&call, n_given, 2))
         return NULL;
     memset(&whole, 0, sizeof whole);
     memset(&system, 0, sizeof system);
     system.call = &call;
     system.x = reals(&call, attribute(&call, given[0], "x"), 1, n);
-    system.at_edges = reals(&call, attribute(&call, given[0], "at_edges"), 2, of_edges);
-    force = reals(&call, attribute(&call, given[0], "force"), 1, of_force);
-    held = attribute(&call, given[0], "patches");
-    system.half_width = reals(&call, attribute(&call, held, "half_width"), 1, patches);
-    system.left = reals(&call, attribute(&call, held, "left"), 1, of_left);
-    system.right = reals(&call, attribute(&call, held, "right"), 1, of_right);
-    coupled = attribute(&call, given[0], "coupled");
-    system.index = integers(&call, attribute(&call, coupled, "index"), &n_index);
-    system.starts = integers(&call, attribute(&call, coupled, "starts"), &n_starts);
-    classes = attribute(&call, coupled, "tables");
+    columns = reals(&call, attribute(&call, given[0], "columns"), 2, of_columns);
+    object = attribute(&call, given[0], "patches");
+    system.half_width = reals(&call, attribute(&call, object, "half_width"), 1, patches);
+    system.left = reals(&call, attribute(&call, object, "left"), 1, of_left);
+    system.right = reals(&call, attribute(&call, object, "right"), 1, of_right);
+    modes = integers(&call, attribute(&call, given[0], "modes"), &of_modes);
     system.per_patch = 2 * truth(&call, attribute(&call, given[0], "serves_edges"));
-    held = attribute(&call, given[0], "addition");
-    if (held != Py_None)
-        system.addition = reals(&call, held, 2, of_addition);
+    object = attribute(&call, given[0], "addition");
+    if (object != Py_None)
+        system.addition = reals(&call, object, 2, of_addition);
     system.accuracy = number(&call, attribute(&call, given[1], "accuracy"));
     system.largest = count(&call, attribute(&call, given[1], "largest"));
     system.uniform = number(&call, attribute(&call, given[1], "uniform"));
     system.n = n[0];
-    expect(&call, n_index > 0 && patches[0] == n_index && n_starts == n_index + 1 && of_left[0] == n_index &&
-                      of_right[0] == n_index && of_edges[0] == n[0] && of_edges[1] == 2 && of_force[0] == n[0],
-           "patches, modes and nodes differ");
+    expect(&call, of_modes > 0 && patches[0] == of_modes && of_left[0] == of_modes && of_right[0] == of_modes,
+           "patches and modes differ");
+    expect(&call, of_columns[0] >= 2 && of_columns[1] == n[0], "columns and nodes differ");
     expect(&call, system.addition == NULL || (of_addition[0] == n[0] && of_addition[1] == n[0]),
            "addition of another size");
-    tables = tables_of(&call, classes);
-    for (i = 0; !call.failed && i < n_index; i++)
-        expect(&call, 0 <= system.index[i] && system.index[i] < PyTuple_GET_SIZE(classes) && system.starts[0] == 0 &&
-                          system.starts[i + 1] <= n[0] &&
-                          system.starts[i + 1] - system.starts[i] == tables[system.index[i]].n,
-               "modes: index out of range");
-    system.tables = tables;
-    parts[0] = new_reals(&call, 2, 2 + system.per_patch * n_index, 2 + system.per_patch * n_index, &gram);
-    parts[1] = new_reals(&call, 2, n[0], 2, &values);
-    if (!call.failed && (half = workspace(2 * n[0])) && (columns = workspace(2 * n[0])) &&
-        (charges = workspace(2 * n[0]))) {
+    system.tables = tables_of(&call, "packed_basis", modes, of_modes);
+    expect(&call, call.failed || system.tables[of_modes].start == n[0], "modes and nodes differ");
+    k = of_columns[0];
+    edges = system.per_patch * of_modes;
+    parts[0] = new_reals(&call, 2, edges, edges, &made[0]);
+    parts[1] = new_reals(&call, 2, k, k, &made[1]);
+    parts[2] = new_reals(&call, 2, k, n[0], &made[2]);
+    parts[3] = new_reals(&call, 2, k, 2 * of_modes, &made[3]);
+    parts[4] = new_reals(&call, 2, k, 2 * of_modes, &made[4]);
+    if (!call.failed && (half = workspace(2 * n[0])) && (unit = workspace(k * k))) {
         system.half = half;
         for (i = 0; i < n[0]; i++) {
             half[i] = sin(system.x[i] / 2);
             half[n[0] + i] = cos(system.x[i] / 2);
-            columns[i] = force[i];
-            columns[n[0] + i] = 1.0;
         }
-        status = solved_cluster(&system, 0, n_index, 2, columns, &whole);
-        if (status == SOLVED && !charges_of(&whole, unit, charges, n[0]))
+        for (i = 0; i < k * k; i++)
+            unit[i] = i % (k + 1) == 0;
+        status = solved_cluster(&system, 0, of_modes, k, columns, &whole);
+        if (status == SOLVED && !charges_of(&whole, k, unit, made[2], n[0]))
             status = FAILED;
-        if (status == SOLVED)
-            status = without_uniform(whole.m, whole.gram, system.uniform, gram, n[0], charges, values);
-        if (status == SOLVED)
-            result = PyTuple_Pack(2, parts[0], parts[1]);
-        else if (status == NOT_DEFINITE) {
+        if (status == SOLVED && (remaining = 1 - system.uniform * whole.gram[whole.m + 1]) <= 0)
+            status = NOT_DEFINITE;
+        if (status == SOLVED && (change = workspace(whole.m)) == NULL)
+            status = FAILED;
+        if (status == SOLVED) {
+            for (i = 0; i < whole.m; i++)
+                change[i] = whole.gram[whole.m + i] * (system.uniform / remaining);
+            sums_at_edges(&system, of_modes, k, made[2], made[3], made[4]);
+            corrected_gram(k, whole.m, whole.gram, change, made[0], made[1]);
+            corrected(k, change, n[0], made[2]);
+            corrected(k, change, 2 * of_modes, made[3]);
+            corrected(k, change, 2 * of_modes, made[4]);
+            result = PyTuple_Pack(5, parts[0], parts[1], parts[2], parts[3], parts[4]);
+        } else if (status == NOT_DEFINITE) {
             result = Py_None;
             Py_INCREF(result);
         }
     }
     release(&whole);
-    Py_XDECREF(parts[0]);
-    Py_XDECREF(parts[1]);
+    for (i = 0; i < 5; i++)
+        Py_XDECREF(parts[i]);
     PyMem_Free(half);
-    PyMem_Free(columns);
-    PyMem_Free(charges);
-    PyMem_Free(tables);
+    PyMem_Free(unit);
+    PyMem_Free(change);
+    PyMem_Free((void *)system.tables);
     leave(&call);
     return result;
 }

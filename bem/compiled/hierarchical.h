@@ -17,8 +17,7 @@ typedef struct {
 typedef struct {
     Call *call;
     Size n, largest, per_patch; /* columns of the edges of each patch: two or none */
-    const double *x, *half, *at_edges, *left, *right, *half_width, *addition;
-    const int64_t *starts, *index;
+    const double *x, *half, *left, *right, *half_width, *addition;
     const Table *tables;
     double uniform, accuracy;
     Range ranges[MOST_RANGES];

@@ -6,13 +6,11 @@
 #define DECLARED(name) PyObject *kernel_##name(PyObject *module, PyObject *const *given, Py_ssize_t n_given)
 
 DECLARED(taylor);
-DECLARED(sampled_series);
-DECLARED(skeleton_columns);
+DECLARED(sizes);
+DECLARED(right_hand_sides);
 DECLARED(solved);
 DECLARED(stress_intensity_jacobian);
 DECLARED(all_charges);
-DECLARED(slopes_at_edges);
-DECLARED(uncoupled);
 DECLARED(integral);
 DECLARED(box_moments);
 DECLARED(box_potential);

@@ -80,7 +80,7 @@ static void substitute(Size n, Size m, const double *lower, double *rhs, const S
 
 Status solved_leaf(const System *system, Size first, Size last, const double *shared, Cluster *leaf)
 {
-    Size start = (Size)system->starts[first], n = leaf->n, m = leaf->m, i, k, c;
+    Size start = system->tables[first].start, n = leaf->n, m = leaf->m, i, k, c;
     double *matrix = leaf->factor = workspace(n * n), *rhs = leaf->solved = workspace(n * m), *half = workspace(2 * n);
     Size *begin = (Size *)workspace(m);
     Status status = FAILED;
@@ -98,15 +98,15 @@ Status solved_leaf(const System *system, Size first, Size last, const double *sh
         for (c = 0; c < leaf->shared; c++)
             begin[c] = 0;
         for (i = first; i < last; i++) {
-            Size from = (Size)system->starts[i] - start;
-            const Table *table = &system->tables[system->index[i]];
+            const Table *table = &system->tables[i];
+            Size from = table->start - start;
             within_patch(table, system->half_width[i], system->uniform, matrix + from * n + from, n);
             if (system->per_patch == 0)
                 continue;
             begin[c] = begin[c + 1] = from;
-            for (k = from; k < from + table->n; k++) {
-                rhs[k * m + c] = system->at_edges[2 * (start + k)];
-                rhs[k * m + c + 1] = system->at_edges[2 * (start + k) + 1];
+            for (k = 0; k < table->n; k++) {
+                rhs[(from + k) * m + c] = table->at_edges[k];
+                rhs[(from + k) * m + c + 1] = table->at_edges[table->n + k];
             }
             c += 2;
         }

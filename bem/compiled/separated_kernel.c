@@ -83,8 +83,8 @@ VECTORISED static void chebyshev(Size n, Size count, const double *RESTRICT t, d
 const Range *widened(System *system, Size first, Size middle, Size last, Size shared, const double *columns,
                      double *wider[2])
 {
-    Size start = (Size)system->starts[first], split = (Size)system->starts[middle] - start, i, part;
-    Size n = (Size)system->starts[last] - start, steps;
+    Size start = system->tables[first].start, split = system->tables[middle].start - start, i, part;
+    Size n = system->tables[last].start - start, steps;
     const double *x = system->x + start, *sine = system->half + start, *cosine = sine + system->n;
     double behind = fmod(system->left[first] - system->right[last - 1], 2 * PI), low = HUGE_VAL, high = -HUGE_VAL;
     double beta = system->right[middle - 1] + (system->left[middle] - system->right[middle - 1]) / 2;

@@ -7,7 +7,8 @@ At a touch an equilibrium leaves a gap of zero at one place y outside contact: w
 and Newton solves both at once, from the cubic in the control that the edges follow between two points of a branch.
 What a motion a of the edges does to the gap follows from reciprocity: the gap at y is a load with the weight
 f = -log|2 sin((x - y)/2)|/pi, so that like the load itself d gap / d a = K K_f / 2, where K_f are the stress
-intensities by heights of the shape f; and these are those of a point charge at y.
+intensities by heights of the shape f; and these are those of a point charge at y.  They come with the evaluation of the
+state, of charges where the gap was least at the step before and a little beside; between them they are linear in y.
 
 Where another gap closes nearly there, steps go on until the first of them is known; gaps that vanish to within `TIED`
 touch together.  The last two states are evaluated at different accuracies; by how much the touch moved is its error.
@@ -25,7 +26,6 @@ import numpy as np
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.continuation.softness import LONGEST_STEP, after_step
-from bem.elastic.collocation import evaluate
 from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
@@ -122,7 +122,8 @@ def locate_touch(
         if not patches.is_ordered:
             return None
         tolerance = tolerances[int(before is not None)]
-        here = if_solvable(balance, system, patches, penetration, value, tolerance)
+        places = near.position, near.position + SHORT * patches.gap_after[near.gap]
+        here = if_solvable(balance, probed(system, *places), patches, penetration, value, tolerance)
         if here is None:
             return None
         if not here.all_tensile or here.factor is None:  # beyond a fold: halfway back to the branch
@@ -131,7 +132,8 @@ def locate_touch(
             continue
         near = minima_near(gap_field(system.elastic, here.state), near.position, bracket.found.gap)
         deepest = int(np.argmin(near.depth))
-        outward, change = _step(system, here, float(near.position[deepest]), float(near.depth[deepest]), tolerance)
+        share = (near.position[deepest] - places[0][deepest]) / (places[1][deepest] - places[0][deepest])
+        outward, change = _step(system, here, deepest, share, float(near.depth[deepest]))
         size = float(np.max(np.abs(outward) / here.state.patches.edge_scale))
         if before is not None and size <= CLOSE and _is_first(near.depth):
             tied = near.depth <= near.depth[deepest] + TIED
@@ -155,21 +157,27 @@ def _is_first(depth: FloatArray) -> bool:
     return abs(lowest) <= SETTLED or int(np.sum(depth <= lowest + RIVAL)) == 1
 
 
-def gap_rates(system: System, here: Balance, position: float, tolerance: float) -> tuple[FloatArray, float]:
-    """How the gap at a place outside contact opens: by outward motions of the edges, (2 L,), and by the control."""
+def probed(system: System, places: FloatArray, beside: FloatArray) -> System:
+    """The same, which is asked besides what charges at places outside contact do, and at others beside them."""
+    return replace(system, elastic=replace(system.elastic, probes=(*places.tolist(), *beside.tolist())))
+
+
+def gap_rates(system: System, here: Balance, place: int, share: float) -> tuple[FloatArray, float]:
+    """How the gap opens by outward motions of the edges, (2 L,), and by the control; a share of the way from one of the
+    places probed to that beside it."""
     state, control = here.state, system.control
-    charge = system.elastic.field_of_charges(np.array([position]), np.array([-1.0]))
-    elastic = replace(system.elastic, backgrounds=(*system.elastic.backgrounds, charge))
-    pushed = evaluate(elastic, state.patches, state.penetration, tolerance, state.resolution, with_compliance=False)
-    system.effort.evaluations += 1
-    by_edges = state.stress_intensity * (pushed.stress_intensity - state.stress_intensity) / 2
-    by_control = (pushed.load - state.load - 1) * control.rate(state)
+    intensity, load = (
+        (1 - share) * values[place] + share * values[place + len(values) // 2]
+        for values in (state.intensity_by_probes, state.load_by_probes)
+    )
+    by_edges = state.stress_intensity * intensity / 2
+    by_control = (load - 1) * control.rate(state)
     return by_edges - control.load_weight * by_control * here.load_gradient, by_control
 
 
-def _step(system: System, here: Balance, position: float, depth: float, tolerance: float) -> tuple[FloatArray, float]:
+def _step(system: System, here: Balance, place: int, share: float, depth: float) -> tuple[FloatArray, float]:
     """Newton step of the edges, (2 L,), and of the control to where the edges rest and a gap vanishes."""
-    by_edges, by_control = gap_rates(system, here, position, tolerance)
+    by_edges, by_control = gap_rates(system, here, place, share)
     back, along = -here.response(here.gradient), tangent(system.control, here)
     change = -(depth + float(by_edges @ back)) / (by_control + float(by_edges @ along))
     return back + change * along, change

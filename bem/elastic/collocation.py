@@ -3,8 +3,8 @@
 The equation int log|2 sin((x - x')/2)| sigma(x') dx' = pi (h_max - Delta - h(x)) =: R(x) on the patches is solved in
 Chebyshev series.  What other patches contribute is smooth, so only the lowest p_i modes of a patch couple to
 the rest (a skeleton of p_i nodes); every higher mode obeys the diagonal Q_n = -n C_n / pi, where C_n are the
-coefficients of R.  The negated skeleton matrix A is symmetric positive definite; with b = [edge vectors | R on the
-skeleton | 1] and G = b^T A^-1 b (hierarchical.py),
+coefficients of R.  The negated skeleton matrix A is symmetric positive definite; with b = [R on the skeleton | 1 |
+edge vectors] and G = b^T A^-1 b (hierarchical.py),
 
     q_e = -G_eR - sum_{n >= p} (n/pi) C_n (+-1)^n,   K_e = -q_e sqrt(pi/r),   dK_e/dDelta = -pi G_e1 sqrt(pi/r),
     load = -G_R1,   dload/dDelta = pi G_11,   U_el = (G_RR + 1/2 sum_{n >= p} n C_n^2) / (2 pi).
@@ -60,11 +60,14 @@ class Elastic:
         None for a half-space.
     backgrounds : tuple of callables
         Smooth fields int log|2 sin| sigma dx' of pressure outside these patches, (n,) positions to (n,) values.
+    probes : tuple of k floats
+        Places outside contact; what a charge at each of them would do is evaluated besides.
     """
 
     profile: Profile
     compliance: Compliance | None = None
     backgrounds: tuple[Field, ...] = ()
+    probes: tuple[float, ...] = ()
 
     @cached_property
     def kernel(self) -> KernelSeries | None:
@@ -116,6 +119,8 @@ class Evaluation:
         Nodal charges (pi/p) q of the coupled modes, and their derivative by Delta.
     rms_slope : float
         Of the dimensionless profile.
+    intensity_by_probes, load_by_probes : (k, 2 L), (k,) arrays
+        What a charge -1 at each of the probes adds to K and to the load at given penetration.
     """
 
     patches: Patches
@@ -134,6 +139,8 @@ class Evaluation:
     skeleton: FloatArray
     skeleton_rate: FloatArray
     rms_slope: float
+    intensity_by_probes: FloatArray
+    load_by_probes: FloatArray
 
     def rounding(self, penetration_rate: float) -> FloatArray:
         """Absolute accuracy of K at the edges in double precision, (2 L,): that of charges, positions and heights.
@@ -176,18 +183,23 @@ class Evaluation:
 
     def charges(self) -> FloatArray:
         """Chebyshev coefficients Q_n of the pressure on the patches, (L, max N_i), filled up with zeros."""
-        return all_charges(chebyshev.by_modes(self.resolution.modes), self.series, self.skeleton)
+        return all_charges(self.resolution.modes, self.series, self.skeleton)
 
 
 def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
     """Nodes and modes per patch for a relative tolerance of the coupling."""
-    width = patches.width
-    wanted_modes = chebyshev.coupling_modes(width, np.minimum(patches.gap_before, patches.gap_after), tolerance)
-    if elastic.kernel is not None:
-        wanted_modes = np.maximum(wanted_modes, elastic.kernel.coupled_modes(width, tolerance))
-    modes = chebyshev.rounded_up(wanted_modes, MODES_RATIO)
-    wanted = np.maximum(chebyshev.profile_nodes(width, elastic.profile.max_order), modes + 4)
-    return Resolution(chebyshev.rounded_up(wanted, NODES_RATIO), modes)
+    kernel = elastic.kernel
+    least = np.zeros(patches.count) if kernel is None else kernel.coupled_modes(patches.width, tolerance)
+    return Resolution(*sizes(patches, tolerance, elastic.profile.max_order, least))
+
+
+@mirrored
+def sizes(patches: Patches, tolerance: float, max_order: int, least: FloatArray) -> tuple[IntArray, IntArray]:
+    """Nodes and modes per patch for a tolerance of the coupling, `least` modes at least, (L,) each."""
+    wanted = chebyshev.coupling_modes(patches.width, np.minimum(patches.gap_before, patches.gap_after), tolerance)
+    modes = chebyshev.rounded_up(np.maximum(wanted, least), MODES_RATIO)
+    wanted = np.maximum(chebyshev.profile_nodes(patches.width, max_order), modes + 4)
+    return chebyshev.rounded_up(wanted, NODES_RATIO), modes
 
 
 def finer(resolution: Resolution) -> Resolution:
@@ -228,132 +240,104 @@ def evaluate(
         The skeleton matrix is not positive definite, or a factor of it has more than `MOST_UNKNOWNS`.
     """
     resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
-    half_width, modes = patches.half_width, resolution.modes
-    largest = int(np.max(modes) if elastic.kernel is None else np.sum(modes))
-    if largest > MOST_UNKNOWNS or np.max(modes) > MOST_MODES:
+    modes, kernel, profile = resolution.modes, elastic.kernel, elastic.profile
+    most = int(modes.max())
+    largest = most if kernel is None else int(modes.sum())
+    if largest > MOST_UNKNOWNS or most > MOST_MODES:
         raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
-    series, tail_edge, edge_slope, tail_energy = _right_hand_sides(elastic.profile, patches, penetration, resolution)
-    skeleton = _skeleton(elastic, patches, resolution, series, with_compliance)
-    solution = solve(skeleton, max(FAR_SHARE * tolerance, FINEST_FAR))
-    gram, edges = solution.gram, slice(0, -2)
-    at_edges = gram[edges, -2:] if with_compliance else skeleton.at_edges_of(solution.charges)
-    charges, charge_rate = -solution.charges[:, 0], np.pi * solution.charges[:, 1]
-
-    slopes = slopes_at_edges(skeleton.coupled, np.stack([charges, charge_rate]))
-    edge_slope += slopes[0]
-    radius = np.concatenate([half_width, half_width])
+    level = profile.max_height - penetration
+    series, x, columns, tail, tail_energy = right_hand_sides(profile, patches, level, resolution)
+    for background in elastic.backgrounds:
+        columns[0] -= background(x)
+    if elastic.probes:
+        fields = [elastic.field_of_charges(np.array([probe]), np.ones(1))(x) for probe in elastic.probes]
+        columns = np.concatenate([columns, fields])
+    addition = None if kernel is None else kernel.matrix(x)
+    solution = solve(
+        Skeleton(patches, modes, x, columns, addition, with_compliance), max(FAR_SHARE * tolerance, FINEST_FAR)
+    )
+    gram, charges = solution.gram, solution.charges
+    radius = np.concatenate([patches.half_width, patches.half_width])
     to_intensity = np.sqrt(np.pi / radius)
+    intensity, slope = solution.at_edges * to_intensity, solution.slopes / radius
     return Evaluation(
         patches=patches,
         penetration=penetration,
-        stress_intensity=(at_edges[:, 0] + tail_edge) * to_intensity,
-        stress_intensity_rate=-np.pi * at_edges[:, 1] * to_intensity,
-        load=-float(gram[-2, -1]),
-        load_rate=np.pi * float(gram[-1, -1]),
-        elastic_energy=(float(gram[-2, -2]) + 0.5 * tail_energy) / (2 * np.pi),
-        edge_compliance=np.ascontiguousarray(gram[edges, edges]),
-        edge_slope=edge_slope / radius,
-        edge_slope_rate=slopes[1] / radius,
+        stress_intensity=intensity[0] + tail[0] * to_intensity,
+        stress_intensity_rate=-np.pi * intensity[1],
+        load=-float(gram[0, 1]),
+        load_rate=np.pi * float(gram[1, 1]),
+        elastic_energy=(float(gram[0, 0]) + 0.5 * tail_energy) / (2 * np.pi),
+        edge_compliance=solution.compliance,
+        edge_slope=tail[1] / radius - slope[0],
+        edge_slope_rate=np.pi * slope[1],
         resolution=resolution,
-        unknowns=skeleton.x.size,
+        unknowns=x.size,
         series=series,
-        skeleton=charges,
-        skeleton_rate=charge_rate,
-        rms_slope=elastic.profile.rms_slope,
+        skeleton=-charges[0],
+        skeleton_rate=np.pi * charges[1],
+        rms_slope=profile.rms_slope,
+        intensity_by_probes=intensity[2:],
+        load_by_probes=-gram[2:, 1],
     )
 
 
-def _skeleton(
-    elastic: Elastic, patches: Patches, resolution: Resolution, series: FloatArray, serves_edges: bool
-) -> Skeleton:
-    """Nodes, right-hand side and edge vectors of the coupled modes of every patch."""
-    coupled = chebyshev.by_modes(resolution.modes)
-    x, force, at_edges = skeleton_columns(patches, coupled, series)
-    for background in elastic.backgrounds:
-        force -= background(x)
-    addition = None if elastic.kernel is None else elastic.kernel.matrix(x)
-    return Skeleton(patches, coupled, x, at_edges, force, addition, serves_edges)
-
-
 @mirrored
-def skeleton_columns(
-    patches: Patches, coupled: chebyshev.BySize, series: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Nodes of the coupled modes, R of the series there, (n,) each, and the edge vectors, (n, 2)."""
-    size = coupled.starts[-1]
-    x, force, at_edges = np.empty(size), np.empty(size), np.empty((size, 2))
+def right_hand_sides(
+    profile: Profile, patches: Patches, level: float, resolution: Resolution
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
+    """R = pi (level - h) on every patch, in the coupled modes and in the others.
+
+    Returns
+    -------
+    series : (L, max N_i) array
+        Chebyshev coefficients C_n, filled up with zeros.
+    x : (n,) array
+        Nodes of the coupled modes.
+    columns : (2, n) array
+        R of these modes there, and 1.
+    tail : (2, 2 L) array
+    energy : float
+        What `uncoupled` gives.
+    """
+    series = _series(profile, patches, resolution.nodes)
+    series[:, 0] += np.pi * level
+    coupled = chebyshev.by_size(resolution.modes)
+    x, columns = np.empty(coupled.starts[-1]), np.ones((2, coupled.starts[-1]))
     for modes, members in coupled.classes:
         table, rows = chebyshev.basis(modes), coupled.starts[members, None] + np.arange(modes)
         x[rows] = patches.center[members, None] + patches.half_width[members, None] * table.nodes
-        at_edges[rows] = table.at_edges.T
-        force[rows] = series[members, :modes] @ table.values.T
-    return x, force, at_edges
+        columns[0, rows] = series[members, :modes] @ table.values.T
+    return series, x, columns, *uncoupled(series, resolution.modes)
 
 
-def _right_hand_sides(
-    profile: Profile, patches: Patches, penetration: float, resolution: Resolution
-) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """Chebyshev coefficients C_n of R = pi (h_max - Delta - h) on every patch, and what the uncoupled modes add.
-
-    The sums over n >= p are (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2 L,) each, and n C_n^2.
-    """
-    sampling = chebyshev.by_nodes(resolution.nodes)
-    series = sampled_series(profile, patches, sampling)
-    if sampling.sizes[-1] > chebyshev.SMALL_TRANSFORM:
-        for size, members in sampling.classes:
-            if size > chebyshev.SMALL_TRANSFORM:
-                series[members, :size] = chebyshev.coefficients(series[members, :size])
-    series[:, 0] += np.pi * (profile.max_height - penetration)
-    return series, *uncoupled(series, resolution.modes)
-
-
-@mirrored
-def uncoupled(series: FloatArray, modes: IntArray) -> tuple[FloatArray, FloatArray, float]:
-    """Sums over n >= p of (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2 L,) each, and of n C_n^2."""
+def uncoupled(series: FloatArray, modes: IntArray) -> tuple[FloatArray, float]:
+    """Sums over n >= p of (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2, 2 L), and of n C_n^2."""
     order, sums = _edge_sums(series.shape[1])
     term = series * np.where(order >= modes[:, None], order, 0.0)
-    left, right, slope_left, slope_right = (term @ sums).T
-    at_edge, slope = np.concatenate([left, right]), np.concatenate([slope_left, slope_right])
-    return at_edge, slope, float(np.vdot(term, series))
+    return (term @ sums).T.reshape(2, -1), float(np.vdot(term, series))
+
+
+def _series(profile: Profile, patches: Patches, nodes: IntArray) -> FloatArray:
+    """Chebyshev coefficients of -pi h on every patch, (L, max N_i), filled up with zeros."""
+    center, half_width, sampling = patches.center, patches.half_width, chebyshev.by_size(nodes)
+    positions = [center[who, None] + half_width[who, None] * chebyshev.basis_nodes(n) for n, who in sampling.classes]
+    heights = profile.height(np.concatenate([x.ravel() for x in positions]))
+    splits = np.split(heights, np.cumsum([x.size for x in positions])[:-1])
+    series = np.zeros((patches.count, nodes.max()))
+    for (size, who), x, height in zip(sampling.classes, positions, splits, strict=True):
+        series[who, :size] = chebyshev.coefficients(-np.pi * height.reshape(x.shape))
+    return series
 
 
 @mirrored
-def all_charges(coupled: chebyshev.BySize, series: FloatArray, skeleton: FloatArray) -> FloatArray:
+def all_charges(modes: IntArray, series: FloatArray, skeleton: FloatArray) -> FloatArray:
     """Q_n of every patch: of the coupled modes from the nodal charges, of the others -n C_n / pi, (L, max N_i)."""
-    charges = series * (-np.arange(series.shape[1]) / np.pi)
+    charges, coupled = series * (-np.arange(series.shape[1]) / np.pi), chebyshev.by_size(modes)
     for size, members in coupled.classes:
         nodal = skeleton[coupled.starts[members, None] + np.arange(size)] * (size / np.pi)
         charges[members, :size] = chebyshev.coefficients(nodal)
     return charges
-
-
-@mirrored
-def slopes_at_edges(coupled: chebyshev.BySize, charges: FloatArray) -> FloatArray:
-    """sum n^2 (+-1)^n Q_n of the coupled modes from nodal charges, (k, n) to (k, 2 L)."""
-    count = coupled.index.size
-    slopes = np.empty((charges.shape[0], 2 * count))
-    for size, members in coupled.classes:
-        rows = coupled.starts[members, None] + np.arange(size)
-        slopes[:, members] = charges[:, rows] @ chebyshev.basis(size).slopes_at_edges[0]
-        slopes[:, count + members] = charges[:, rows] @ chebyshev.basis(size).slopes_at_edges[1]
-    return slopes
-
-
-@mirrored
-def sampled_series(profile: Profile, patches: Patches, sampling: chebyshev.BySize) -> FloatArray:
-    """Chebyshev coefficients of -pi h on every patch, (L, max N_i), filled up with zeros.
-
-    Of more than `chebyshev.SMALL_TRANSFORM` nodes, for which there is no matrix, the samples.
-    """
-    center, half_width = patches.center, patches.half_width
-    positions = [center[who, None] + half_width[who, None] * chebyshev.basis_nodes(n) for n, who in sampling.classes]
-    heights = profile.height(np.concatenate([x.ravel() for x in positions]))
-    splits = np.split(heights, np.cumsum([x.size for x in positions])[:-1])
-    series = np.zeros((patches.count, sampling.sizes[-1]))
-    for (size, who), x, height in zip(sampling.classes, positions, splits, strict=True):
-        samples = -np.pi * height.reshape(x.shape)
-        series[who, :size] = samples if size > chebyshev.SMALL_TRANSFORM else chebyshev.coefficients(samples)
-    return series
 
 
 @lru_cache(maxsize=512)

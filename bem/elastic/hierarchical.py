@@ -38,7 +38,7 @@ from scipy.linalg import lapack
 from bem.compiled.kernels import mirrored
 from bem.elastic.half_space import between_nodes, within_patch
 from bem.elastic.separated_kernel import separated_kernel
-from bem.geometry.chebyshev import BySize, basis
+from bem.geometry.chebyshev import BySize, basis, by_size
 from bem.geometry.patches import TWO_PI, Patches
 
 FloatArray = NDArray[np.float64]
@@ -70,14 +70,12 @@ class Skeleton:
     Attributes
     ----------
     patches : Patches
-    coupled : BySize
-        Modes of the patches.
+    modes : (L,) int array
+        Nodes of each patch.
     x : (n,) array
         Positions.
-    at_edges : (n, 2) array
-        What takes nodal charges to q at the left and right edge of their patch.
-    force : (n,) array
-        Right-hand side.
+    columns : (k, n) array
+        Right-hand sides: the force, 1, and others.
     addition : (n, n) array or None
         To the kernel of the half-space; it asks for a single leaf.
     serves_edges : bool
@@ -85,12 +83,16 @@ class Skeleton:
     """
 
     patches: Patches
-    coupled: BySize
+    modes: IntArray
     x: FloatArray
-    at_edges: FloatArray
-    force: FloatArray
+    columns: FloatArray
     addition: FloatArray | None
     serves_edges: bool = True
+
+    @cached_property
+    def coupled(self) -> BySize:
+        """The patches by their numbers of modes."""
+        return by_size(self.modes)
 
     @cached_property
     def within(self) -> list[FloatArray]:
@@ -102,10 +104,16 @@ class Skeleton:
                 blocks[i] = block
         return blocks
 
-    def at_edges_of(self, charges: FloatArray) -> FloatArray:
-        """What nodal charges, (n, k), make q at the left edges, then at the right ones, (2 L, k)."""
-        first = self.coupled.starts[:-1]
-        return np.concatenate([np.add.reduceat(side[:, None] * charges, first) for side in self.at_edges.T])
+    @cached_property
+    def at_edges(self) -> FloatArray:
+        """What takes nodal charges to q and to sum n^2 (+-1)^n Q_n at the edges of their patch, left first, (4, n)."""
+        tables = [basis(modes) for modes in self.modes.tolist()]
+        return np.concatenate([np.concatenate([one.at_edges, one.slopes_at_edges]) for one in tables], axis=1)
+
+    def at_edges_of(self, charges: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """q of nodal charges, (k, n), at the edges, and sum n^2 (+-1)^n Q_n, (k, 2 L) each, left edges first."""
+        sums = np.add.reduceat(charges[:, None] * self.at_edges, self.coupled.starts[:-1], axis=2)
+        return sums[:, :2].reshape(len(charges), -1), sums[:, 2:].reshape(len(charges), -1)
 
 
 @dataclass(frozen=True)
@@ -133,14 +141,21 @@ class Solution:
 
     Attributes
     ----------
-    gram : (2 L + 2, 2 L + 2) array, or (2, 2)
-        b^T A^-1 b for b = [left edges | right edges | force | 1], or [force | 1].
-    charges : (n, 2) array
-        A^-1 [force | 1].
+    compliance : (2 L, 2 L) array
+        b^T A^-1 b of the edge vectors, left ones first; (0, 0) where it was not asked for.
+    gram : (k, k) array
+        The same of the columns.
+    charges : (k, n) array
+        A^-1 b of the columns.
+    at_edges, slopes : (k, 2 L) arrays
+        q of these charges at the edges, and sum n^2 (+-1)^n Q_n.
     """
 
+    compliance: FloatArray
     gram: FloatArray
     charges: FloatArray
+    at_edges: FloatArray
+    slopes: FloatArray
 
 
 class Cluster(Protocol):
@@ -177,26 +192,24 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
 
 
 @mirrored
-def solved(skeleton: Skeleton, splitting: Splitting) -> tuple[FloatArray, FloatArray] | None:
-    """b^T A^-1 b and A^-1 [force | 1] of `Solution`; None where A is not positive definite."""
-    shared = np.stack([skeleton.force, np.ones(skeleton.x.size)], axis=1)
-    whole = if_solvable(_cluster, skeleton, 0, skeleton.patches.count, shared, splitting)
-    return None if whole is None else _without_uniform(whole.gram, whole.charges(np.eye(2)), splitting.uniform)
-
-
-def _without_uniform(gram: FloatArray, charges: FloatArray, uniform: float) -> tuple[FloatArray, FloatArray] | None:
-    """b^T A^-1 b and A^-1 [force | 1] from those of A' = A + alpha 1 1^T, whose columns come patch by patch.
-
-    None where A is not positive definite.
-    """
-    left = np.arange(2, gram.shape[0], 2)
-    order = np.concatenate([left, left + 1, [0, 1]])
-    gram = gram[order[:, None], order]
-    remaining = 1 - uniform * gram[-1, -1]
+def solved(
+    skeleton: Skeleton, splitting: Splitting
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray] | None:
+    """What `Solution` holds; None where A is not positive definite."""
+    count = skeleton.columns.shape[0]
+    whole = if_solvable(_cluster, skeleton, 0, skeleton.patches.count, skeleton.columns.T, splitting)
+    if whole is None:
+        return None
+    gram, charges = whole.gram, whole.charges(np.eye(count)).T
+    edges = np.arange(count, gram.shape[0]).reshape(-1, 2).T.ravel()  # from patch by patch to left ones first
+    remaining = 1 - splitting.uniform * gram[1, 1]
     if remaining <= 0:
         return None
-    change = gram[:, -1] * (uniform / remaining)
-    return gram + np.outer(gram[:, -1], change), charges + np.outer(charges[:, 1], change[-2:])
+    change = gram[1] * (splitting.uniform / remaining)
+    gram = gram + np.outer(change, gram[1])
+    found = charges, *skeleton.at_edges_of(charges)
+    charges, at_edges, slopes = (values + np.outer(change[:count], values[1]) for values in found)
+    return gram[edges[:, None], edges], gram[:count, :count], charges, at_edges, slopes
 
 
 def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, splitting: Splitting) -> Cluster:
@@ -257,7 +270,7 @@ def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray, uniform
     rhs[:, :count] = shared
     if skeleton.serves_edges:
         left = count + 2 * np.repeat(np.arange(last - first), np.diff(starts))
-        rhs[row, left], rhs[row, left + 1] = skeleton.at_edges[nodes].T
+        rhs[row, left], rhs[row, left + 1] = skeleton.at_edges[:2, nodes]
     gram, seen = _gram(factor, rhs, begin, count)
     return _Leaf(gram, factor, seen)
 

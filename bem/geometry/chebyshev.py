@@ -13,9 +13,8 @@ the middle of a Chebyshev grid, or the decay rate of a Bernstein ellipse; the re
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from scipy.fft import dct
@@ -40,8 +39,8 @@ class Basis:
         int log|t - t'| q(t') / sqrt(1 - t'^2) dt' at t_k is (log_moments @ y)_k.
     at_edges, slopes_at_edges : (2, n) arrays
         Rows give q(-1) and q(+1), and sum n^2 (+-1)^n Q_n, from nodal charges.
-    packed : (1 + 5 n + 2 n^2,) array
-        n, then nodes, at_edges, slopes_at_edges, values and log_moments, which are views of it.
+    packed : (5 n + 2 n^2,) array
+        nodes, at_edges, slopes_at_edges, values and log_moments, which are views of it.
     """
 
     nodes: FloatArray
@@ -72,10 +71,8 @@ def basis(n: int) -> Basis:
     at_edges = (signs * weight) @ values.T
     slopes = (signs * weight * order**2) @ values.T
     moments = (values * (weight * moment)) @ values.T
-    packed = np.concatenate(
-        [np.array([n]), np.cos(angle), at_edges.ravel(), slopes.ravel(), values.ravel(), moments.ravel()]
-    )
-    nodes, at_edges, slopes, values, moments = np.split(packed[1:], [n, 3 * n, 5 * n, (5 + n) * n])
+    packed = np.concatenate([np.cos(angle), at_edges.ravel(), slopes.ravel(), values.ravel(), moments.ravel()])
+    nodes, at_edges, slopes, values, moments = np.split(packed, [n, 3 * n, 5 * n, (5 + n) * n])
     square, rows = (n, n), (2, n)
     return Basis(
         nodes, values.reshape(square), moments.reshape(square), at_edges.reshape(rows), slopes.reshape(rows), packed
@@ -152,53 +149,29 @@ class BySize:
 
     Attributes
     ----------
-    sizes : tuple of int
-        Of the classes, ascending.
-    tables : tuple of (k,) arrays
-        Of each class: `Basis.packed` of modes; of nodes their number, 1.0 or 0.0, they themselves, and in the first
-        case the matrix of `coefficients`.
-    index : (L,) int array
-        Class of each patch.
+    classes : tuple of (size, (k,) int array)
+        Each size with the patches that have it, ascending.
     starts : (L + 1,) int array
         First node of each patch, and the number of all.
     """
 
-    sizes: tuple[int, ...]
-    tables: tuple[FloatArray, ...]
-    index: IntArray
+    classes: tuple[tuple[int, IntArray], ...]
     starts: IntArray
 
-    @cached_property
-    def classes(self) -> tuple[tuple[int, IntArray], ...]:
-        """Each size with the patches that have it, ascending."""
-        return tuple((size, np.flatnonzero(self.index == k)) for k, size in enumerate(self.sizes))
+
+def by_size(sizes: IntArray) -> BySize:
+    """Patches by their sizes, (L,)."""
+    classes = tuple((size, np.flatnonzero(sizes == size)) for size in sorted(set(sizes.tolist())))
+    return BySize(classes, np.concatenate([[0], np.cumsum(sizes)]))
 
 
-def by_modes(modes: IntArray) -> BySize:
-    """Patches by their numbers of modes, (L,)."""
-    return _grouped(modes.astype(np.int64).tobytes(), _packed_basis)
-
-
-def by_nodes(nodes: IntArray) -> BySize:
-    """Patches by their numbers of nodes for the profile, (L,)."""
-    return _grouped(nodes.astype(np.int64).tobytes(), _packed_nodes)
-
-
-@lru_cache(maxsize=128)
-def _grouped(sizes: bytes, table: Callable[[int], FloatArray]) -> BySize:
-    known = np.frombuffer(sizes, dtype=np.int64)
-    different = tuple(sorted(set(known.tolist())))
-    index = np.searchsorted(different, known)
-    starts = np.concatenate([[0], np.cumsum(known)])
-    return BySize(different, tuple(table(size) for size in different), index.astype(np.int64), starts.astype(np.int64))
-
-
-def _packed_basis(modes: int) -> FloatArray:
+def packed_basis(modes: int) -> FloatArray:
+    """The tables of `basis` one behind the other, (5 n + 2 n^2,)."""
     return basis(modes).packed
 
 
 @lru_cache(maxsize=512)
-def _packed_nodes(nodes: int) -> FloatArray:
-    small = nodes <= SMALL_TRANSFORM
-    matrix = _transform(nodes).ravel() if small else np.empty(0)
-    return np.concatenate([np.array([nodes, small]), basis_nodes(nodes), matrix])
+def packed_nodes(nodes: int) -> FloatArray:
+    """The nodes and, up to `SMALL_TRANSFORM` of them, the matrix of `coefficients`, (n,) or (n + n^2,)."""
+    matrix = _transform(nodes).ravel() if nodes <= SMALL_TRANSFORM else np.empty(0)
+    return np.concatenate([basis_nodes(nodes), matrix])

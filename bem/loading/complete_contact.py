@@ -80,7 +80,7 @@ def closing_place(complete: CompleteContact, profile: Profile, law: InterfaceLaw
     Its tension grows without bound as it narrows, so that it moves to where least work of adhesion closes it; where
     that is the same everywhere, to where the pressure of complete contact is lowest.
     """
-    wave = profile if np.any(law.work_gradient(profile.grid[0])) else complete.pressure
+    wave = profile if np.any(law.work_and_gradient(profile.grid[0])[1]) else complete.pressure
     places = wave.valleys[0]
     return float(places[np.argmin(np.abs((places - near + np.pi) % (2 * np.pi) - np.pi))])
 

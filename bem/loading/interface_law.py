@@ -20,8 +20,8 @@ class InterfaceLaw(Protocol):
         """w at the positions x, same shape."""
         ...
 
-    def work_gradient(self, x: FloatArray) -> FloatArray:
-        """dw/dx at the positions x, same shape."""
+    def work_and_gradient(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """w and dw/dx at the positions x, same shape."""
         ...
 
     def energy(self, patches: Patches) -> float:

@@ -20,7 +20,7 @@ from types import SimpleNamespace
 from typing import Any
 
 STAGES: tuple[tuple[str, str, str], ...] = (
-    ("bem.elastic.collocation", "_right_hand_sides", "right-hand sides"),
+    ("bem.elastic.collocation", "right_hand_sides", "right-hand sides"),
     ("bem.elastic.half_space", "between_nodes", "assembly"),
     ("bem.elastic.half_space", "within_patch", "assembly"),
     ("bem.elastic.separated_kernel", "separated_kernel", "kernel between clusters"),
