@@ -7,7 +7,7 @@
 #include "core.h"
 #include "kernels.h"
 
-#define INTERFACE "4" /* kernels.INTERFACE */
+#define INTERFACE "5" /* kernels.INTERFACE */
 
 Blas blas;
 static PyObject *numpy_empty;
@@ -242,8 +242,7 @@ static PyMethodDef methods[] = {
     KERNEL(integral),
     KERNEL(box_moments),
     KERNEL(box_potential),
-    KERNEL(chebyshev_sums),
-    KERNEL(lower_bounds),
+    KERNEL(low_points),
     KERNEL(near_patches),
     KERNEL(pair_by_pair),
     {NULL, NULL, 0, NULL},

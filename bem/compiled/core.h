@@ -147,4 +147,26 @@ static inline double log_of_size(double x)
     return chosen(-(int64_t)(bits < INT64_C(0x0010000000000000)), -HUGE_VAL, result);
 }
 
+#define TERMS 14 /* of the Taylor table of a profile: profile._TAYLOR_TERMS */
+
+/* Row of the table and offset from its grid point, in units of its spacing. */
+static inline const double *nearest_row(const double *table, Size rows, double place, double *offset)
+{
+    double nearest = nearbyint(place);
+    int64_t row = (int64_t)nearest % rows;
+    *offset = place - nearest;
+    return table + TERMS * (row < 0 ? row + rows : row);
+}
+
+/* The profile at a place, in units of the spacing of its table. */
+static inline double height_at(const double *table, Size rows, double place)
+{
+    double offset, total;
+    const double *row = nearest_row(table, rows, place, &offset);
+    int k;
+    for (total = row[TERMS - 1], k = TERMS - 2; k >= 0; k--)
+        total = total * offset + row[k];
+    return total;
+}
+
 #endif

@@ -16,8 +16,7 @@ DECLARED(uncoupled);
 DECLARED(integral);
 DECLARED(box_moments);
 DECLARED(box_potential);
-DECLARED(chebyshev_sums);
-DECLARED(lower_bounds);
+DECLARED(low_points);
 DECLARED(near_patches);
 DECLARED(pair_by_pair);
 

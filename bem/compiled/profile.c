@@ -4,8 +4,6 @@
 #include "core.h"
 #include "kernels.h"
 
-#define TERMS 14 /* of the Taylor table: profile._TAYLOR_TERMS */
-
 /* k (k - 1) ... (k - order + 1) */
 static double permutations(int k, int order)
 {
@@ -13,15 +11,6 @@ static double permutations(int k, int order)
     for (; order > 0; order--)
         product *= k--;
     return product;
-}
-
-/* Row of the table and offset from its grid point, in units of its spacing. */
-static const double *nearest_row(const double *table, Size rows, double place, double *offset)
-{
-    double nearest = nearbyint(place);
-    int64_t row = (int64_t)nearest % rows;
-    *offset = place - nearest;
-    return table + TERMS * (row < 0 ? row + rows : row);
 }
 
 /* profile.taylor(table, x, spacing_inverse, derivatives): h, h', ... at points, (derivatives + 1, n). */
@@ -94,16 +83,10 @@ DECLARED(sampled_series)
     samples = workspace(most);
     for (i = 0; !call.failed && i < n[0]; i++, series += most) {
         const double *packed = sizes[index[i]], *nodes = packed + 2;
-        Size size = (Size)packed[0], j;
+        Size size = (Size)packed[0];
         double *into = packed[1] != 0.0 ? samples : series;
-        for (k = 0; k < size; k++) {
-            double offset, total = 0.0;
-            const double *row =
-                nearest_row(table, of_table[0], (center[i] + half_width[i] * nodes[k]) * scale, &offset);
-            for (j = TERMS - 1; j >= 0; j--)
-                total = total * offset + row[j];
-            into[k] = -PI * total;
-        }
+        for (k = 0; k < size; k++)
+            into[k] = -PI * height_at(table, of_table[0], (center[i] + half_width[i] * nodes[k]) * scale);
         if (into == samples)
             times('N', size, size, 1.0, nodes + size, size, samples, 0.0, series);
         memset(series + size, 0, (size_t)(most - size) * sizeof(double));

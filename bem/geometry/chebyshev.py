@@ -173,6 +173,11 @@ class BySize:
         """Each size with the patches that have it, ascending."""
         return tuple((size, np.flatnonzero(self.index == k)) for k, size in enumerate(self.sizes))
 
+    @cached_property
+    def nodes(self) -> FloatArray:
+        """Chebyshev nodes of one patch after the other, (starts[-1],)."""
+        return np.concatenate([basis_nodes(self.sizes[k]) for k in self.index.tolist()])
+
 
 def by_modes(modes: IntArray) -> BySize:
     """Patches by their numbers of modes, (L,)."""
