@@ -82,6 +82,8 @@ class CrestsAhead:
         tensile = after.state.stress_intensity > 0
         at_both_ends = tensile[count + gap] & tensile[(gap + 1) % count]
         edge, gap = edge[at_both_ends], gap[at_both_ends]
+        if edge.size == 0:
+            return edge, np.empty(0), gap
         reach = np.minimum(REACH * wavelength, patches.gap_after[gap])
         start = patches.right[gap] + np.where(edge < count, patches.gap_after[gap] - reach, 0.0)
         crests = profile.crests[0]

@@ -73,10 +73,9 @@ def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: f
 def _shifted(gradient: FloatArray, hessian: FloatArray, shift: float) -> tuple[FloatArray, float] | None:
     """-(H + shift)^-1 g, (n,), and its product with (H + shift)^-1 itself; None where H + shift is not definite."""
     matrix = hessian.T.copy()
-    matrix.flat[:: gradient.size + 1] += shift
-    factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
+    matrix.ravel()[:: gradient.size + 1] += shift
+    factor, step, info = lapack.dposv(matrix.T, -gradient, lower=0, overwrite_a=1)
     if info != 0:
         return None
-    step, _ = lapack.dpotrs(factor, -gradient, lower=0)
     half, _ = lapack.dtrtrs(factor, step, lower=0, trans=1)
     return step, float(half @ half)

@@ -71,9 +71,9 @@ class Elastic:
         """What adds to log|2 sin|; None if it is that of the half-space."""
         return None if self.compliance is None else self.compliance.kernel
 
-    def field_of_charges(self, position: FloatArray, charge: FloatArray) -> Field:
+    def field_of_charges(self, position: FloatArray, charge: FloatArray, calls: int = 1) -> Field:
         """The field of charges outside contact, (n,) each, as a function of x: -pi times what it displaces."""
-        logarithmic, kernel = LogarithmicPotential(position, charge), self.kernel
+        logarithmic, kernel = LogarithmicPotential(position, charge, calls), self.kernel
         if kernel is None:
             return logarithmic
         return lambda x: logarithmic(x) + kernel.field(x, position, charge)
