@@ -30,13 +30,14 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 
-SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima this little above a threshold are evaluated again
+SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
 POINTS_PER_WAVELENGTH = 10
 # Of the grids, as in compiled/gap.c: larger ones are looked at in stretches of some points, at the ends in any case.
 WHOLE = 128
 STRETCH, ENDS = 8, 4
 REFINEMENTS, REFINEMENT_RATIO = 3, 5.0  # of a minimum: parabolas on ever shorter bases; the first is a tenth off
 DOWNHILL = 10  # grid cells to a minimum that has moved
+BESIDE = np.array([[-1.0], [0.0], [1.0]])  # of three points
 NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
 GRID_RATIO = 1.2  # steps of the list of grid sizes, so that equal ones are treated together
 LEAST_TERMS, FEW_POWERS = 8, 4096  # of power series, summed at a time: terms, or terms times points
@@ -174,7 +175,7 @@ def gap_field(elastic: Elastic, state: Evaluation) -> GapField:
     return GapField(elastic, state)
 
 
-def low_minima(field: GapField, threshold: float = 0.0) -> GapMinima:
+def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
     """All local minima of the gap below a threshold, refined by a parabola.
 
     Parameters
@@ -186,8 +187,7 @@ def low_minima(field: GapField, threshold: float = 0.0) -> GapMinima:
     Returns
     -------
     GapMinima
-        In the order of the gaps and of the positions in them, some a little above the threshold; empty when the gap is
-        nowhere so low.
+        In the order of the gaps and of the positions in them; empty when the gap is nowhere so low.
     """
     patches, profile = field.state.patches, field.elastic.profile
     waves = patches.gap_after * (profile.max_order / TWO_PI)
@@ -196,13 +196,10 @@ def low_minima(field: GapField, threshold: float = 0.0) -> GapMinima:
     node = np.concatenate([chebyshev.basis_nodes(count) for count in counts.tolist()])
     gap = np.repeat(np.arange(patches.count), counts)
     samples = field.displacement(patches.right[gap] + patches.gap_after[gap] * _place(node), gap)
-    level = threshold + SUSPICIOUS_GAP - field.clearance
-    found = low_points(patches, profile, sizes, counts, samples, _highest(profile), level)
+    found = low_points(patches, profile, sizes, counts, samples, _highest(profile), threshold - field.clearance)
     gap, x = found[:, 0].astype(np.int64), found[:, 1:].T
-    y = field(x.ravel(), np.tile(gap, 3)).reshape(x.shape)
-    low = _least(*y) < threshold
-    vertex, depth = _lowest(field, x[:, low], y[:, low], gap[low])
-    return GapMinima(vertex, depth, gap[low])
+    vertex, depth = _lowest(field, x, field(x.ravel(), np.tile(gap, 3)).reshape(x.shape), gap)
+    return GapMinima(vertex, depth, gap)
 
 
 def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMinima:
@@ -213,12 +210,11 @@ def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMini
     first, last = patches.right[gap] + 1.01 * reach, patches.right[gap] + width - 1.01 * reach
     for base in (reach, reach / REFINEMENT_RATIO):
         for _ in range(DOWNHILL):
-            position = np.clip(position, first, last)
-            x = position + base * np.array([[-1.0], [0.0], [1.0]])
+            middle = np.minimum(np.maximum(position, first), last)
+            x = middle + base * BESIDE
             y = field(x.ravel(), owner).reshape(x.shape)
-            vertex, _ = _parabola_vertex(x, y)
-            shift, position = np.max(np.abs(vertex - position) / base, initial=0.0), np.clip(vertex, first, last)
-            if shift < 0.5:
+            position, _ = _parabola_vertex(x, y)
+            if np.all(np.abs(position - middle) < 0.5 * base):
                 break
     vertex, depth = _lowest(field, x, y, gap)
     return GapMinima(vertex, depth, gap)
@@ -231,8 +227,7 @@ def _lowest(field: GapField, x: FloatArray, y: FloatArray, gap: IntArray) -> tup
     vertex, depth = _parabola_vertex(x, y)
     for _ in range(REFINEMENTS if gap.size else 0):
         reach = reach / REFINEMENT_RATIO
-        middle = np.clip(vertex, first + reach, last - reach)
-        x = np.stack([middle - reach, middle, middle + reach])
+        x = np.minimum(np.maximum(vertex, first + reach), last - reach) + reach * BESIDE
         vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
     return vertex, depth
 
@@ -274,8 +269,8 @@ def low_points(
     value = u - profile.height(x)
     before, here, after = value[:-2], value[1:-1], value[2:]
     adjacent = (gap[2:] == gap[:-2]) & (column[2:] == column[:-2] + 2)
-    lower = (here <= before) & (here < after) & (_least(before, here, after) < level)
-    first = np.flatnonzero(adjacent & lower)
+    sag = before + after - 2 * here
+    first = np.flatnonzero(adjacent & (here <= before) & (here < after) & (here - sag < level))
     return np.stack([gap[first], x[first], x[first + 1], x[first + 2]], axis=1)
 
 
@@ -317,11 +312,6 @@ def _looked_at(grid: _Grid, highest: FloatArray, level: float) -> IntArray:
     return np.flatnonzero(looked_at)
 
 
-def _least(before: FloatArray, here: FloatArray, after: FloatArray) -> FloatArray:
-    """How low the gap may be about the lowest of three points, (n,)."""
-    return np.asarray(3 * here - before - after)
-
-
 @lru_cache(maxsize=8)
 def _highest(profile: Profile) -> FloatArray:
     """Upper bounds of the profile between neighbouring points of its grid, (n_grid,).
@@ -341,11 +331,10 @@ def _place(node: FloatArray) -> FloatArray:
 
 def _parabola_vertex(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Lowest point of the parabola through three points, (3, n) each; the middle one where it has no vertex."""
-    left, right = x[0] - x[1], x[2] - x[1]
-    rise_left, rise_right = y[0] - y[1], y[2] - y[1]
-    curvature = (rise_right / right - rise_left / left) / (right - left)
-    slope = rise_left / left - curvature * left
-    shift = np.divide(-slope, 2 * curvature, out=np.zeros_like(slope), where=curvature > 0)
+    (left, _, right), (rise_left, _, rise_right) = x - x[1], y - y[1]
+    slope_left, slope_right = rise_left / left, rise_right / right
+    curvature = (slope_right - slope_left) / (right - left)
+    slope = slope_left - curvature * left
+    shift = np.divide(-slope, 2 * curvature, out=np.zeros(slope.size), where=curvature > 0)
     shift = np.minimum(np.maximum(shift, left), right)
-    depth = y[1] + shift * (slope + curvature * shift)
-    return x[1] + shift, depth
+    return x[1] + shift, y[1] + shift * (slope + curvature * shift)

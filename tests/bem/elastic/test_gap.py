@@ -103,14 +103,14 @@ def two_waves(depth, half_width=0.5):
 )
 @pytest.mark.parametrize("depth", [1e-4, 1e-9, -1e-9, -1e-4, -1e-2])
 def test_minimum_is_found_with_its_place_and_depth(depth, half_width):
-    found = low_minima(two_waves(depth, half_width), 1e-3)
+    found = low_minima(two_waves(depth, half_width))
     nearest = int(np.argmin(np.abs(found.position - np.pi)))
     assert found.position[nearest] == pytest.approx(np.pi, abs=1e-7)
     assert found.depth[nearest] == pytest.approx(depth, abs=1e-12)
 
 
 def test_minimum_above_the_threshold_is_left_out():
-    assert low_minima(two_waves(0.6), 0.1).position.size == 0
+    assert low_minima(two_waves(0.6)).position.size == 0
 
 
 def test_all_overlaps_of_a_rough_state_are_found():
