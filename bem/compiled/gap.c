@@ -204,8 +204,10 @@ DECLARED(low_points)
     samples = reals(&call, given[4], 1, n_samples);
     highest = reals(&call, given[5], 1, n_highest);
     level = number(&call, given[6]);
-    expect(&call, of_width[0] == patches[0] && n_sizes == patches[0] && n_counts == patches[0], "gaps and grids differ");
-    expect(&call, of_table[0] > 0 && of_table[1] == TERMS && n_highest[0] > 0, "a Taylor table of 14 terms, and bounds");
+    expect(&call, of_width[0] == patches[0] && n_sizes == patches[0] && n_counts == patches[0],
+           "gaps and grids differ");
+    expect(&call, of_table[0] > 0 && of_table[1] == TERMS && n_highest[0] > 0,
+           "a Taylor table of 14 terms, and bounds");
     for (i = 0; !call.failed && i < patches[0]; i++) {
         expect(&call, sizes[i] > 0 && counts[i] > 0, "a grid without points");
         most = sizes[i] > most ? (Size)sizes[i] : most;
