@@ -116,7 +116,7 @@ def descend(
         verdict = walk.reshaped(here)
         if verdict is None:
             step = walk.step(here)
-            inside = here.is_equilibrium(accuracy.residual) and step.size < 0.9 * walk.radius
+            inside = step.size < 0.9 * walk.radius and here.is_equilibrium(accuracy.residual)
             verdict = "converged" if inside else walk.tried(here, step)
         if verdict != "again":
             return walk.ended(verdict)
@@ -286,9 +286,9 @@ def _step_scale(system: System, here: Balance, largest_step: float) -> FloatArra
     """
     patches, wavelength = here.state.patches, 2 * np.pi / system.elastic.profile.max_order
     scale = np.minimum(patches.edge_scale, LARGEST_STEP_SCALE * wavelength)
-    narrow = (patches.gap_after < NARROW_GAP * wavelength) & pulled_shut(here)
+    narrow = patches.gap_after < NARROW_GAP * wavelength
     if narrow.any():
-        share = np.where(narrow, max(CLOSING_STEP / largest_step, 1.0), 1.0)
+        share = np.where(narrow & pulled_shut(here), max(CLOSING_STEP / largest_step, 1.0), 1.0)
         scale = scale * np.concatenate([np.roll(share, 1), share])
     return scale
 

@@ -28,6 +28,7 @@ from bem.loading.increments import Accuracy
 LOCAL_STEP, LOCAL_RESIDUAL = 0.2, 1e-2
 GLOBAL_STEP = 0.4
 NEIGHBOURS = 4
+FROZEN_CALLS = 9  # evaluations of a local problem (mean, measured), for which the frozen field is prepared
 AVALANCHE_ROUNDS = 200  # besides one for every touch of a crest
 TIED = 1e-3  # relative difference in depth of contacts that form at the same instant
 
@@ -220,4 +221,4 @@ def _frozen_field(
     frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
     keep = np.repeat(frozen, state.resolution.modes)
     charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
-    return system.elastic.field_of_charges(state.skeleton_nodes()[keep], charges[keep])
+    return system.elastic.field_of_charges(state.skeleton_nodes()[keep], charges[keep], FROZEN_CALLS)

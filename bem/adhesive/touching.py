@@ -12,6 +12,7 @@ skeleton (1e-6 of the rms height at a tenth of the gap from them, 2e-4 at a hund
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,8 +61,8 @@ class CrestsAhead:
             The same with the edges that have been looked ahead of now.
         """
         state = after.state
-        edge, position, gap = self._ahead(seen, after)
-        seen = _moved_along(seen, state.patches, edge)
+        edges, position, gap = self._ahead(seen, after)
+        seen = _moved_along(seen, state.patches, edges)
         if self.occupied is not None:
             into = (position[:, None] - self.occupied.left) % TWO_PI
             free = ~np.any(into <= self.occupied.width, axis=1)
@@ -72,31 +73,33 @@ class CrestsAhead:
         touching = depth < -self.allowed
         return (GapMinima(position[touching], depth[touching], gap[touching]) if touching.any() else None), seen
 
-    def _ahead(self, seen: Patches, after: Balance) -> tuple[IntArray, FloatArray, IntArray]:
+    def _ahead(self, seen: Patches, after: Balance) -> tuple[list[int], FloatArray, IntArray]:
         """Edges that moved, of gaps with tension at both ends; crests ahead, on the turn of their gap; these gaps."""
         profile, patches, count = self.system.elastic.profile, after.state.patches, seen.count
         wavelength = TWO_PI / profile.max_order
         outward = np.concatenate([seen.left - patches.left, patches.right - seen.right])
-        edge = np.flatnonzero(outward > MOVED * wavelength)
-        gap = np.where(edge < count, edge - 1, edge - count) % count
-        tensile = after.state.stress_intensity > 0
-        at_both_ends = tensile[count + gap] & tensile[(gap + 1) % count]
-        edge, gap = edge[at_both_ends], gap[at_both_ends]
-        reach = np.minimum(REACH * wavelength, patches.gap_after[gap])
-        start = patches.right[gap] + np.where(edge < count, patches.gap_after[gap] - reach, 0.0)
-        crests = profile.crests[0]
-        around = np.concatenate([crests, crests + TWO_PI])
-        turn = np.floor(start / TWO_PI) * TWO_PI
-        first, last = np.searchsorted(around, np.stack([start - turn, start - turn + reach]))
-        which = np.repeat(np.arange(edge.size), last - first)
-        index = np.arange(which.size) - np.repeat(np.cumsum(last - first) - last, last - first)
-        _, once = np.unique(index % crests.size, return_index=True)  # windows of the two edges of a gap may overlap
-        return edge, (around[index] + turn[which])[once], gap[which[once]]
+        tensile, crests = (after.state.stress_intensity > 0).tolist(), profile.crests[0]
+        edges: list[int] = []
+        ahead: dict[int, tuple[float, int]] = {}  # of each crest: windows of the two edges of a gap may overlap
+        for edge in np.flatnonzero(outward > MOVED * wavelength).tolist():
+            gap = (edge - 1 if edge < count else edge) % count
+            if not (tensile[count + gap] and tensile[(gap + 1) % count]):
+                continue
+            edges.append(edge)
+            width = float(patches.gap_after[gap])
+            reach = min(REACH * wavelength, width)
+            start = float(patches.right[gap]) + (width - reach if edge < count else 0.0)
+            turn = math.floor(start / TWO_PI) * TWO_PI
+            for part in (turn, turn + TWO_PI):
+                first, last = np.searchsorted(crests, (start - part, start - part + reach)).tolist()
+                ahead |= {crest: (crests[crest] + part, gap) for crest in range(first, last)}
+        where = [ahead[crest] for crest in sorted(ahead)]
+        return edges, np.array([x for x, _ in where]), np.array([gap for _, gap in where], dtype=np.int64)
 
 
-def _moved_along(patches: Patches, to: Patches, edge: IntArray) -> Patches:
+def _moved_along(patches: Patches, to: Patches, edges: list[int]) -> Patches:
     """Patches with some of their edges, in the order of edge vectors, where they are in others."""
     looked = np.zeros(2 * to.count, dtype=bool)
-    looked[edge] = True
+    looked[edges] = True
     left, right = looked[: to.count], looked[to.count :]
     return Patches(np.where(left, to.left, patches.left), np.where(right, to.right, patches.right))

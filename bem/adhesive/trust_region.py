@@ -31,11 +31,14 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
     """
     newton = _shifted(gradient, hessian, 0.0)
     if newton is not None:
-        step = newton[0] if np.linalg.norm(newton[0]) <= radius else _on_surface(gradient, hessian, radius, 0.0)
-        return np.asarray(step)
+        step, bend = newton
+        size = float(np.linalg.norm(step))
+        if size <= radius:
+            return step
+        return _on_surface(gradient, hessian, radius, 0.0, (size / radius - 1) * size**2 / bend)
     values, modes = lowest_modes(hessian, 1)
-    mode = modes[:, 0]
-    step = _on_surface(gradient, hessian, radius, max(0.0, -float(values[0])))
+    mode, low = modes[:, 0], max(0.0, -float(values[0]))
+    step = _on_surface(gradient, hessian, radius, low, low + abs(float(mode @ gradient)) / radius)
     missing = radius**2 - float(step @ step)
     if values[0] < 0 and missing > HARD_CASE * radius**2:
         along = float(step @ mode)
@@ -44,15 +47,16 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
     return np.asarray(step)
 
 
-def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: float) -> FloatArray:
+def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: float, start: float) -> FloatArray:
     """The step that a shift of all eigenvalues makes as long as the radius, (n,); `low` is the least shift there is.
 
-    The length falls as the shift grows, and its inverse is nearly linear: Newton on that, within bounds that close in.
+    The length falls as the shift grows, and its inverse is nearly linear: Newton on that, within bounds that close in,
+    from a shift that is not too large: that of Newton from none, or of the force along the lowest mode alone.
     Where every step is shorter (the hard case) the bounds close in on the least shift, and so is the step.
     """
     resolved = 1e-15 * float(np.abs(hessian).sum(axis=1).max())
     high = low + float(np.linalg.norm(gradient)) / radius
-    shift, step = low + 1e-3 * (high - low), np.zeros(gradient.size)
+    shift, step = max(start, low + 1e-3 * (high - low)), np.zeros(gradient.size)
     while high - low > max(1e-10 * high, resolved):
         found = _shifted(gradient, hessian, shift)
         if found is None:
@@ -73,10 +77,9 @@ def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: f
 def _shifted(gradient: FloatArray, hessian: FloatArray, shift: float) -> tuple[FloatArray, float] | None:
     """-(H + shift)^-1 g, (n,), and its product with (H + shift)^-1 itself; None where H + shift is not definite."""
     matrix = hessian.T.copy()
-    matrix.flat[:: gradient.size + 1] += shift
-    factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
+    matrix.ravel()[:: gradient.size + 1] += shift
+    factor, step, info = lapack.dposv(matrix.T, -gradient, lower=0, overwrite_a=1)
     if info != 0:
         return None
-    step, _ = lapack.dpotrs(factor, -gradient, lower=0)
     half, _ = lapack.dtrtrs(factor, step, lower=0, trans=1)
     return step, float(half @ half)

@@ -47,7 +47,8 @@ def closing_gaps(system: System, here: Balance) -> Remaining | None:
     gaps = patches.gap_after
     wavelength = 2 * np.pi / system.elastic.profile.max_order
     doomed = gaps < min(DOOMED_GAP * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
-    closing = np.flatnonzero((doomed & pulled_shut(here)) | (gaps < CLOSED_GAP * 2 * np.pi))
+    closed = gaps < CLOSED_GAP * 2 * np.pi
+    closing = np.flatnonzero((doomed & pulled_shut(here)) | closed if doomed.any() else closed)
     if closing.size == 0:
         return None
     closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min()]
@@ -68,8 +69,9 @@ def vanishing_patches(system: System, here: Balance) -> Remaining | None:
     patches = here.state.patches
     count = patches.count
     inward = here.gradient > 0
+    narrow = patches.half_width < VANISHED_WIDTH / system.elastic.profile.max_order  # the widest at pull-off
     shrinking = np.flatnonzero(inward[:count] & inward[count:])
-    if shrinking.size == 0:
+    if not narrow[shrinking].any():
         return None
     relative = patches.half_width[shrinking] / pull_off_half_width(system, patches.center[shrinking])
     if relative.min() >= VANISHED_WIDTH:

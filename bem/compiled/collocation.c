@@ -115,7 +115,7 @@ DECLARED(right_hand_sides)
     level = number(&call, given[2]);
     nodes = integers(&call, attribute(&call, given[3], "nodes"), &of_nodes);
     modes = integers(&call, attribute(&call, given[3], "modes"), &of_modes);
-    expect(&call, of_table[0] > 0 && of_table[1] == TAYLOR_TERMS, "a Taylor table of 14 terms");
+    expect(&call, of_table[0] > 0 && of_table[1] == TERMS, "a Taylor table of 14 terms");
     expect(&call, n[0] > 0 && n[0] == m[0] && n[0] == of_nodes && n[0] == of_modes, "patches and resolution differ");
     sampling = tables_of(&call, "packed_nodes", nodes, n[0]);
     coupled = tables_of(&call, "packed_basis", modes, n[0]);

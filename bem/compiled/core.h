@@ -64,11 +64,6 @@ typedef struct {
 
 Table *tables_of(Call *call, const char *packed, const int64_t *sizes, Size count); /* of each patch; PyMem_Free it */
 
-/* A derivative of the profile at n points from its Taylor table (profile.c). */
-#define TAYLOR_TERMS 14 /* profile._TAYLOR_TERMS */
-void expansion(const double *table, Size rows, double spacing_inverse, int order, Size n, const double *x,
-               double *values);
-
 /* BLAS and LAPACK of SciPy; matrices by columns. */
 typedef struct {
     void (*dgemm)(char *, char *, int *, int *, int *, double *, double *, int *, double *, int *, double *, double *,
@@ -153,6 +148,32 @@ static inline double log_of_size(double x)
     result = k * 6.93147180369123816490e-01 + (f - (s * (f - r) - k * 1.90821492927058770002e-10));
     result = chosen(-(int64_t)(bits > INT64_C(0x7fefffffffffffff)), x * x, result);
     return chosen(-(int64_t)(bits < INT64_C(0x0010000000000000)), -HUGE_VAL, result);
+}
+
+#define TERMS 14 /* of the Taylor table of a profile: profile._TAYLOR_TERMS */
+
+/* A derivative of the profile at n points from its table (profile.c). */
+void expansion(const double *table, Size rows, double spacing_inverse, int order, Size n, const double *x,
+               double *values);
+
+/* Row of the table and offset from its grid point, in units of its spacing. */
+static inline const double *nearest_row(const double *table, Size rows, double place, double *offset)
+{
+    double nearest = nearbyint(place);
+    int64_t row = (int64_t)nearest % rows;
+    *offset = place - nearest;
+    return table + TERMS * (row < 0 ? row + rows : row);
+}
+
+/* The profile at a place, in units of the spacing of its table. */
+static inline double height_at(const double *table, Size rows, double place)
+{
+    double offset, total;
+    const double *row = nearest_row(table, rows, place, &offset);
+    int k;
+    for (total = row[TERMS - 1], k = TERMS - 2; k >= 0; k--)
+        total = total * offset + row[k];
+    return total;
 }
 
 #endif

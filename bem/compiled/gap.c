@@ -1,287 +1,20 @@
-/* Potentials of charges: logarithmic_potential.py, gap.py. */
+/* What the gap search evaluates: gap.py. */
 
 #include "core.h"
 #include "kernels.h"
+#include "lanes.h"
 
-#define LANES 8            /* points at a time: loops over them are vectorised */
-#define BOX_TERMS 20       /* logarithmic_potential.BOX_TERMS */
 #define NEGLIGIBLE (-39.0) /* gap.NEGLIGIBLE */
-
-/* sum_j charge_j log|a first_j + b second_j|, added in lanes. */
-VECTORISED static void add_potential(Size n, const double *RESTRICT a, const double *RESTRICT b,
-                                     const double *RESTRICT first, const double *RESTRICT second,
-                                     const double *RESTRICT charge, double *RESTRICT values)
-{
-    double sum[LANES] = {0};
-    Size i, k;
-    for (k = 0; k < n; k++)
-        for (i = 0; i < LANES; i++)
-            sum[i] += charge[k] * log_of_size(a[i] * first[k] + b[i] * second[k]);
-    for (i = 0; i < LANES; i++)
-        values[i] += sum[i];
-}
-
-/* logarithmic_potential.pair_by_pair(points, sources, charge). */
-DECLARED(pair_by_pair)
-{
-    Call call;
-    Size of_points[2], of_sources[2], n[1], i, k;
-    double *points, *sources, *charge, *values;
-    PyObject *result;
-    if (!enter(&call, n_given, 3))
-        return NULL;
-    points = reals(&call, given[0], 2, of_points);
-    sources = reals(&call, given[1], 2, of_sources);
-    charge = reals(&call, given[2], 1, n);
-    expect(&call, of_points[0] == 2 && of_sources[0] == 2 && of_sources[1] == n[0], "points and charges differ");
-    result = new_reals(&call, 1, of_points[1], 0, &values);
-    for (i = 0; !call.failed && i < of_points[1]; i += LANES) {
-        Size size = of_points[1] - i < LANES ? of_points[1] - i : LANES;
-        double a[LANES], b[LANES], sum[LANES] = {0};
-        for (k = 0; k < LANES; k++) {
-            a[k] = points[i + (k < size ? k : 0)];
-            b[k] = points[of_points[1] + i + (k < size ? k : 0)];
-        }
-        add_potential(n[0], a, b, sources, sources + n[0], charge, sum);
-        memcpy(values + i, sum, (size_t)size * sizeof(double));
-    }
-    leave(&call);
-    return result;
-}
-
-/* Positions by the equal boxes of the circle in which they lie, as many as a power of two: where each box starts in
-   their order, (boxes + 1,); the order; and the places across the boxes in (-1, 1), in it.  PyMem_Free them. */
-typedef struct {
-    Size *starts, *order;
-    double *t;
-} Boxes;
-
-static Boxes in_boxes(Size n, const double *x, Size boxes)
-{
-    double unit = (double)boxes / (2 * PI), *t = workspace(n);
-    Size *starts = (Size *)workspace(boxes + 2 + n), *order, i, k;
-    if (t == NULL || starts == NULL) {
-        PyMem_Free(t);
-        PyMem_Free(starts);
-        return (Boxes){NULL, NULL, NULL};
-    }
-    order = starts + boxes + 2;
-    memset(starts, 0, (size_t)(boxes + 2) * sizeof(Size));
-    for (i = 0; i < n; i++)
-        starts[((Size)floor(x[i] * unit) & (boxes - 1)) + 2]++;
-    for (k = 2; k < boxes + 2; k++)
-        starts[k] += starts[k - 1];
-    for (i = 0; i < n; i++) {
-        double box = floor(x[i] * unit);
-        k = starts[((Size)box & (boxes - 1)) + 1]++;
-        order[k] = i;
-        t[k] = 2 * (x[i] * unit - box) - 1;
-    }
-    return (Boxes){starts, order, t};
-}
-
-/* q_j T_k(t_j), added to the sums of each lane, (BOX_TERMS, LANES). */
-VECTORISED static void add_moments(const double *RESTRICT t, const double *RESTRICT charge, double *RESTRICT sums)
-{
-    double before[LANES], here[LANES];
-    Size i, k;
-    for (i = 0; i < LANES; i++) {
-        here[i] = charge[i];
-        before[i] = t[i] * charge[i];
-    }
-    for (k = 0; k < BOX_TERMS; k++)
-        for (i = 0; i < LANES; i++) {
-            double after = 2 * t[i] * here[i] - before[i];
-            sums[k * LANES + i] += here[i];
-            before[i] = here[i];
-            here[i] = after;
-        }
-}
-
-/* logarithmic_potential.box_moments(position, charge, boxes). */
-DECLARED(box_moments)
-{
-    Call call;
-    Size n[1], of_charge[1], boxes, i, j, k;
-    double *position, *charge, *moments;
-    Boxes in = {NULL, NULL, NULL};
-    PyObject *result;
-    if (!enter(&call, n_given, 3))
-        return NULL;
-    position = reals(&call, given[0], 1, n);
-    charge = reals(&call, given[1], 1, of_charge);
-    boxes = count(&call, given[2]);
-    expect(&call, n[0] == of_charge[0] && boxes > 0 && (boxes & (boxes - 1)) == 0, "charges, or boxes, do not fit");
-    result = new_reals(&call, 2, boxes, BOX_TERMS, &moments);
-    if (!call.failed)
-        in = in_boxes(n[0], position, boxes);
-    for (k = 0; in.t != NULL && k < boxes; k++) {
-        double sums[BOX_TERMS * LANES] = {0};
-        for (i = in.starts[k]; i < in.starts[k + 1]; i += LANES) {
-            double t[LANES] = {0}, q[LANES] = {0};
-            for (j = 0; j < LANES && i + j < in.starts[k + 1]; j++) {
-                t[j] = in.t[i + j];
-                q[j] = charge[in.order[i + j]];
-            }
-            add_moments(t, q, sums);
-        }
-        for (i = 0; i < BOX_TERMS; i++) {
-            moments[k * BOX_TERMS + i] = 0.0;
-            for (j = 0; j < LANES; j++)
-                moments[k * BOX_TERMS + i] += sums[i * LANES + j];
-        }
-    }
-    if (in.t == NULL)
-        Py_CLEAR(result);
-    PyMem_Free(in.t);
-    PyMem_Free(in.starts);
-    leave(&call);
-    return result;
-}
-
-/* sum_k series_k T_k(t) by Clenshaw's rule, in lanes. */
-VECTORISED static void sum_series(Size terms, const double *RESTRICT series, const double *RESTRICT t,
-                                   double *RESTRICT values)
-{
-    double before[LANES] = {0}, here[LANES] = {0};
-    Size i, k;
-    for (k = terms - 1; k > 0; k--)
-        for (i = 0; i < LANES; i++) {
-            double after = series[k] + 2 * t[i] * here[i] - before[i];
-            before[i] = here[i];
-            here[i] = after;
-        }
-    for (i = 0; i < LANES; i++)
-        values[i] = series[0] + t[i] * here[i] - before[i];
-}
-
-/* gap.chebyshev_sums(series, node). */
-DECLARED(chebyshev_sums)
-{
-    Call call;
-    Size of_series[2], n[2], row, i, k;
-    double *series, *node, *values;
-    PyObject *result;
-    if (!enter(&call, n_given, 2))
-        return NULL;
-    series = reals(&call, given[0], 2, of_series);
-    node = reals(&call, given[1], 2, n);
-    expect(&call, of_series[0] == n[0] && of_series[1] > 0, "series and nodes differ");
-    result = new_reals(&call, 2, n[0], n[1], &values);
-    for (row = 0; !call.failed && row < n[0]; row++, node += n[1], values += n[1])
-        for (i = 0; i < n[1]; i += LANES) {
-            double t[LANES] = {0}, sum[LANES];
-            Size size = n[1] - i < LANES ? n[1] - i : LANES;
-            for (k = 0; k < size; k++)
-                t[k] = node[i + k];
-            sum_series(of_series[1], series + row * of_series[1], t, sum);
-            memcpy(values + i, sum, (size_t)size * sizeof(double));
-        }
-    leave(&call);
-    return result;
-}
-
-/* gap.lower_bounds(gap, x, u, highest). */
-DECLARED(lower_bounds)
-{
-    Call call;
-    Size n, of_x[1], of_u[1], of_highest[1], i, k;
-    double *x, *u, *highest, *bounds, bend, before = 0.0, unit;
-    int64_t *gap;
-    PyObject *result;
-    if (!enter(&call, n_given, 4))
-        return NULL;
-    gap = integers(&call, given[0], &n);
-    x = reals(&call, given[1], 1, of_x);
-    u = reals(&call, given[2], 1, of_u);
-    highest = reals(&call, given[3], 1, of_highest);
-    unit = (double)of_highest[0] / (4 * PI);
-    expect(&call, of_x[0] == n && of_u[0] == n, "points and values differ");
-    result = new_reals(&call, 1, n, 0, &bounds);
-    for (i = 0; !call.failed && i < n; i++) {
-        expect(&call, 0 <= x[i] && x[i] * unit < (double)of_highest[0], "a point beyond two periods");
-        bounds[i] = HUGE_VAL;
-        if (i + 1 < n && gap[i] == gap[i + 1] && !call.failed) {
-            Size last = (Size)(x[i + 1] * unit);
-            double most = -HUGE_VAL;
-            bend = i + 2 < n && gap[i + 1] == gap[i + 2] ? fabs(u[i + 2] - u[i + 1] - (u[i + 1] - u[i])) : 0.0;
-            for (k = (Size)(x[i] * unit); k <= last && k < of_highest[0]; k++)
-                most = highest[k] > most ? highest[k] : most;
-            bounds[i] = (u[i] < u[i + 1] ? u[i] : u[i + 1]) - bend - before - most;
-            before = bend;
-        } else
-            before = 0.0;
-    }
-    if (call.failed)
-        Py_CLEAR(result);
-    leave(&call);
-    return result;
-}
-
-/* logarithmic_potential.box_potential(x, points, position, sources, charge, series). */
-DECLARED(box_potential)
-{
-    Call call;
-    Size n[1], m[1], of_charge[1], of_points[2], of_sources[2], of_series[2], boxes, i, j, k, beside;
-    double *x, *points, *position, *sources, *charge, *series, *values, *sorted = NULL;
-    Boxes in = {NULL, NULL, NULL}, from = {NULL, NULL, NULL};
-    PyObject *result;
-    if (!enter(&call, n_given, 6))
-        return NULL;
-    x = reals(&call, given[0], 1, n);
-    points = reals(&call, given[1], 2, of_points);
-    position = reals(&call, given[2], 1, m);
-    sources = reals(&call, given[3], 2, of_sources);
-    charge = reals(&call, given[4], 1, of_charge);
-    series = reals(&call, given[5], 2, of_series);
-    boxes = of_series[0];
-    expect(&call, of_points[0] == 2 && of_points[1] == n[0] && of_sources[0] == 2 && of_sources[1] == m[0] &&
-                      of_charge[0] == m[0],
-           "points and charges differ");
-    expect(&call, boxes > 2 && (boxes & (boxes - 1)) == 0 && of_series[1] == BOX_TERMS, "boxes do not fit");
-    result = new_reals(&call, 1, n[0], 0, &values);
-    if (!call.failed && (sorted = workspace(3 * m[0])) != NULL) {
-        in = in_boxes(n[0], x, boxes);
-        from = in_boxes(m[0], position, boxes);
-    }
-    for (i = 0; in.t != NULL && from.t != NULL && i < m[0]; i++) {
-        sorted[i] = sources[from.order[i]];
-        sorted[m[0] + i] = sources[m[0] + from.order[i]];
-        sorted[2 * m[0] + i] = charge[from.order[i]];
-    }
-    for (k = 0; in.t != NULL && from.t != NULL && k < boxes; k++)
-        for (i = in.starts[k]; i < in.starts[k + 1]; i += LANES) {
-            double t[LANES], a[LANES], b[LANES], sum[LANES];
-            Size size = in.starts[k + 1] - i < LANES ? in.starts[k + 1] - i : LANES;
-            for (j = 0; j < LANES; j++) {
-                Size at = i + (j < size ? j : 0);
-                t[j] = in.t[at];
-                a[j] = points[in.order[at]];
-                b[j] = points[n[0] + in.order[at]];
-            }
-            sum_series(BOX_TERMS, series + k * BOX_TERMS, t, sum);
-            for (beside = k + boxes - 1; beside <= k + boxes + 1; beside++) {
-                Size start = from.starts[beside & (boxes - 1)], end = from.starts[(beside & (boxes - 1)) + 1];
-                add_potential(end - start, a, b, sorted + start, sorted + m[0] + start, sorted + 2 * m[0] + start, sum);
-            }
-            for (j = 0; j < size; j++)
-                values[in.order[i + j]] = sum[j];
-        }
-    if (in.t == NULL || from.t == NULL)
-        Py_CLEAR(result);
-    PyMem_Free(in.t);
-    PyMem_Free(in.starts);
-    PyMem_Free(from.t);
-    PyMem_Free(from.starts);
-    PyMem_Free(sorted);
-    leave(&call);
-    return result;
-}
+#define SINE_TERMS 11      /* of its series up to pi/2: (pi/2)^23 / 23! = 1e-18 */
+/* gap.WHOLE, STRETCH, ENDS */
+#define WHOLE 128
+#define STRETCH 8
+#define ENDS 4
 
 /* What one patch adds at LANES points beside it, t half widths from its center: -pi times its series, by Horner's rule
    in zeta with all terms that the point nearest to it sees, less the potential of its skeleton. */
-VECTORISED static void beside_patch(const double *RESTRICT t, double total, Size n_terms, const double *RESTRICT terms,
-                                    Size n, const double *RESTRICT places, const double *RESTRICT charges,
+VECTORISED static void beside_patch(const double *RESTRICT t, Size terms, const double *RESTRICT charges, Size n,
+                                    const double *RESTRICT places, const double *RESTRICT skeleton,
                                     double *RESTRICT values)
 {
     double zeta[LANES], sum[LANES] = {0}, coarse[LANES] = {0}, nearest = 0.0, most;
@@ -292,52 +25,46 @@ VECTORISED static void beside_patch(const double *RESTRICT t, double total, Size
         nearest = fabs(zeta[k]) > nearest ? fabs(zeta[k]) : nearest;
     }
     most = NEGLIGIBLE / log(nearest - 1e-16);
-    for (i = most < (double)n_terms ? (Size)ceil(most) : n_terms; i > 0; i--)
+    for (i = most < (double)(terms - 1) ? (Size)ceil(most) : terms - 1; i > 0; i--) {
+        double term = charges[i] / (double)i;
         for (k = 0; k < LANES; k++)
-            sum[k] = (sum[k] + terms[i - 1]) * zeta[k];
+            sum[k] = (sum[k] + term) * zeta[k];
+    }
     for (i = 0; i < n; i++)
         for (k = 0; k < LANES; k++)
-            coarse[k] += charges[i] * log_of_size(t[k] - places[i]);
+            coarse[k] += skeleton[i] * log_of_size(t[k] - places[i]);
     for (k = 0; k < LANES; k++)
-        values[k] = -PI * (log_of_size(2 * zeta[k]) * total + sum[k]) - coarse[k];
+        values[k] = -PI * (log_of_size(2 * zeta[k]) * charges[0] + sum[k]) - coarse[k];
 }
 
-/* gap.near_patches(center, half_width, skeletons, series, gap, x): the exact logarithmic part of the two patches beside
-   a gap less that of their skeletons. */
+/* gap.near_patches(patches, resolution, charges, skeleton, gap, x): the exact logarithmic part of the two patches
+   beside a gap less that of their skeletons. */
 DECLARED(near_patches)
 {
     Call call;
-    Size patches[1], of_width[1], of_charges[2], of_places[2], of_total[1], of_terms[2], n[1];
-    Size n_modes, n_count, n_gap, side, i, k, next;
-    double *center, *half_width, *charges, *places, *total, *terms, *x, *values;
-    int64_t *n_charges, *n_terms, *gap;
+    Size patches[1], of_width[1], of_charges[2], of_skeleton[1], n[1], n_modes, n_nodes, n_gap, side, i, k, next;
+    double *center, *half_width, *charges, *skeleton, *x, *values;
+    int64_t *modes, *nodes, *gap;
+    Table *tables;
     PyObject *result;
     if (!enter(&call, n_given, 6))
         return NULL;
-    center = reals(&call, given[0], 1, patches);
-    half_width = reals(&call, given[1], 1, of_width);
-    expect(&call, PyTuple_Check(given[2]) && PyTuple_GET_SIZE(given[2]) == 3 && PyTuple_Check(given[3]) &&
-                      PyTuple_GET_SIZE(given[3]) == 3,
-           "skeletons and series are three arrays each");
-    if (call.failed) {
-        leave(&call);
-        return NULL;
-    }
-    charges = reals(&call, PyTuple_GET_ITEM(given[2], 0), 2, of_charges);
-    places = reals(&call, PyTuple_GET_ITEM(given[2], 1), 2, of_places);
-    n_charges = integers(&call, PyTuple_GET_ITEM(given[2], 2), &n_modes);
-    total = reals(&call, PyTuple_GET_ITEM(given[3], 0), 1, of_total);
-    n_terms = integers(&call, PyTuple_GET_ITEM(given[3], 1), &n_count);
-    terms = reals(&call, PyTuple_GET_ITEM(given[3], 2), 2, of_terms);
+    center = reals(&call, attribute(&call, given[0], "center"), 1, patches);
+    half_width = reals(&call, attribute(&call, given[0], "half_width"), 1, of_width);
+    modes = integers(&call, attribute(&call, given[1], "modes"), &n_modes);
+    nodes = integers(&call, attribute(&call, given[1], "nodes"), &n_nodes);
+    charges = reals(&call, given[2], 2, of_charges);
+    skeleton = reals(&call, given[3], 1, of_skeleton);
     gap = integers(&call, given[4], &n_gap);
     x = reals(&call, given[5], 1, n);
-    expect(&call, of_width[0] == patches[0] && of_charges[0] == patches[0] && of_places[0] == patches[0] &&
-                      of_places[1] == of_charges[1] && n_modes == patches[0] && of_total[0] == patches[0] &&
-                      n_count == patches[0] && of_terms[0] == patches[0] && n_gap == n[0],
+    expect(&call, of_width[0] == patches[0] && n_modes == patches[0] && n_nodes == patches[0] &&
+                      of_charges[0] == patches[0] && n_gap == n[0],
            "arrays of the patches differ in size");
+    tables = tables_of(&call, "packed_basis", modes, n_modes);
+    expect(&call, call.failed || tables[n_modes].start == of_skeleton[0], "charges and modes differ");
     result = new_reals(&call, 1, n[0], 0, &values);
     for (i = 0; !call.failed && i < patches[0]; i++)
-        expect(&call, n_terms[i] <= of_terms[1] && n_charges[i] <= of_charges[1], "more terms than there are");
+        expect(&call, 0 < nodes[i] && nodes[i] <= of_charges[1], "more terms than there are");
     for (i = 0; !call.failed && i < n[0]; i++) {
         expect(&call, 0 <= gap[i] && gap[i] < patches[0], "no such gap");
         values[i] = 0.0;
@@ -350,13 +77,176 @@ DECLARED(near_patches)
                 t[next - i] = (x[next] - turn - center[which]) / half_width[which];
             for (k = next - i; k < LANES; k++)
                 t[k] = t[0];
-            beside_patch(t, total[which], (Size)n_terms[which], terms + which * of_terms[1], (Size)n_charges[which],
-                         places + which * of_charges[1], charges + which * of_charges[1], beside);
+            beside_patch(t, (Size)nodes[which], charges + which * of_charges[1], tables[which].n, tables[which].nodes,
+                         skeleton + tables[which].start, beside);
             for (k = i; k < next; k++)
                 values[k] += beside[k - i];
         }
     if (call.failed)
         Py_CLEAR(result);
+    PyMem_Free(tables);
+    leave(&call);
+    return result;
+}
+
+/* The grid in one gap, and u there: a Chebyshev series in t = 1 - 2 theta / pi. */
+typedef struct {
+    double right, width, *series;
+    Size terms, size;
+} Grid;
+
+/* Chebyshev series of samples of u, chebyshev.coefficients; sums (terms, LANES). */
+static void fit(const Grid *grid, const double *samples, double *sums)
+{
+    Size n = grid->terms, i, k;
+    memset(sums, 0, (size_t)(n * LANES) * sizeof(double));
+    for (i = 0; i < n; i += LANES) {
+        double t[LANES] = {0}, u[LANES] = {0};
+        for (k = 0; k < LANES && i + k < n; k++) {
+            t[k] = cos(((double)(i + k) + 0.5) * PI / (double)n);
+            u[k] = samples[i + k];
+        }
+        add_moments(n, t, u, sums);
+    }
+    for (i = 0; i < n; i++) {
+        grid->series[i] = 0.0;
+        for (k = 0; k < LANES; k++)
+            grid->series[i] += sums[i * LANES + k];
+        grid->series[i] *= (i == 0 ? 1.0 : 2.0) / (double)n;
+    }
+}
+
+/* Points at columns of a grid and u there, in lanes: (1 - cos theta) / 2 = (1 - sin(pi t / 2)) / 2 of the gap. */
+VECTORISED static void at_columns(const Grid *grid, const Size *RESTRICT column, double *RESTRICT x, double *RESTRICT u)
+{
+    double t[LANES], sine[LANES];
+    Size i, k;
+    for (i = 0; i < LANES; i++) {
+        t[i] = 1 - (double)(2 * column[i] + 1) / (double)grid->size;
+        sine[i] = 1.0;
+    }
+    for (k = SINE_TERMS - 1; k > 0; k--) {
+        double factor = PI * PI / (double)(8 * k * (2 * k + 1));
+        for (i = 0; i < LANES; i++)
+            sine[i] = 1.0 - factor * t[i] * t[i] * sine[i];
+    }
+    for (i = 0; i < LANES; i++)
+        x[i] = grid->right + grid->width * (0.5 - PI / 4 * t[i] * sine[i]);
+    sum_series(grid->terms, grid->series, t, u);
+}
+
+/* u less the profile, in lanes; the table is that of 2 pi. */
+VECTORISED static void subtract_profile(Size rows, const double *RESTRICT table, const double *RESTRICT x,
+                                        double *RESTRICT u)
+{
+    double unit = (double)rows / (2 * PI);
+    Size i;
+    for (i = 0; i < LANES; i++)
+        u[i] -= height_at(table, rows, x[i] * unit);
+}
+
+/* Columns of a grid that are looked at, gap._looked_at: of a large one the ends, and stretches where bounds of u and of
+   the profile leave room for less than the level.  x and u: workspace. */
+static Size looked_at(const Grid *grid, Size n_highest, const double *highest, double level, Size *column, double *x,
+                      double *u)
+{
+    Size edges = grid->size > WHOLE ? (grid->size - 2 * STRETCH * ENDS + STRETCH - 1) / STRETCH : 0, n = 0, i, k;
+    double unit = (double)n_highest / (2 * PI), before = 0.0;
+    for (i = 0; i < edges; i += LANES) {
+        for (k = 0; k < LANES; k++)
+            column[k] = STRETCH * (ENDS + (i + k < edges ? i + k : edges - 1));
+        at_columns(grid, column, x + i, u + i);
+    }
+    for (; n < (edges > 0 ? STRETCH * ENDS + 2 : grid->size); n++)
+        column[n] = n;
+    for (i = 0; i + 1 < edges; i++) {
+        double bend = i + 2 < edges ? fabs(u[i + 2] - u[i + 1] - (u[i + 1] - u[i])) : 0.0, most = -HUGE_VAL;
+        double first = floor(x[i] * unit), last = floor(x[i + 1] * unit);
+        Size at = (Size)fmod(first, (double)n_highest), count = (Size)(last - first) + 1;
+        for (at += at < 0 ? n_highest : 0; count > 0; count--, at = at + 1 < n_highest ? at + 1 : 0)
+            most = highest[at] > most ? highest[at] : most;
+        if ((u[i] < u[i + 1] ? u[i] : u[i + 1]) - bend - before - most < level) {
+            k = STRETCH * (ENDS + i) - 1;
+            for (k = k > column[n - 1] ? k : column[n - 1] + 1; k <= STRETCH * (ENDS + i + 1) + 1; k++)
+                column[n++] = k;
+        }
+        before = bend;
+    }
+    if (edges > 0) {
+        k = STRETCH * (ENDS + edges - 1) - 1;
+        for (k = k > column[n - 1] ? k : column[n - 1] + 1; k < grid->size; k++)
+            column[n++] = k;
+    }
+    return n;
+}
+
+/* gap.low_points(patches, profile, grids, samples, highest, level). */
+DECLARED(low_points)
+{
+    Call call;
+    Size patches[1], of_width[1], n_sizes, n_counts, n_samples[1], of_table[2], n_highest[1];
+    Size most = 0, terms = 0, total = 0, places = 0, n = 0, i, k, *column = NULL;
+    double *right, *width, *samples, *table, *highest, *work = NULL, *found, *low, level;
+    int64_t *sizes, *counts;
+    PyObject *grids[2], *result = NULL;
+    if (!enter(&call, n_given, 6))
+        return NULL;
+    right = reals(&call, attribute(&call, given[0], "right"), 1, patches);
+    width = reals(&call, attribute(&call, given[0], "gap_after"), 1, of_width);
+    table = reals(&call, attribute(&call, given[1], "_table"), 2, of_table);
+    expect(&call, PyTuple_Check(given[2]) && PyTuple_GET_SIZE(given[2]) == 2, "grids: not a pair of arrays");
+    for (i = 0; i < 2; i++)
+        grids[i] = call.failed ? NULL : PyTuple_GET_ITEM(given[2], i);
+    sizes = integers(&call, grids[0], &n_sizes);
+    counts = integers(&call, grids[1], &n_counts);
+    samples = reals(&call, given[3], 1, n_samples);
+    highest = reals(&call, given[4], 1, n_highest);
+    level = number(&call, given[5]);
+    expect(&call, of_width[0] == patches[0] && n_sizes == patches[0] && n_counts == patches[0],
+           "gaps and grids differ");
+    expect(&call, of_table[0] > 0 && of_table[1] == TERMS && n_highest[0] > 0,
+           "a Taylor table of 14 terms, and bounds");
+    for (i = 0; !call.failed && i < patches[0]; i++) {
+        expect(&call, sizes[i] > 0 && counts[i] > 0, "a grid without points");
+        most = sizes[i] > most ? (Size)sizes[i] : most;
+        terms = counts[i] > terms ? (Size)counts[i] : terms;
+        total += (Size)counts[i];
+        places += (Size)sizes[i] / 2;
+    }
+    expect(&call, total == n_samples[0], "samples and their numbers differ");
+    if (!call.failed) {
+        work = workspace(2 * (most + LANES) + terms * (LANES + 1) + 4 * places);
+        column = (Size *)workspace(most + LANES);
+    }
+    if (work != NULL && column != NULL) {
+        double *x = work, *value = x + most + LANES, *series = value + most + LANES, *sums = series + terms;
+        found = sums + terms * LANES;
+        for (i = 0; i < patches[0]; samples += counts[i++]) {
+            Grid grid = {right[i], width[i], series, (Size)counts[i], (Size)sizes[i]};
+            Size looked;
+            fit(&grid, samples, sums);
+            looked = looked_at(&grid, n_highest[0], highest, level, column, x, value);
+            for (k = looked; k < looked + LANES; k++)
+                column[k] = column[looked - 1];
+            for (k = 0; k < looked; k += LANES) {
+                at_columns(&grid, column + k, x + k, value + k);
+                subtract_profile(of_table[0], table, x + k, value + k);
+            }
+            for (k = 1; k + 1 < looked; k++) {
+                double sag = value[k - 1] + value[k + 1] - 2 * value[k];
+                if (column[k + 1] == column[k - 1] + 2 && value[k] <= value[k - 1] && value[k] < value[k + 1] &&
+                    value[k] - sag < level) {
+                    found[4 * n] = (double)i;
+                    memcpy(found + 4 * n++ + 1, x + k - 1, 3 * sizeof(double));
+                }
+            }
+        }
+        result = new_reals(&call, 2, n, 4, &low);
+        if (result != NULL)
+            memcpy(low, found, (size_t)(4 * n) * sizeof(double));
+    }
+    PyMem_Free(work);
+    PyMem_Free(column);
     leave(&call);
     return result;
 }

@@ -202,20 +202,21 @@ static void corrected(Size k, const double *change, Size n, double *values)
     }
 }
 
-/* The same of a Gram matrix of m columns, of which k are shared: compliance of the edges, left ones first, and Gram
-   matrix of the shared ones. */
-static void corrected_gram(Size k, Size m, const double *from, const double *change, double *compliance, double *gram)
+/* The same of a Gram matrix of k shared columns, and those of patches behind them: what edges do at edges, left ones
+   first, and the slopes that they make there; and the Gram matrix of the shared ones. */
+static void corrected_gram(const System *system, Size patches, Size k, const double *from, const double *change,
+                           double *compliance, double *slopes, double *gram)
 {
+    Size per_patch = system->per_patch, m = k + per_patch * patches, kind, side, i, j;
     const double *ones = from + m; /* b^T A'^-1 1 */
-    Size i, j;
-    for (i = 0; i < m - k; i++) {
-        Size place = i < (m - k) / 2 ? k + 2 * i : 2 * i + 2 * k + 1 - m; /* edges come patch by patch */
-        const double *old = from + place * m;
-        for (j = k; j < m; j += 2)
-            *compliance++ = old[j] + ones[place] * change[j];
-        for (j = k + 1; j < m; j += 2)
-            *compliance++ = old[j] + ones[place] * change[j];
-    }
+    for (kind = 0; kind < per_patch; kind++)
+        for (i = 0; i < patches; i++) {
+            Size place = k + per_patch * i + kind;
+            double **to = kind < 2 ? &compliance : &slopes;
+            for (side = 0; side < 2; side++)
+                for (j = k + side; j < m; j += per_patch)
+                    *(*to)++ = from[place * m + j] + ones[place] * change[j];
+        }
     for (i = 0; i < k; i++)
         for (j = 0; j < k; j++)
             gram[i * k + j] = from[i * m + j] + change[i] * ones[j];
@@ -249,12 +250,12 @@ DECLARED(solved)
 {
     Call call;
     Size n[1], patches[1], of_left[1], of_right[1], of_columns[2], of_addition[2], of_modes, i, k, edges;
-    double *half = NULL, *unit = NULL, *change = NULL, *columns, *made[5], remaining;
+    double *half = NULL, *unit = NULL, *change = NULL, *columns, *made[6], remaining;
     int64_t *modes;
     System system;
     Cluster whole;
     Status status = FAILED;
-    PyObject *object, *parts[5], *result = NULL;
+    PyObject *object, *parts[6], *result = NULL;
     if (!enter(&call, n_given, 2))
         return NULL;
     memset(&whole, 0, sizeof whole);
@@ -267,7 +268,8 @@ DECLARED(solved)
     system.left = reals(&call, attribute(&call, object, "left"), 1, of_left);
     system.right = reals(&call, attribute(&call, object, "right"), 1, of_right);
     modes = integers(&call, attribute(&call, given[0], "modes"), &of_modes);
-    system.per_patch = 2 * truth(&call, attribute(&call, given[0], "serves_edges"));
+    system.per_patch = count(&call, attribute(&call, given[0], "edge_columns"));
+    expect(&call, system.per_patch == 0 || system.per_patch == 2 || system.per_patch == 4, "edge columns: 0, 2 or 4");
     object = attribute(&call, given[0], "addition");
     if (object != Py_None)
         system.addition = reals(&call, object, 2, of_addition);
@@ -283,12 +285,13 @@ DECLARED(solved)
     system.tables = tables_of(&call, "packed_basis", modes, of_modes);
     expect(&call, call.failed || system.tables[of_modes].start == n[0], "modes and nodes differ");
     k = of_columns[0];
-    edges = system.per_patch * of_modes;
+    edges = system.per_patch == 0 ? 0 : 2 * of_modes;
     parts[0] = new_reals(&call, 2, edges, edges, &made[0]);
-    parts[1] = new_reals(&call, 2, k, k, &made[1]);
-    parts[2] = new_reals(&call, 2, k, n[0], &made[2]);
-    parts[3] = new_reals(&call, 2, k, 2 * of_modes, &made[3]);
+    parts[1] = new_reals(&call, 2, system.per_patch == 4 ? edges : 0, edges, &made[1]);
+    parts[2] = new_reals(&call, 2, k, k, &made[2]);
+    parts[3] = new_reals(&call, 2, k, n[0], &made[3]);
     parts[4] = new_reals(&call, 2, k, 2 * of_modes, &made[4]);
+    parts[5] = new_reals(&call, 2, k, 2 * of_modes, &made[5]);
     if (!call.failed && (half = workspace(2 * n[0])) && (unit = workspace(k * k))) {
         system.half = half;
         for (i = 0; i < n[0]; i++) {
@@ -298,7 +301,7 @@ DECLARED(solved)
         for (i = 0; i < k * k; i++)
             unit[i] = i % (k + 1) == 0;
         status = solved_cluster(&system, 0, of_modes, k, columns, &whole);
-        if (status == SOLVED && !charges_of(&whole, k, unit, made[2], n[0]))
+        if (status == SOLVED && !charges_of(&whole, k, unit, made[3], n[0]))
             status = FAILED;
         if (status == SOLVED && (remaining = 1 - system.uniform * whole.gram[whole.m + 1]) <= 0)
             status = NOT_DEFINITE;
@@ -307,19 +310,19 @@ DECLARED(solved)
         if (status == SOLVED) {
             for (i = 0; i < whole.m; i++)
                 change[i] = whole.gram[whole.m + i] * (system.uniform / remaining);
-            sums_at_edges(&system, of_modes, k, made[2], made[3], made[4]);
-            corrected_gram(k, whole.m, whole.gram, change, made[0], made[1]);
-            corrected(k, change, n[0], made[2]);
-            corrected(k, change, 2 * of_modes, made[3]);
+            sums_at_edges(&system, of_modes, k, made[3], made[4], made[5]);
+            corrected_gram(&system, of_modes, k, whole.gram, change, made[0], made[1], made[2]);
+            corrected(k, change, n[0], made[3]);
             corrected(k, change, 2 * of_modes, made[4]);
-            result = PyTuple_Pack(5, parts[0], parts[1], parts[2], parts[3], parts[4]);
+            corrected(k, change, 2 * of_modes, made[5]);
+            result = PyTuple_Pack(6, parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]);
         } else if (status == NOT_DEFINITE) {
             result = Py_None;
             Py_INCREF(result);
         }
     }
     release(&whole);
-    for (i = 0; i < 5; i++)
+    for (i = 0; i < 6; i++)
         Py_XDECREF(parts[i]);
     PyMem_Free(half);
     PyMem_Free(unit);

@@ -16,7 +16,7 @@ typedef struct {
 /* Nodes, patches and their tables; sine and cosine of half of each position, one behind the other. */
 typedef struct {
     Call *call;
-    Size n, largest, per_patch; /* columns of the edges of each patch: two or none */
+    Size n, largest, per_patch; /* columns of the edges of each patch: none, 2 or 4 */
     const double *x, *half, *left, *right, *half_width, *addition;
     const Table *tables;
     double uniform, accuracy;

@@ -14,8 +14,7 @@ DECLARED(all_charges);
 DECLARED(integral);
 DECLARED(box_moments);
 DECLARED(box_potential);
-DECLARED(chebyshev_sums);
-DECLARED(lower_bounds);
+DECLARED(low_points);
 DECLARED(near_patches);
 DECLARED(pair_by_pair);
 

@@ -80,7 +80,7 @@ static void substitute(Size n, Size m, const double *lower, double *rhs, const S
 
 Status solved_leaf(const System *system, Size first, Size last, const double *shared, Cluster *leaf)
 {
-    Size start = system->tables[first].start, n = leaf->n, m = leaf->m, i, k, c;
+    Size start = system->tables[first].start, n = leaf->n, m = leaf->m, i, k, c, row;
     double *matrix = leaf->factor = workspace(n * n), *rhs = leaf->solved = workspace(n * m), *half = workspace(2 * n);
     Size *begin = (Size *)workspace(m);
     Status status = FAILED;
@@ -101,14 +101,11 @@ Status solved_leaf(const System *system, Size first, Size last, const double *sh
             const Table *table = &system->tables[i];
             Size from = table->start - start;
             within_patch(table, system->half_width[i], system->uniform, matrix + from * n + from, n);
-            if (system->per_patch == 0)
-                continue;
-            begin[c] = begin[c + 1] = from;
-            for (k = 0; k < table->n; k++) {
-                rhs[(from + k) * m + c] = table->at_edges[k];
-                rhs[(from + k) * m + c + 1] = table->at_edges[table->n + k];
+            for (row = 0; row < system->per_patch; row++, c++) { /* `slopes` stands behind `at_edges` */
+                begin[c] = from;
+                for (k = 0; k < table->n; k++)
+                    rhs[(from + k) * m + c] = table->at_edges[row * table->n + k];
             }
-            c += 2;
         }
         if (system->addition != NULL)
             for (i = 0; i < n * n; i++)

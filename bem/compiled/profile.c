@@ -3,8 +3,6 @@
 #include "core.h"
 #include "kernels.h"
 
-#define TERMS TAYLOR_TERMS
-
 /* k (k - 1) ... (k - order + 1) */
 static double permutations(int k, int order)
 {
@@ -12,15 +10,6 @@ static double permutations(int k, int order)
     for (; order > 0; order--)
         product *= k--;
     return product;
-}
-
-/* Row of the table and offset from its grid point, in units of its spacing. */
-static inline const double *nearest_row(const double *table, Size rows, double place, double *offset)
-{
-    double nearest = nearbyint(place);
-    int64_t row = (int64_t)nearest % rows;
-    *offset = place - nearest;
-    return table + TERMS * (row < 0 ? row + rows : row);
 }
 
 VECTORISED void expansion(const double *table, Size rows, double spacing_inverse, int order, Size n, const double *x,
@@ -57,7 +46,7 @@ DECLARED(taylor)
     x = reals(&call, given[1], 1, n);
     scale = number(&call, given[2]);
     most = (int)count(&call, given[3]);
-    expect(&call, most >= 0 && most <= 2, "taylor: derivatives from 0 to 2");
+    expect(&call, most >= 0 && most <= 3, "taylor: derivatives from 0 to 3");
     expect(&call, of_table[0] > 0 && of_table[1] == TERMS, "taylor: a table of 14 terms");
     result = new_reals(&call, 2, most + 1, n[0], &values);
     for (order = 0; !call.failed && order <= most; order++)

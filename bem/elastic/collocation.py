@@ -62,21 +62,24 @@ class Elastic:
         Smooth fields int log|2 sin| sigma dx' of pressure outside these patches, (n,) positions to (n,) values.
     probes : tuple of k floats
         Places outside contact; what a charge at each of them would do is evaluated besides.
+    slopes : bool
+        Whether the slopes that edges make at edges are, which second derivatives take.
     """
 
     profile: Profile
     compliance: Compliance | None = None
     backgrounds: tuple[Field, ...] = ()
     probes: tuple[float, ...] = ()
+    slopes: bool = False
 
     @cached_property
     def kernel(self) -> KernelSeries | None:
         """What adds to log|2 sin|; None if it is that of the half-space."""
         return None if self.compliance is None else self.compliance.kernel
 
-    def field_of_charges(self, position: FloatArray, charge: FloatArray) -> Field:
+    def field_of_charges(self, position: FloatArray, charge: FloatArray, calls: int = 1) -> Field:
         """The field of charges outside contact, (n,) each, as a function of x: -pi times what it displaces."""
-        logarithmic, kernel = LogarithmicPotential(position, charge), self.kernel
+        logarithmic, kernel = LogarithmicPotential(position, charge, calls), self.kernel
         if kernel is None:
             return logarithmic
         return lambda x: logarithmic(x) + kernel.field(x, position, charge)
@@ -107,6 +110,8 @@ class Evaluation:
         int sigma dx, its derivative by Delta, and U_el.
     edge_compliance : (2 L, 2 L) array
         G_ee of the skeleton, from which the edge sensitivities follow; (0, 0) where it was not asked for.
+    slope_compliance : (2 L, 2 L) array
+        The same with sum n^2 (+-1)^n Q_n at an edge for q, by rows; (0, 2 L) where it was not asked for.
     edge_slope, edge_slope_rate : (2 L,) arrays
         Outward derivative by t of the regular factor f = q / r at the edges, and its derivative by Delta.
     resolution : Resolution
@@ -131,6 +136,7 @@ class Evaluation:
     load_rate: float
     elastic_energy: float
     edge_compliance: FloatArray
+    slope_compliance: FloatArray
     edge_slope: FloatArray
     edge_slope_rate: FloatArray
     resolution: Resolution
@@ -168,13 +174,9 @@ class Evaluation:
 
     def skeleton_nodes(self) -> FloatArray:
         """Positions of the skeleton charges, (unknowns,)."""
-        center, half_width = self.patches.center, self.patches.half_width
-        return np.concatenate(
-            [
-                c + r * chebyshev.basis_nodes(int(p))
-                for c, r, p in zip(center, half_width, self.resolution.modes, strict=True)
-            ]
-        )
+        patches, modes = self.patches, self.resolution.modes
+        node = chebyshev.nodes_of(modes)
+        return np.asarray(np.repeat(patches.center, modes) + np.repeat(patches.half_width, modes) * node)
 
     def pressure(self) -> PatchPressure:
         """The pressure as Chebyshev series on the patches."""
@@ -253,9 +255,9 @@ def evaluate(
         fields = [elastic.field_of_charges(np.array([probe]), np.ones(1))(x) for probe in elastic.probes]
         columns = np.concatenate([columns, fields])
     addition = None if kernel is None else kernel.matrix(x)
-    solution = solve(
-        Skeleton(patches, modes, x, columns, addition, with_compliance), max(FAR_SHARE * tolerance, FINEST_FAR)
-    )
+    edge_columns = 4 if elastic.slopes else 2 * with_compliance
+    skeleton = Skeleton(patches, modes, x, columns, addition, edge_columns)
+    solution = solve(skeleton, max(FAR_SHARE * tolerance, FINEST_FAR))
     gram, charges = solution.gram, solution.charges
     radius = np.concatenate([patches.half_width, patches.half_width])
     to_intensity = np.sqrt(np.pi / radius)
@@ -269,6 +271,7 @@ def evaluate(
         load_rate=np.pi * float(gram[1, 1]),
         elastic_energy=(float(gram[0, 0]) + 0.5 * tail_energy) / (2 * np.pi),
         edge_compliance=solution.compliance,
+        slope_compliance=solution.slope_compliance,
         edge_slope=tail[1] / radius - slope[0],
         edge_slope_rate=np.pi * slope[1],
         resolution=resolution,

@@ -78,8 +78,8 @@ class Skeleton:
         Right-hand sides: the force, 1, and others.
     addition : (n, n) array or None
         To the kernel of the half-space; it asks for a single leaf.
-    serves_edges : bool
-        Whether b holds the edges: only what asks for their compliance pays for it.
+    edge_columns : int
+        Columns that b has for each patch: none; 2, the edge vectors; or 4, those of slopes at the edges as well.
     """
 
     patches: Patches
@@ -87,7 +87,7 @@ class Skeleton:
     x: FloatArray
     columns: FloatArray
     addition: FloatArray | None
-    serves_edges: bool = True
+    edge_columns: int = 2
 
     @cached_property
     def coupled(self) -> BySize:
@@ -143,6 +143,8 @@ class Solution:
     ----------
     compliance : (2 L, 2 L) array
         b^T A^-1 b of the edge vectors, left ones first; (0, 0) where it was not asked for.
+    slope_compliance : (2 L, 2 L) array
+        The same of the vectors of slopes, by rows, and the edge vectors; (0, 2 L) where it was not asked for.
     gram : (k, k) array
         The same of the columns.
     charges : (k, n) array
@@ -152,6 +154,7 @@ class Solution:
     """
 
     compliance: FloatArray
+    slope_compliance: FloatArray
     gram: FloatArray
     charges: FloatArray
     at_edges: FloatArray
@@ -194,14 +197,15 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
 @mirrored
 def solved(
     skeleton: Skeleton, splitting: Splitting
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray] | None:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray] | None:
     """What `Solution` holds; None where A is not positive definite."""
-    count = skeleton.columns.shape[0]
+    count, patches = skeleton.columns.shape[0], skeleton.patches.count
     whole = if_solvable(_cluster, skeleton, 0, skeleton.patches.count, skeleton.columns.T, splitting)
     if whole is None:
         return None
     gram, charges = whole.gram, whole.charges(np.eye(count)).T
-    edges = np.arange(count, gram.shape[0]).reshape(-1, 2).T.ravel()  # from patch by patch to left ones first
+    order = np.arange(count, gram.shape[0]).reshape(patches, -1).T.ravel()  # from patch by patch to left edges first
+    edges, bent = order[: 2 * patches], order[2 * patches :]
     remaining = 1 - splitting.uniform * gram[1, 1]
     if remaining <= 0:
         return None
@@ -209,7 +213,7 @@ def solved(
     gram = gram + np.outer(change, gram[1])
     found = charges, *skeleton.at_edges_of(charges)
     charges, at_edges, slopes = (values + np.outer(change[:count], values[1]) for values in found)
-    return gram[edges[:, None], edges], gram[:count, :count], charges, at_edges, slopes
+    return gram[edges[:, None], edges], gram[bent[:, None], edges], gram[:count, :count], charges, at_edges, slopes
 
 
 def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, splitting: Splitting) -> Cluster:
@@ -265,12 +269,12 @@ def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray, uniform
     if info != 0:
         raise IllConditionedSystemError(f"skeleton matrix of {size} unknowns is not positive definite")
     count, row = shared.shape[1], np.arange(size)
-    begin = np.concatenate([np.zeros(count, dtype=np.int64), np.repeat(starts[:-1], 2 * skeleton.serves_edges)])
+    begin = np.concatenate([np.zeros(count, dtype=np.int64), np.repeat(starts[:-1], skeleton.edge_columns)])
     rhs = np.zeros((size, begin.size), order="F")
     rhs[:, :count] = shared
-    if skeleton.serves_edges:
-        left = count + 2 * np.repeat(np.arange(last - first), np.diff(starts))
-        rhs[row, left], rhs[row, left + 1] = skeleton.at_edges[:2, nodes]
+    first_column = count + skeleton.edge_columns * np.repeat(np.arange(last - first), np.diff(starts))
+    for column in range(skeleton.edge_columns):
+        rhs[row, first_column + column] = skeleton.at_edges[column, nodes]
     gram, seen = _gram(factor, rhs, begin, count)
     return _Leaf(gram, factor, seen)
 

@@ -42,6 +42,8 @@ class LogarithmicPotential:
         x_j, dimensionless (one period is 2 pi), at least one, in any order.
     charge : (n_charges,) array
         q_j.
+    calls : int
+        How often it is evaluated, more or less: what boxes need of the charges is prepared once.
 
     Examples
     --------
@@ -54,6 +56,7 @@ class LogarithmicPotential:
 
     position: FloatArray
     charge: FloatArray
+    calls: int = 1
 
     def __call__(self, x: FloatArray) -> FloatArray:
         """Potential at points x, (n,), none of them on a charge."""
@@ -61,9 +64,11 @@ class LogarithmicPotential:
         np.sin(half, out=points[0])
         np.cos(half, out=points[1])
         points *= 2
-        if x.size * self.position.size > DIRECT:
-            return self._by_boxes(x, points)
-        return pair_by_pair(points, self._sources, self.charge)
+        pairs = x.size * self.position.size * self.calls
+        if pairs <= DIRECT:
+            return pair_by_pair(points, self._sources, self.charge)
+        series = self._series(1 << int(np.log2(np.sqrt(pairs) / PER_BOX)))
+        return box_potential(x, points, self.position, self._sources, self.charge, series)
 
     @cached_property
     def _sources(self) -> FloatArray:
@@ -73,13 +78,17 @@ class LogarithmicPotential:
         """
         return np.stack([np.cos(self.position / 2), -np.sin(self.position / 2)])
 
-    def _by_boxes(self, x: FloatArray, points: FloatArray) -> FloatArray:
-        """Pair by pair between boxes of the circle that touch, by polynomials between the others, (n,)."""
-        boxes = 1 << int(np.log2(np.sqrt(x.size * self.position.size) / PER_BOX))
-        moments = box_moments(self.position, self.charge, boxes)
-        spectrum = _coupling(boxes) @ np.fft.rfft(moments[:, :, None], axis=0)
-        series = np.fft.irfft(spectrum, boxes, axis=0)[:, :, 0]
-        return box_potential(x, points, self.position, self._sources, self.charge, series)
+    def _series(self, boxes: int) -> FloatArray:
+        """Chebyshev series in every box of the potential of charges not beside it, (boxes, BOX_TERMS)."""
+        if boxes not in self._prepared:
+            moments = box_moments(self.position, self.charge, boxes)
+            spectrum = _coupling(boxes) @ np.fft.rfft(moments[:, :, None], axis=0)
+            self._prepared[boxes] = np.fft.irfft(spectrum, boxes, axis=0)[:, :, 0]
+        return self._prepared[boxes]
+
+    @cached_property
+    def _prepared(self) -> dict[int, FloatArray]:
+        return {}
 
 
 @mirrored

@@ -11,9 +11,8 @@ import pytest
 
 from bem.adhesive.adhesion import true_length
 from bem.compiled import kernels
-from bem.elastic import collocation, hierarchical, sensitivities, separated_kernel
+from bem.elastic import collocation, gap, hierarchical, sensitivities, separated_kernel
 from bem.elastic.collocation import Elastic
-from bem.elastic.gap import gap_field
 from bem.elastic.kernel_series import kernel_series
 from bem.elastic.layer import LayerEffect
 from bem.geometry.patches import TWO_PI, Patches, ordered
@@ -104,15 +103,15 @@ def test_right_hand_sides(posed):
     assert energy == pytest.approx(expected_energy, rel=ROUNDING)
 
 
-@pytest.mark.parametrize("serves_edges", [True, False], ids=["with edges", "without"])
+@pytest.mark.parametrize("edge_columns", [0, 2, 4], ids=["", "edges", "slopes"])
 @pytest.mark.parametrize(
     ("layered", "largest"), [(False, 10**9), (False, 110), (False, 30), (True, 30)],
     ids=["one leaf", "split", "split often", "layer"],
 )  # fmt: skip
-def test_system_of_all_patches(posed, layered, largest, serves_edges):
+def test_system_of_all_patches(posed, layered, largest, edge_columns):
     addition = LAYER.matrix(posed.skeleton.x) if layered else None
     given = (
-        replace(posed.skeleton, addition=addition, serves_edges=serves_edges),
+        replace(posed.skeleton, addition=addition, edge_columns=edge_columns),
         hierarchical.Splitting(1e-12, largest, 0.03),
     )
     *found, at_edges, slopes = CORE.solved(*given)
@@ -132,7 +131,7 @@ def test_leaf_that_is_not_positive_definite(posed):
 
 
 def test_matrix_that_a_uniform_charge_alone_keeps_positive_definite(posed):
-    gram = posed.reference.solved(posed.skeleton, hierarchical.Splitting(1e-12, 10**9, 0.03))[1]
+    gram = posed.reference.solved(posed.skeleton, hierarchical.Splitting(1e-12, 10**9, 0.03))[2]
     size = posed.skeleton.x.size
     beyond = replace(posed.skeleton, addition=np.full((size, size), 1.01 / gram[1, 1]))
     assert refused(beyond, hierarchical.Splitting(1e-12, 110, 2.02 / gram[1, 1]), posed.reference)
@@ -195,44 +194,38 @@ def test_logarithm_of_nothing_and_of_what_is_no_number():
     assert found[3:5] == pytest.approx([0.0, np.log(1e300)], rel=2e-16)
 
 
+def gap_of(patches):
+    return gap.gap_field(Elastic(ROUGH), collocation.evaluate(Elastic(ROUGH), patches, 1.0, 1e-4))
+
+
 def test_potential_of_the_patches_beside_a_gap(posed):
-    state = collocation.evaluate(Elastic(ROUGH), posed.patches, 1.0, 1e-4)
-    field, random = gap_field(Elastic(ROUGH), state), np.random.default_rng(3)
+    field, random = gap_of(posed.patches), np.random.default_rng(3)
     which = random.integers(0, posed.patches.count, 100)
     apart = np.where(random.random(100) < 0.3, 1e-9, random.random(100))  # of the gap behind the patch
     x = posed.patches.right[which] + apart * posed.patches.gap_after[which]
-    given = posed.patches.center, posed.patches.half_width, field._skeletons, field._series, which, x
-    check(CORE.near_patches(*given), kernels.REFERENCES["near_patches"](*given))
+    given = posed.patches, *field._charges, which, x
+    check(CORE.near_patches(*given), posed.reference.near_patches(*given))
 
 
 def test_potential_at_a_point_that_rounding_puts_into_the_patch():
-    one, places = np.ones(1), np.array([[-0.5, 0.5]])
-    skeletons, series = (np.ones((1, 2)), places, np.array([2])), (one, np.array([3]), np.array([[0.1, 0.2, 0.3]]))
-    given = np.zeros(1), one, skeletons, series, np.zeros(8, dtype=np.int64)
-    beside = np.linspace(1.5, 3.0, 7)
+    patch, charges, which = Patches(-np.ones(1), np.ones(1)), np.array([[1.0, 0.1, 0.4, 0.9]]), np.zeros(8, dtype=int)
+    given = patch, collocation.Resolution(np.array([4]), np.array([2])), charges, np.ones(2)
+    beside, reference = np.linspace(1.5, 3.0, 7), kernels.REFERENCES["near_patches"]
     for at_edge in (1.0, np.nextafter(1.0, 0.0)):
-        found = CORE.near_patches(*given, np.append(at_edge, beside))
-        check(found, kernels.REFERENCES["near_patches"](*given, np.append(at_edge, beside)))
-        check(found[1:], kernels.REFERENCES["near_patches"](*given[:4], given[4][1:], beside))
+        found = CORE.near_patches(*given, which, np.append(at_edge, beside))
+        check(found, reference(*given, which, np.append(at_edge, beside)))
+        check(found[1:], reference(*given, which[1:], beside))
 
 
-@pytest.mark.parametrize("rows", [3, 300])
-def test_chebyshev_sums(rows):
-    random = np.random.default_rng(7)
-    given = random.normal(size=(rows, 40)), random.uniform(-1, 1, (rows, 11))
-    check(CORE.chebyshev_sums(*given), kernels.REFERENCES["chebyshev_sums"](*given))
-
-
-def test_lower_bounds_of_the_gap():
-    random, gap = np.random.default_rng(8), np.repeat([3, 0, 5, 1], [9, 40, 1, 2])
-    x = random.uniform(0, 2 * TWO_PI, gap.size)
-    given = gap, x[np.lexsort((x, np.cumsum(np.diff(gap, prepend=0) != 0)))], random.normal(size=gap.size)
-    bounds = random.normal(size=1024)
-    found, expected = CORE.lower_bounds(*given, bounds), kernels.REFERENCES["lower_bounds"](*given, bounds)
-    within = np.isfinite(expected)
-    assert within.sum() == 8 + 39 + 1
-    assert np.all(found[~within] == np.inf)
-    check(found[within], expected[within])
+@pytest.mark.parametrize("threshold", [8.0, 100.0])
+def test_low_points_of_the_gaps(posed, threshold, monkeypatch):
+    asked = []
+    monkeypatch.setattr(gap, "low_points", lambda *given: asked.append(given) or posed.reference.low_points(*given))
+    gap.low_minima(gap_of(posed.patches), threshold)
+    found, expected = CORE.low_points(*asked[0]), posed.reference.low_points(*asked[0])
+    assert found.shape[0] > 0
+    np.testing.assert_array_equal(found[:, 0], expected[:, 0])
+    check(found, expected)
 
 
 def test_true_length():
@@ -247,7 +240,7 @@ def test_true_length():
         lambda: CORE.taylor(ROUGH._table, np.zeros(3)),
         lambda: CORE.taylor(ROUGH._table, np.zeros(3, dtype=np.float32), 1.0, 0),
         lambda: CORE.taylor(ROUGH._table, np.zeros(6)[::2], 1.0, 0),
-        lambda: CORE.taylor(ROUGH._table, np.zeros(3), 1.0, 3),
+        lambda: CORE.taylor(ROUGH._table, np.zeros(3), 1.0, 4),
         lambda: CORE.stress_intensity_jacobian(None),
     ],
     ids=["too few", "of another type", "not contiguous", "order too high", "no state"],

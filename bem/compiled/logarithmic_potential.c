@@ -1,0 +1,212 @@
+/* Potentials of charges on the circle: logarithmic_potential.py; and Chebyshev series in lanes. */
+
+#include "core.h"
+#include "kernels.h"
+#include "lanes.h"
+
+#define BOX_TERMS 20 /* logarithmic_potential.BOX_TERMS */
+
+/* sum_j charge_j log|a first_j + b second_j|, added in lanes. */
+VECTORISED static void add_potential(Size n, const double *RESTRICT a, const double *RESTRICT b,
+                                     const double *RESTRICT first, const double *RESTRICT second,
+                                     const double *RESTRICT charge, double *RESTRICT values)
+{
+    double sum[LANES] = {0};
+    Size i, k;
+    for (k = 0; k < n; k++)
+        for (i = 0; i < LANES; i++)
+            sum[i] += charge[k] * log_of_size(a[i] * first[k] + b[i] * second[k]);
+    for (i = 0; i < LANES; i++)
+        values[i] += sum[i];
+}
+
+/* logarithmic_potential.pair_by_pair(points, sources, charge). */
+DECLARED(pair_by_pair)
+{
+    Call call;
+    Size of_points[2], of_sources[2], n[1], i, k;
+    double *points, *sources, *charge, *values;
+    PyObject *result;
+    if (!enter(&call, n_given, 3))
+        return NULL;
+    points = reals(&call, given[0], 2, of_points);
+    sources = reals(&call, given[1], 2, of_sources);
+    charge = reals(&call, given[2], 1, n);
+    expect(&call, of_points[0] == 2 && of_sources[0] == 2 && of_sources[1] == n[0], "points and charges differ");
+    result = new_reals(&call, 1, of_points[1], 0, &values);
+    for (i = 0; !call.failed && i < of_points[1]; i += LANES) {
+        Size size = of_points[1] - i < LANES ? of_points[1] - i : LANES;
+        double a[LANES], b[LANES], sum[LANES] = {0};
+        for (k = 0; k < LANES; k++) {
+            a[k] = points[i + (k < size ? k : 0)];
+            b[k] = points[of_points[1] + i + (k < size ? k : 0)];
+        }
+        add_potential(n[0], a, b, sources, sources + n[0], charge, sum);
+        memcpy(values + i, sum, (size_t)size * sizeof(double));
+    }
+    leave(&call);
+    return result;
+}
+
+/* Positions by the equal boxes of the circle in which they lie, as many as a power of two: where each box starts in
+   their order, (boxes + 1,); the order; and the places across the boxes in (-1, 1), in it.  PyMem_Free them. */
+typedef struct {
+    Size *starts, *order;
+    double *t;
+} Boxes;
+
+static Boxes in_boxes(Size n, const double *x, Size boxes)
+{
+    double unit = (double)boxes / (2 * PI), *t = workspace(n);
+    Size *starts = (Size *)workspace(boxes + 2 + n), *order, i, k;
+    if (t == NULL || starts == NULL) {
+        PyMem_Free(t);
+        PyMem_Free(starts);
+        return (Boxes){NULL, NULL, NULL};
+    }
+    order = starts + boxes + 2;
+    memset(starts, 0, (size_t)(boxes + 2) * sizeof(Size));
+    for (i = 0; i < n; i++)
+        starts[((Size)floor(x[i] * unit) & (boxes - 1)) + 2]++;
+    for (k = 2; k < boxes + 2; k++)
+        starts[k] += starts[k - 1];
+    for (i = 0; i < n; i++) {
+        double box = floor(x[i] * unit);
+        k = starts[((Size)box & (boxes - 1)) + 1]++;
+        order[k] = i;
+        t[k] = 2 * (x[i] * unit - box) - 1;
+    }
+    return (Boxes){starts, order, t};
+}
+
+VECTORISED void add_moments(Size terms, const double *RESTRICT t, const double *RESTRICT charge, double *RESTRICT sums)
+{
+    double before[LANES], here[LANES];
+    Size i, k;
+    for (i = 0; i < LANES; i++) {
+        here[i] = charge[i];
+        before[i] = t[i] * charge[i];
+    }
+    for (k = 0; k < terms; k++)
+        for (i = 0; i < LANES; i++) {
+            double after = 2 * t[i] * here[i] - before[i];
+            sums[k * LANES + i] += here[i];
+            before[i] = here[i];
+            here[i] = after;
+        }
+}
+
+/* logarithmic_potential.box_moments(position, charge, boxes). */
+DECLARED(box_moments)
+{
+    Call call;
+    Size n[1], of_charge[1], boxes, i, j, k;
+    double *position, *charge, *moments;
+    Boxes in = {NULL, NULL, NULL};
+    PyObject *result;
+    if (!enter(&call, n_given, 3))
+        return NULL;
+    position = reals(&call, given[0], 1, n);
+    charge = reals(&call, given[1], 1, of_charge);
+    boxes = count(&call, given[2]);
+    expect(&call, n[0] == of_charge[0] && boxes > 0 && (boxes & (boxes - 1)) == 0, "charges, or boxes, do not fit");
+    result = new_reals(&call, 2, boxes, BOX_TERMS, &moments);
+    if (!call.failed)
+        in = in_boxes(n[0], position, boxes);
+    for (k = 0; in.t != NULL && k < boxes; k++) {
+        double sums[BOX_TERMS * LANES] = {0};
+        for (i = in.starts[k]; i < in.starts[k + 1]; i += LANES) {
+            double t[LANES] = {0}, q[LANES] = {0};
+            for (j = 0; j < LANES && i + j < in.starts[k + 1]; j++) {
+                t[j] = in.t[i + j];
+                q[j] = charge[in.order[i + j]];
+            }
+            add_moments(BOX_TERMS, t, q, sums);
+        }
+        for (i = 0; i < BOX_TERMS; i++) {
+            moments[k * BOX_TERMS + i] = 0.0;
+            for (j = 0; j < LANES; j++)
+                moments[k * BOX_TERMS + i] += sums[i * LANES + j];
+        }
+    }
+    if (in.t == NULL)
+        Py_CLEAR(result);
+    PyMem_Free(in.t);
+    PyMem_Free(in.starts);
+    leave(&call);
+    return result;
+}
+
+VECTORISED void sum_series(Size terms, const double *RESTRICT series, const double *RESTRICT t, double *RESTRICT values)
+{
+    double before[LANES] = {0}, here[LANES] = {0};
+    Size i, k;
+    for (k = terms - 1; k > 0; k--)
+        for (i = 0; i < LANES; i++) {
+            double after = 2 * t[i] * here[i] + (series[k] - before[i]); /* so only one operation waits for the last */
+            before[i] = here[i];
+            here[i] = after;
+        }
+    for (i = 0; i < LANES; i++)
+        values[i] = series[0] + t[i] * here[i] - before[i];
+}
+
+/* logarithmic_potential.box_potential(x, points, position, sources, charge, series). */
+DECLARED(box_potential)
+{
+    Call call;
+    Size n[1], m[1], of_charge[1], of_points[2], of_sources[2], of_series[2], boxes, i, j, k, beside;
+    double *x, *points, *position, *sources, *charge, *series, *values, *sorted = NULL;
+    Boxes in = {NULL, NULL, NULL}, from = {NULL, NULL, NULL};
+    PyObject *result;
+    if (!enter(&call, n_given, 6))
+        return NULL;
+    x = reals(&call, given[0], 1, n);
+    points = reals(&call, given[1], 2, of_points);
+    position = reals(&call, given[2], 1, m);
+    sources = reals(&call, given[3], 2, of_sources);
+    charge = reals(&call, given[4], 1, of_charge);
+    series = reals(&call, given[5], 2, of_series);
+    boxes = of_series[0];
+    expect(&call, of_points[0] == 2 && of_points[1] == n[0] && of_sources[0] == 2 && of_sources[1] == m[0] &&
+                      of_charge[0] == m[0],
+           "points and charges differ");
+    expect(&call, boxes > 2 && (boxes & (boxes - 1)) == 0 && of_series[1] == BOX_TERMS, "boxes do not fit");
+    result = new_reals(&call, 1, n[0], 0, &values);
+    if (!call.failed && (sorted = workspace(3 * m[0])) != NULL) {
+        in = in_boxes(n[0], x, boxes);
+        from = in_boxes(m[0], position, boxes);
+    }
+    for (i = 0; in.t != NULL && from.t != NULL && i < m[0]; i++) {
+        sorted[i] = sources[from.order[i]];
+        sorted[m[0] + i] = sources[m[0] + from.order[i]];
+        sorted[2 * m[0] + i] = charge[from.order[i]];
+    }
+    for (k = 0; in.t != NULL && from.t != NULL && k < boxes; k++)
+        for (i = in.starts[k]; i < in.starts[k + 1]; i += LANES) {
+            double t[LANES], a[LANES], b[LANES], sum[LANES];
+            Size size = in.starts[k + 1] - i < LANES ? in.starts[k + 1] - i : LANES;
+            for (j = 0; j < LANES; j++) {
+                Size at = i + (j < size ? j : 0);
+                t[j] = in.t[at];
+                a[j] = points[in.order[at]];
+                b[j] = points[n[0] + in.order[at]];
+            }
+            sum_series(BOX_TERMS, series + k * BOX_TERMS, t, sum);
+            for (beside = k + boxes - 1; beside <= k + boxes + 1; beside++) {
+                Size start = from.starts[beside & (boxes - 1)], end = from.starts[(beside & (boxes - 1)) + 1];
+                add_potential(end - start, a, b, sorted + start, sorted + m[0] + start, sorted + 2 * m[0] + start, sum);
+            }
+            for (j = 0; j < size; j++)
+                values[in.order[i + j]] = sum[j];
+        }
+    if (in.t == NULL || from.t == NULL)
+        Py_CLEAR(result);
+    PyMem_Free(in.t);
+    PyMem_Free(in.starts);
+    PyMem_Free(from.t);
+    PyMem_Free(from.starts);
+    PyMem_Free(sorted);
+    leave(&call);
+    return result;
+}
