@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.fft import dct
 
 from bem.geometry.arrays import FloatArray, IntArray
 
@@ -65,7 +64,7 @@ def basis(n: int) -> Basis:
     """
     angle = (np.arange(n) + 0.5) * np.pi / n
     order = np.arange(n)
-    values = np.cos(np.outer(angle, order))
+    values = _polynomials(n)
     weight = np.where(order == 0, 1.0, 2.0) / np.pi
     moment = np.concatenate([[-np.pi * np.log(2)], -np.pi / order[1:]])
     signs = np.stack([(-1.0) ** order, np.ones(n)])
@@ -99,6 +98,8 @@ def coefficients(samples: FloatArray) -> FloatArray:
     n = samples.shape[-1]
     if n <= SMALL_TRANSFORM:
         return np.asarray(samples @ _transform(n))
+    from scipy.fft import dct  # loaded where a patch has that many nodes
+
     series: FloatArray = dct(samples, type=2, axis=-1) / n
     series[..., 0] /= 2
     return series
@@ -107,9 +108,14 @@ def coefficients(samples: FloatArray) -> FloatArray:
 @lru_cache(maxsize=SMALL_TRANSFORM)
 def _transform(n: int) -> FloatArray:
     """Matrix of `coefficients`, applied from the right, (n, n): faster than a fast transform where n is small."""
-    matrix: FloatArray = dct(np.eye(n), type=2, axis=-1) / n
-    matrix[:, 0] /= 2
-    return matrix
+    return _polynomials(n) * (np.where(np.arange(n) == 0, 1, 2) / n)
+
+
+def _polynomials(n: int) -> FloatArray:
+    """T_j(t_k) as [k, j], (n, n), to 1.1e-16: cos(i pi / (2 n)) with whole i, by the sine of the rest to pi/2."""
+    order = np.arange(n)
+    i = np.multiply.outer(2 * order + 1, order) % (4 * n)
+    return np.asarray(np.sin((n - np.minimum(i, 4 * n - i)) * (np.pi / (2 * n))))
 
 
 def profile_nodes(width: FloatArray, max_order: int) -> FloatArray:
