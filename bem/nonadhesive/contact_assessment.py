@@ -31,7 +31,7 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
     value : float
         Of the control.
     tolerance : float
-        Finer than that of `state`.
+        Finer than that of `state`: the modes are those of this tolerance, the nodes a third more.
     """
     at = control.guess(state.penetration, value)
     elastic = with_left_out(elastic, state)
