@@ -28,6 +28,7 @@ from fem_reference.problem import FloatArray, IntArray
 REGULARISED_BELOW = 1e-2  # inverse bulk modulus (1/E) below which the factorisation needs help
 REGULARISATION = 1e-5  # of the pressure mass matrix, for the factorisation only
 REFINEMENTS = 8
+ROUNDED = 1e-15  # relative residual that is rounding: what refines it further changes it at random
 RESIDUAL = 1e-11  # relative residual that must be reached on the true matrix
 FEWEST_PARTED = 60  # unknowns of a part that is not parted any more
 SHARES = 0.4, 0.5, 0.6  # of the elements before a cut
@@ -101,7 +102,8 @@ class Factorised:
         for refinement in range(REFINEMENTS + 1):
             residual = rhs - self._times(solution)
             size = float(np.max(np.abs(residual))) / scale
-            if not np.isfinite(size) or size == 0.0 or size > 0.5 * previous or refinement == REFINEMENTS:
+            done = size <= (ROUNDED if refinement else 0.0)  # one refinement is due to small components
+            if done or not np.isfinite(size) or size > 0.5 * previous or refinement == REFINEMENTS:
                 break
             previous = size
             solution = solution + self.factors.solve(residual)

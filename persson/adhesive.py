@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -84,6 +85,7 @@ class AdhesionProblem:
         """A/A0 without adhesion at the nodes, (n_loads, n + 1)."""
         return contact_fraction(self.mesh.slope_variance, self.loads[:, None])
 
+    @cached_property
     def nonadhesive_energy(self) -> FloatArray:
         """1/4 int_0^S A/q dS without adhesion at the nodes, (n_loads, n + 1), m."""
         nodes = self.mesh.slope_variance
@@ -155,7 +157,7 @@ def solve_fixed_point(
     max_iterations : int
         Evaluations of the diffusion; a load that needs more is marked not converged.
     """
-    known_area, known_energy = problem.nonadhesive_area(), problem.nonadhesive_energy()
+    known_area, known_energy = problem.nonadhesive_area(), problem.nonadhesive_energy
     factor = problem.area_factor(problem.mesh.slope_variance[-1] - problem.mesh.slope_variance)
     last: dict[int, tuple[FloatArray, FloatArray]] = {}
     every, barriers, variances = np.arange(problem.loads.size), np.zeros(guess.shape), np.ones(guess.shape)

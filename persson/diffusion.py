@@ -185,7 +185,7 @@ def march(
             mean = ((begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2)
             content = _advance(grid, content, steps.drifting(step, *mean))
         if steps.reaches[step]:
-            area[:, cell + 1] = np.where(first <= cell, content.sum(axis=1), area[:, cell + 1])
+            np.copyto(area[:, cell + 1], content.sum(axis=1), where=first <= cell)
             if cell + 1 in beginnings:
                 begin_at(cell + 1)
     faces = grid.faces * extent[:, -1:] - barrier[:, -1:]

@@ -25,7 +25,6 @@ from persson.mathematics.separation import adhesive_part, load_ladder
 from persson.nonadhesive import (
     NonadhesiveContact,
     dimensionless_load,
-    energy_length,
     plane_strain_modulus,
     separation_length,
     solve_nonadhesive,
@@ -158,8 +157,8 @@ def solve(
             persisting = float(low - (high - low) * tiny[0] / (tiny[1] - tiny[0]))
     separation = None
     if with_separation:
-        dry = [float(energy_length(spectrum, float(p), np.array([total]))[0]) for p in loads]
-        separation = separation_length(spectrum, load) + adhesive_part(loads, ladder.total_energy - np.array(dry))
+        added = ladder.total_energy - ladder.problem.nonadhesive_energy[:, -1]
+        separation = separation_length(spectrum, load) + adhesive_part(loads, added)
     status: Status = status_of(spectrum, float(state.area[0, -1]))
     if not state.converged.all() or (with_separation and not ladder.converged.all()):
         status = "not_converged"

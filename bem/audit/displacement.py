@@ -11,7 +11,7 @@ u = -(1/pi) int log|2 sin((x - x')/2)| sigma dx' takes the logarithm apart into
 - the rest, smooth over boxes of the circle, by the midpoint rule in theta at Chebyshev nodes of a box, and from there
   by interpolation: over the whole circle what the period adds to images of the patches within a turn, with s = d/(2 pi)
 
-      log|2 sin(d/2)| = log|d/l| + log|(d - 2 pi)/l| + log|(d + 2 pi)/l| - log Gamma(2 + s) - log Gamma(2 - s),
+      log|2 sin(d/2)| = log|d/l| + log|(d - 2 pi)/l| + log|(d + 2 pi)/l| + log(sin(pi s)/(pi s (1 - s^2))),
 
   l = (2 pi)^(2/3), and over boxes ever half as wide the images that are far from them as well.
 
@@ -27,8 +27,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.fft import dct
-from scipy.special import gammaln
 
 from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
@@ -218,7 +216,9 @@ class DisplacementField:
         modes, terms = _decaying(2 * np.pi / self.radius), int(_decaying(np.array([2.0]))[0])
         sources, charges = self._sources(modes)
         turns = (_nodes(np.full(1, np.pi), np.pi, terms).T - np.repeat(center, modes) - sources) / (2 * np.pi)
-        rest = -gammaln(2 + turns) - gammaln(2 - turns)
+        turns = np.abs(turns, out=turns)
+        beyond = turns > 0.5  # from 1 rather than from 0, where the sine is small
+        rest = np.log(np.sinc(turns - beyond) / np.where(beyond, turns * (1 + turns), 1 - turns * turns))
         images = np.concatenate([center - 2 * np.pi, center, center + 2 * np.pi])
         patch = np.tile(np.arange(self.count), 3)
         return Boxes(np.pi, np.array([0, patch.size]), patch, images, _series((rest @ charges)[None]))
@@ -306,10 +306,23 @@ class DisplacementField:
 
 def regular_part(charge: FloatArray, n: int) -> FloatArray:
     """q = sum Q_k cos(k theta) at theta = j pi / n, j = 0..n, along the last axis; n >= number of coefficients."""
-    padded = np.zeros((*charge.shape[:-1], n + 1))
-    padded[..., : charge.shape[-1]] = charge / 2
-    padded[..., 0] = charge[..., 0]
-    return np.asarray(dct(padded, type=1))
+    spectrum = np.zeros((*charge.shape[:-1], n + 1))
+    spectrum[..., : charge.shape[-1]] = n * charge
+    spectrum[..., 0] *= 2
+    return np.fft.irfft(spectrum, 2 * n)[..., : n + 1]
+
+
+def twice_the_series(values: FloatArray) -> FloatArray:
+    """2 Q_k, k < n, of sum Q_k cos(k theta) through values at theta = (j + 1/2) pi / n along the last axis."""
+    n = values.shape[-1]
+    spectrum = np.fft.rfft(np.concatenate([values, values[..., ::-1]], axis=-1)) / half_steps(n)
+    return np.asarray(spectrum.real[..., :n] / n)
+
+
+@lru_cache(maxsize=256)
+def half_steps(n: int) -> ComplexArray:
+    """exp(i k pi / (2 n)) for k = 0 .. n: from values at j pi / n to those half a step behind them, (n + 1,)."""
+    return np.asarray(np.exp(1j * np.arange(n + 1) * (np.pi / (2 * n))))
 
 
 @lru_cache(maxsize=256)
@@ -346,7 +359,7 @@ def _nodes(middle: FloatArray, half: float, terms: int) -> FloatArray:
 
 def _series(values: FloatArray) -> FloatArray:
     """Chebyshev series through values at the nodes of boxes, (n_boxes, n_terms), transposed."""
-    series: FloatArray = dct(values, type=2, axis=1).T / values.shape[1]
+    series = twice_the_series(values).T
     series[0] /= 2
     return series
 

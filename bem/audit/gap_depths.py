@@ -11,9 +11,8 @@ from dataclasses import fields
 from functools import lru_cache
 
 import numpy as np
-from scipy.fft import dct, idct
 
-from bem.audit.displacement import DisplacementField, GapPoints
+from bem.audit.displacement import DisplacementField, GapPoints, half_steps, twice_the_series
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.profile import Profile
 
@@ -45,18 +44,17 @@ def gap_depths(
     """
     contact_level = penetration - profile.max_height
     waves = width * (profile.max_order / (2 * np.pi))
-    series, unresolved = _displacement_series(field, width, _rounded(8 + 20 * waves**0.3), resolved)
-    lengths = np.array([part.size for part in series])
+    series, lengths, unresolved = _displacement_series(field, width, _rounded(8 + 20 * waves**0.3), resolved)
     grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 4 * lengths))
-    integrals = width * (np.array([part @ _moments(part.size) for part in series]) - contact_level)
+    integrals = width * (series @ _moments(series.shape[1]) - contact_level)
     lowest_at = np.empty(field.count)
     suspects = [(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))]
     for size in np.unique(grid):
         who = np.flatnonzero(grid == size)
-        padded = np.zeros((who.size, size))
-        for row, i in zip(padded, who, strict=True):
-            row[: lengths[i]] = series[i] * size
-        u = idct(padded, type=2, axis=1)
+        longest = int(lengths[who].max())
+        padded = np.zeros((who.size, size + 1))
+        padded[:, :longest] = series[who, :longest] * size
+        u = np.fft.irfft(padded * half_steps(int(size)), 2 * size)[:, :size]
         x = field.pressure.right[who, None] + width[who, None] * _over_a_gap(int(size)).from_left
         gap = u - profile.height(x) - contact_level
         lowest = gap.min(axis=1)
@@ -84,9 +82,12 @@ def gap_depths(
 
 def _displacement_series(
     field: DisplacementField, width: FloatArray, samples: IntArray, resolved: float
-) -> tuple[list[FloatArray], IntArray]:
-    """Chebyshev coefficients of u in every gap, doubled in number until they have decayed; gaps that need too many."""
-    series: list[FloatArray] = [np.empty(0)] * field.count
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Chebyshev coefficients of u in every gap, filled up with zeros, (L, most), and how many there are, (L,).
+
+    They are doubled in number until they have decayed; also gaps that need too many.
+    """
+    series = np.zeros((field.count, int(samples.max())))
     pending, too_many = np.arange(field.count), []
     while pending.size:
         classes = [(int(size), pending[samples[pending] == size]) for size in np.unique(samples[pending])]
@@ -94,16 +95,17 @@ def _displacement_series(
         u = field.in_gaps(GapPoints(*(np.concatenate([getattr(p, f.name) for p in points]) for f in fields(GapPoints))))
         unresolved = []
         for (size, who), part in zip(classes, np.split(u, np.cumsum([p.gap.size for p in points])[:-1]), strict=True):
-            rows = dct(part.reshape(who.size, size), type=2, axis=1) / size
-            for i, row in zip(who.tolist(), rows, strict=True):
-                series[i] = row
+            rows = twice_the_series(part.reshape(who.size, size))
+            if size > series.shape[1]:
+                series = np.pad(series, ((0, 0), (0, size - series.shape[1])))
+            series[who, :size] = rows
             last = np.abs(rows[:, -3:]).max(axis=1)
             again = (last > resolved) & (2 * size <= MAX_GAP_SAMPLES)
             unresolved.append(who[again])
             too_many.append(who[~again & ~(last <= resolved)])  # or no numbers
         pending = np.sort(np.concatenate(unresolved))
         samples[pending] *= 2
-    return series, np.sort(np.concatenate(too_many))
+    return series, samples, np.sort(np.concatenate(too_many))
 
 
 def _rounded(number: FloatArray) -> IntArray:
@@ -140,8 +142,7 @@ def _moments(size: int) -> FloatArray:
     With t = cos phi it is pi/4 int T_k(t) cos(pi t/2) dt, the cosine in Chebyshev polynomials and int T_j dt =
     2/(1 - j^2) for even j.
     """
-    angle = (np.arange(WAVE_TERMS) + 0.5) * (np.pi / WAVE_TERMS)
-    wave: FloatArray = (dct(np.cos(np.pi / 2 * np.cos(angle)), type=2) / WAVE_TERMS)[::2]
+    wave = twice_the_series(np.cos(np.pi / 2 * np.cos((np.arange(WAVE_TERMS) + 0.5) * (np.pi / WAVE_TERMS))))[::2]
     wave[0] /= 2
     even, order = 2 * np.arange(wave.size), np.arange(0, size, 2)[:, None]
     moments = np.zeros(size)

@@ -10,7 +10,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.special import zeta
 
 from bem.geometry.arrays import FloatArray
 from bem.geometry.chebyshev import Basis, basis_nodes
@@ -55,6 +54,8 @@ def within_patch(half_width: FloatArray, table: Basis) -> FloatArray:
 @lru_cache(maxsize=64)
 def _log_sinc_terms(size: int) -> FloatArray:
     """Terms of log(sin y / y) = -sum_k zeta(2 k) (y / pi)^(2 k) / k, y = r (t - t')/2, less r^(2 k): one a row."""
+    from scipy.special import zeta  # which the kernels in C do without
+
     nodes = basis_nodes(size)
     square = (np.subtract.outer(nodes, nodes).ravel() / (2 * np.pi)) ** 2
     order = np.arange(1, TERMS + 1)

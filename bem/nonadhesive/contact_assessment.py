@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem.elastic.collocation import Elastic, Evaluation, evaluate, finer
+from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate, finer, resolve
 from bem.elastic.sensitivities import own_sensitivity
 from bem.geometry.arrays import FloatArray
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
@@ -31,11 +31,12 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
     value : float
         Of the control.
     tolerance : float
-        Finer than that of `state`.
+        Finer than that of `state`: the modes are those of this tolerance, the nodes a third more.
     """
     at = control.guess(state.penetration, value)
     elastic = with_left_out(elastic, state)
-    fine = evaluate(elastic, state.patches, at, tolerance, finer(state.resolution), with_compliance=False)
+    resolution = Resolution(finer(state.resolution).nodes, resolve(elastic, state.patches, tolerance).modes)
+    fine = evaluate(elastic, state.patches, at, tolerance, resolution, with_compliance=False)
     fine = control.reach(fine, value)
     outward = -fine.stress_intensity / own_sensitivity(fine)
     correction = UNKNOWN

@@ -27,9 +27,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 from scipy.linalg import lapack
-from scipy.special import zeta
 
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.geometry import chebyshev
@@ -192,8 +190,7 @@ class GapEvaluation:
                 values = self.pressure_at(
                     middle[i] + r[i] * np.cos(angle), beside, np.where(nearer_right, from_right, from_left)
                 )
-                charge: FloatArray = fft.dct(values * r[i] * np.sin(angle), type=2) / size
-                charge[0] /= 2
+                charge = chebyshev.coefficients(values * r[i] * np.sin(angle))
                 if np.max(np.abs(charge[-3:])) <= DECAYED * np.max(np.abs(charge)) or size > LONGEST_SERIES:
                     break
                 size *= 2
@@ -349,6 +346,8 @@ def _periodic_rest(y: FloatArray) -> FloatArray:
 @lru_cache(maxsize=1)
 def _rest_terms() -> FloatArray:
     """Taylor coefficients in y^2: 2 (2 j + 1) zeta(2 j + 2) / (2 pi)^(2 j + 2), (n,)."""
+    from scipy.special import zeta  # of which the last gaps alone have need
+
     j = np.arange(SERIES_TERMS)
     return np.asarray(2 * (2 * j + 1) * zeta(2.0 * j + 2) / TWO_PI ** (2.0 * j + 2))
 

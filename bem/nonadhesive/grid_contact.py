@@ -18,7 +18,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import fft
 
 from bem.elastic.collocation import Elastic
 from bem.geometry.arrays import FloatArray, IntArray
@@ -115,7 +114,7 @@ def grid_problem(elastic: Elastic) -> GridProblem:
     compliance = np.zeros(x.size // 2 + 1)
     compliance[1:] = 1 / np.arange(1, compliance.size)
     if elastic.kernel is not None:
-        series = fft.rfft(elastic.kernel.field(x, np.zeros(1), np.ones(1)))[1:] * (2 / x.size)
+        series = np.fft.rfft(elastic.kernel.field(x, np.zeros(1), np.ones(1)))[1:] * (2 / x.size)
         compliance[1:] -= series.real
     compliance[1:] = np.maximum(compliance[1:], SOFTEST * compliance[1])
     return GridProblem(height - elastic.profile.max_height, compliance)
@@ -123,7 +122,7 @@ def grid_problem(elastic: Elastic) -> GridProblem:
 
 def _filtered(values: FloatArray, factor: FloatArray) -> FloatArray:
     """Values with every mode multiplied, (n,)."""
-    return np.asarray(fft.irfft(fft.rfft(values) * factor, values.size))
+    return np.asarray(np.fft.irfft(np.fft.rfft(values) * factor, values.size))
 
 
 def _minimiser(operator: FloatArray, drive: FloatArray, mean: float | None) -> FloatArray:

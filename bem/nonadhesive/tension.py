@@ -10,7 +10,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
@@ -61,6 +60,8 @@ def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArra
         if size <= chebyshev.SMALL_TRANSFORM:
             found.append((who, rows @ _values(size)))
             continue
+        from scipy import fft  # loaded where a patch has that many nodes
+
         halved = np.zeros((who.size, 2 * size))
         halved[:, :size] = rows / 2
         halved[:, 0] *= 2
