@@ -72,6 +72,10 @@ class UniformLaw:
         """w and dw/dx at the positions x, same shape."""
         return np.full(x.shape, self.work), np.zeros(x.shape)
 
+    def work_curvature(self, x: FloatArray) -> FloatArray:
+        """d2w/dx2 at the positions x, same shape."""
+        return np.zeros(x.shape)
+
     def critical_stress_intensity(self, x: FloatArray) -> FloatArray:
         """K = 2 sqrt(w) at the positions x, same shape."""
         return np.asarray(2 * np.sqrt(self.work_of_adhesion(x)))
@@ -175,6 +179,13 @@ class SlopeLaw(UniformLaw):
         _, slope, curvature = self.profile.height_slope_curvature(x)
         stretch = np.hypot(1.0, self.slope_scale * slope)
         return self.work * stretch, self.work * self.slope_scale**2 * slope * curvature / stretch
+
+    def work_curvature(self, x: FloatArray) -> FloatArray:
+        """d2w/dx2 at the positions x, same shape."""
+        _, slope, curvature, third = self.profile.derivatives(x)
+        stretch = np.hypot(1.0, self.slope_scale * slope)
+        bent = curvature**2 / stretch**2 + slope * third
+        return np.asarray(self.work * self.slope_scale**2 * bent / stretch)
 
     def energy(self, patches: Patches) -> float:
         """U_ad = -int w dx over the patches."""

@@ -8,7 +8,7 @@ Eur. Phys. J. E 30 (2009) 65, section 3.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -18,6 +18,7 @@ from scipy.linalg import lapack
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate
 from bem.elastic.hierarchical import if_solvable
+from bem.elastic.second_sensitivities import EdgeFields
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
@@ -40,6 +41,11 @@ class System:
     law: InterfaceLaw
     control: Control
     effort: Effort = field(default_factory=Effort)
+
+    @cached_property
+    def sloped(self) -> System:
+        """The same, and its states know the slopes that edges make at edges."""
+        return replace(self, elastic=replace(self.elastic, slopes=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +120,11 @@ class Balance:
         """U with U^T U = `hessian_by_edge_scale`, (2 L, 2 L); None where that is not positive definite."""
         factor, info = lapack.dpotrf(self.hessian_by_edge_scale, lower=0, clean=0)
         return np.asarray(factor) if info == 0 else None
+
+    @cached_property
+    def edge_fields(self) -> EdgeFields:
+        """What moving edges add to the pressure."""
+        return EdgeFields(self.state, self.jacobian)
 
     @property
     def stable_at_fixed_load(self) -> bool:

@@ -15,10 +15,11 @@ import numpy as np
 from bem.adhesive.branch import UNBOOKED, Missing, missing_energy, outward_motion, passes_crest, strays
 from bem.adhesive.equilibrium import Balance, System, balance, correct, energy_noise
 from bem.adhesive.relaxation import interpenetration
+from bem.adhesive.third_derivatives import with_slopes
 from bem.continuation.foretold_folds import foretell_folds
 from bem.continuation.limit_points import LimitPoint, Search, UndecidedError, locate_limit_point
 from bem.continuation.points_with_edges import Equilibrium, equilibrium
-from bem.continuation.softness import LostError, softness
+from bem.continuation.softness import Soft
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
@@ -81,12 +82,10 @@ class BranchEnds:
 
     def foretold(self, point: Equilibrium, reach: float) -> float:
         """How far ahead of a point its branch is expected to end; inf where it is not.  `reach` has the direction."""
-        system, tolerance = self.system, self.increments.coarse.tolerance
-        try:
-            soft = softness(system, point.balance, point.value, point.balance.scale)
-            expected = if_solvable(foretell_folds, system, soft, reach, tolerance)
-        except (LostError, np.linalg.LinAlgError):
+        here = if_solvable(with_slopes, self.system, point.balance, point.value, self.increments.coarse.tolerance)
+        if here is None:
             return np.inf
+        expected = foretell_folds(self.system, Soft(self.system, here, point.value, here.scale), reach)
         return np.inf if expected is None else expected.distance
 
     def _located(self, point: Equilibrium, search: Search) -> LimitPoint | None:

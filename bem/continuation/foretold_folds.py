@@ -5,7 +5,7 @@ With dH the change of the Hessian H along the branch, by the control, a mode v i
 is the softest yet.  Towards its fold a mode moves with the root of the distance from it, and its stiffness falls with
 that root, twice as far as its tangent at the point says: the fold lies at d = t/2, and on the way to it the mode moves
 twice as far as its rate at the point says.  A mode on which the load does no work, which breaks a symmetry, softens
-evenly and is neutral at t.  dH is a difference of Hessians.  Dimensionless.  Limits: of the first order, d is too long
+evenly and is neutral at t.  Dimensionless.  Limits: of the first order, d is too long
 by about its own root, in parts of it; modes apart from the first few are taken to move evenly.
 """
 
@@ -19,10 +19,10 @@ from scipy.linalg import lapack
 
 from bem.adhesive.equilibrium import System, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
-from bem.continuation.softness import LONGEST_STEP, SIDEWAYS, Soft, forces_at, is_at_rest
+from bem.adhesive.third_derivatives import hessian_change
+from bem.continuation.softness import LONGEST_STEP, Soft, is_at_rest
 from bem.geometry.arrays import FloatArray
 
-EVEN = 0.1  # of the reach, at most, over which dH is a difference
 MODES = 6  # that come first
 SOON = 2.0  # times a way along the branch: modes that fold there soften on it to 0.7 and less
 STIFFER = 0.3  # than foretold, in parts of the stiffness at the point; nine of ten modes are by less than 0.06
@@ -91,10 +91,10 @@ class Foretold:
         return bool(np.all(found < self.stiffness(self.direction * change)[soon] + STIFFER))
 
 
-def foretell_folds(system: System, soft: Soft, reach: float, tolerance: float) -> Foretold | None:
+def foretell_folds(system: System, soft: Soft, reach: float) -> Foretold | None:
     """The next folds of a branch as one of its points foretells them; None where that is not stable itself.
 
-    Takes one evaluation; all in the units of `soft`.
+    All in the units of `soft`, whose forces know their changes along motions.
 
     Parameters
     ----------
@@ -103,25 +103,15 @@ def foretell_folds(system: System, soft: Soft, reach: float, tolerance: float) -
         An equilibrium.
     reach : float
         Of the motion of the control, with its sign.
-    tolerance : float
-        Of the evaluation.
-
-    Raises
-    ------
-    LostError
-        Forces beside it are not those of cracks.
     """
     direction = float(np.sign(reach))
     factor, info = lapack.dpotrf(soft.hessian, lower=0, clean=1)
     if info != 0:
         return None
     along = -direction * lapack.dpotrs(factor, soft.pull, lower=0)[0]
-    step = min(SIDEWAYS / soft.size(along), EVEN * abs(reach))
-    beside = forces_at(system, soft, step * along, soft.value + direction * step, tolerance, soft.here.state.resolution)
-    change = (symmetric_part(beside.hessian, soft.scale) - soft.hessian) / step
-    half = lapack.dtrtrs(factor, change, lower=0, trans=1)[0]
-    whole = lapack.dtrtrs(factor, half.T, lower=0, trans=1)[0]
-    rates, modes = lowest_modes((whole + whole.T) / 2, MODES)
+    change = symmetric_part(hessian_change(system, soft.here, along * soft.scale, direction), soft.scale)
+    reduced = lapack.dsygst(change.T, factor, lower=0, overwrite_a=1)[0]
+    rates, modes = lowest_modes(reduced.T, MODES)
     modes = np.asarray(lapack.dtrtrs(factor, modes, lower=0)[0])
     breaks = is_at_rest(soft, modes)
     with np.errstate(divide="ignore"):

@@ -8,9 +8,8 @@ motions of the edges being in units of the root of edge scale over work of adhes
 
 At a fold the load works on the mode (v . dg/dtau != 0): Newton on both equations at once, the last row of which is
 d mu = D_v H v . dx + v . dH/dtau v dtau (Seydel, Practical Bifurcation and Stability Analysis, 2010, section 5.4).
-D_v H is a difference of exact Hessians, at a fold improved by the secant as long as steps shrink with it (Broyden);
-dH/dtau is exact: K is linear in tau at fixed edges.  Where the mode breaks a
-symmetry that loading keeps, the load does no work on it, and the branch continues unstable: mu changes sign along it.
+Both derivatives of H are exact (third_derivatives.py).  Where the mode breaks a symmetry that
+loading keeps, the load does no work on it, and the branch continues unstable: mu changes sign along it.
 Newton on the same equations finds that, with the modes that break the symmetry at rest.  Coarse evaluations lead to
 the point, finer ones improve it, and what the last of these changes, with a smaller tolerance or else another
 resolution, is its error.
@@ -28,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System, balance, symmetric_part
+from bem.adhesive.third_derivatives import with_slopes
 from bem.continuation.foretold_folds import Foretold, foretell_folds
 from bem.continuation.softness import (
     LONGEST_STEP,
@@ -39,7 +39,6 @@ from bem.continuation.softness import (
     forces_at,
     is_at_rest,
     refined,
-    softness,
     to_rest,
 )
 from bem.continuation.turning_points import turning_points
@@ -50,7 +49,7 @@ from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
 
 STEPS = 8  # of Newton; it takes one to three, more where a fold is about to vanish (a cusp)
-CLOSE = 1e-5  # of the edge scale: what the next step leaves is below 1e-9
+CLOSE = 3e-6  # of the edge scale: what the next step leaves is below 1e-9, a hundred times its square
 NEUTRAL = 1e-4  # eigenvalue, of order 1: the same where edges hardly move on the way to the end of their branch
 SOFT = 1e-2  # eigenvalues of modes that are neutral together; in this scale all are of order 1
 SIDES = (1.0, 0.3, 3.0)  # cube roots of the push on a mode: where Newton for the fold beside it begins
@@ -134,12 +133,13 @@ def locate_limit_point(system: System, start: Balance, value: float, search: Sea
 def _located(system: System, start: Balance, value: float, search: Search) -> LimitPoint | None:
     """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
     reach, finest = search.reach, (search.tolerances[2],) * 3
-    soft, broken, unasked = softness(system, start, value, start.scale), None, replace(search, refused=None)
+    start = with_slopes(system, start, value, search.tolerances[0])
+    soft, broken, unasked = Soft(system, start, value, start.scale), None, replace(search, refused=None)
     if is_at_rest(soft, soft.mode):
-        soft = softness(system, start, value, start.scale, every=True)
+        soft = Soft(system, start, value, start.scale, every=True)
         for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
             here = refined(system, soft, to_rest(soft), value, search.tolerances[1], False)
-            soft = softness(system, here, value, start.scale, every=True)
+            soft = Soft(system, here, value, start.scale, every=True)
         broken = _neutral(system, soft, value, unasked, breaking=True)
         if broken is not None and not is_pushed(broken):
             return broken
@@ -148,7 +148,7 @@ def _located(system: System, start: Balance, value: float, search: Search) -> Li
         found = None if broken is None else _beside(system, broken, soft.scale, unasked)
         if found is not None:
             return found
-    expected = foretell_folds(system, soft, reach, search.tolerances[0])
+    expected = foretell_folds(system, soft, reach)
     near = soft if expected is None else _near(system, soft, expected, reach, search.tolerances[0])
     if near is None and search.thorough:
         near = soft
@@ -177,7 +177,7 @@ def _near(system: System, soft: Soft, expected: Foretold, reach: float, toleranc
         here = forces_at(system, soft, motion, soft.value + change, tolerance, resolution)
     except LostError:
         return None
-    return softness(system, here, soft.value + change, soft.scale)
+    return Soft(system, here, soft.value + change, soft.scale)
 
 
 def _is_expected(fold: LimitPoint, soft: Soft, expected: Foretold) -> bool:
@@ -252,8 +252,8 @@ def _neutral(system: System, soft: Soft, begin: float, search: Search, breaking:
         if ends and tolerances[0] > tolerances[2]:
             raise UndecidedError
         return None
-    at, found = improved
-    soft, error = at.soft, found[-1].apart(found[-2], system.control.force(at.soft.here.state))
+    at, exact, error = improved
+    soft = at.soft
     if breaking:
         broken = _broken(soft)
         if not broken[0]:
@@ -262,10 +262,10 @@ def _neutral(system: System, soft: Soft, begin: float, search: Search, breaking:
         pushed = _push(soft.here, modes) ** (2 / 3)
         shift = pushed / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
         error = replace(error, value=error.value + shift)
-        return LimitPoint("broken_symmetry", soft.here, found[-1], error, modes, 0.0)
+        return LimitPoint("broken_symmetry", soft.here, exact, error, modes, 0.0)
     cubic, work = float(at.gradient @ soft.mode), float(soft.pull @ soft.mode)
     mode = -np.sign(cubic) * soft.mode * soft.scale
-    return LimitPoint("fold", soft.here, found[-1], error, mode[:, None], cubic / (2 * work))
+    return LimitPoint("fold", soft.here, exact, error, mode[:, None], cubic / (2 * work))
 
 
 def _ends_branch(soft: Soft, gradient: FloatArray, reach: float) -> bool:
@@ -274,64 +274,54 @@ def _ends_branch(soft: Soft, gradient: FloatArray, reach: float) -> bool:
     return bool(soft.eigenvalues[1:2].min(initial=1.0) > 0 and cubic * work * reach > 0)
 
 
+def _newton(system: System, soft: Soft, breaking: bool) -> _Newton:
+    """The iterate at some forces."""
+    gradient = eigenvalue_gradient(soft)
+    return _Newton(soft, gradient, *_step(soft, gradient, breaking))
+
+
 def _approached(
     system: System, soft: Soft, begin: float, reach: float, tolerance: float, breaking: bool
 ) -> _Newton | None:
     """Newton until the next step is short; None where steps do not shrink, or lead too far from `begin`."""
-    size, resolution = np.inf, resolve(system.elastic, soft.here.state.patches, tolerance)
-    gradient = eigenvalue_gradient(system, soft, tolerance)
+    before, resolution = np.inf, resolve(system.elastic, soft.here.state.patches, tolerance)
     for count in range(STEPS):
-        step, change = _step(soft, gradient, breaking)
-        if count and (breaking or soft.size(step) > max(size / 2, NEAR)):  # the secant is not good enough
-            gradient = eigenvalue_gradient(system, soft, tolerance)
-            step, change = _step(soft, gradient, breaking)
-        size, before = soft.size(step), size
-        if size <= NEAR:
-            return _Newton(soft, gradient, step, change)
-        if count > 1 and size > before:
+        at = _newton(system, soft, breaking)
+        if at.size <= NEAR:
+            return at
+        if count > 1 and at.size > before:
             return None
-        part = min(1.0, LONGEST_STEP / size)
-        value = soft.value + part * change
+        part, before = min(1.0, LONGEST_STEP / at.size), at.size
+        value = soft.value + part * at.change
         if not -0.5 <= (value - begin) / reach <= 2:
             return None
-        here = forces_at(system, soft, part * step, value, tolerance, resolution)
-        ahead = softness(system, here, value, soft.scale, soft.mode, breaking)
-        gradient = _secant(soft, ahead, gradient, part * step)
-        soft = ahead
+        here = forces_at(system, soft, part * at.step, value, tolerance, resolution)
+        soft = Soft(system, here, value, soft.scale, soft.mode, breaking)
     return None
-
-
-def _secant(soft: Soft, ahead: Soft, gradient: FloatArray, step: FloatArray) -> FloatArray:
-    """The derivative of the smallest eigenvalue with what a step shows of its change (Broyden), (2 L,)."""
-    rate = (soft.eigenvalue_rate + ahead.eigenvalue_rate) / 2
-    missed = ahead.eigenvalues[0] - soft.eigenvalues[0] - rate * (ahead.value - soft.value) - gradient @ step
-    return np.asarray(gradient + missed / (step @ step) * step)
 
 
 def _improved(
     system: System, at: _Newton, tolerances: tuple[float, ...], breaking: bool
-) -> tuple[_Newton, list[EventNumbers]] | None:
-    """Finer steps until they are close, and a last one that shows their error; the numbers after each.
+) -> tuple[_Newton, EventNumbers, EventNumbers] | None:
+    """Finer steps until one is short, then those of the finest evaluations until one is close.
 
-    The first of them takes the derivative of the eigenvalue anew: that of a secant leaves 2e-10 of the pressure.
+    With the numbers after the last step, and how far those after the last finer one are from them.
     """
     fine, finest = tolerances
-    found: list[EventNumbers] = []
-    for last, tolerance in (*(((False, fine),) * STEPS), (True, finest)):
-        if found and not last and at.close:
-            continue
-        value, gradient, before = at.soft.value + at.change, at.gradient, at.size
-        here = refined(system, at.soft, at.step, value, tolerance, last and finest == fine)
-        soft = softness(system, here, value, at.soft.scale, at.soft.mode, breaking)
-        at = _Newton(soft, gradient, *_step(soft, gradient, breaking))
-        slow = not at.close and (breaking or at.size > before / 4)
-        if not last and (slow or not found):
-            gradient = eigenvalue_gradient(system, soft, tolerance)
-            at = _Newton(soft, gradient, *_step(soft, gradient, breaking))
+    before: EventNumbers | None = None
+    for _ in range(STEPS):
+        value = at.soft.value + at.change
+        tolerance, other = (fine, False) if before is None else (finest, finest == fine)
+        here = refined(system, at.soft, at.step, value, tolerance, other)
+        at = _newton(system, Soft(system, here, value, at.soft.scale, at.soft.mode, breaking), breaking)
         if at.size > 10 * NEAR:
             return None
-        found.append(after_step(system, here, value, at.step * soft.scale, at.change))
-    return at, found
+        numbers = after_step(system, here, value, at.step * at.soft.scale, at.change)
+        if before is not None and at.close:
+            return at, numbers, numbers.apart(before, system.control.force(here.state))
+        if before is None and at.size <= NEAR:
+            before = numbers
+    return None
 
 
 def before_fold(limit: LimitPoint, value: float) -> Patches:
@@ -350,8 +340,9 @@ def _beside(system: System, broken: LimitPoint, scale: FloatArray, search: Searc
     way /= float(np.max(np.abs(way) / state.patches.edge_scale))
     middle = float(np.cbrt(_push(broken.balance, broken.modes)))
     for side in SIDES:
-        here = balance(system, state.patches.moved(side * middle * way), state.penetration, value, search.tolerances[0])
-        found = _neutral(system, softness(system, here, value, scale), value, search, breaking=False)
+        patches = state.patches.moved(side * middle * way)
+        here = balance(system.sloped, patches, state.penetration, value, search.tolerances[0])
+        found = _neutral(system, Soft(system, here, value, scale), value, search, breaking=False)
         if found is not None:
             return found
     return None

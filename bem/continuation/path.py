@@ -141,7 +141,8 @@ class Path:
 
         1. Without edges: to first touch, to where complete contact opens, or to the goal.
         2. Choose an increment; where none is left before the gaps close, contact is complete.
-        3. Try it: Newton from the edges that the branch predicts.
+        3. Try it: Newton from the edges that the branch predicts.  Where the point tells of a fold within, halfway to
+           that comes first.
         4. Accepted: the next increment is up to twice as long.
         5. Too long for energies to tell whether a jump lies within: half of it comes first.
         6. Refused: jump from the end of the branch in between, or try a shorter increment, where a fold is foretold
@@ -161,7 +162,12 @@ class Path:
             if trial is None:
                 yield self.bare.closed(point, goal)
                 return
-            attempt = Attempt() if pace.fold == "near" else self._attempt(point, trial.value)
+            if pace.fold == "unasked" and point.state.slope_compliance.size:
+                half = self._halfway(point, trial)
+                if half is not None:
+                    pace = Pace(half, trial.value, "ahead")
+                    continue
+            attempt = Attempt() if pace.fold == "near" else self._attempt(point, trial.value, pace.fold == "ahead")
             if attempt.too_long and trial.step >= 2 * self.increments.smallest:
                 self.effort.rejected += 1
                 pace = Pace(trial.step / 2, pace.blocked, "asked" if pace.fold == "asked" else "unasked")
@@ -296,12 +302,13 @@ class Path:
             return Trial(abs(end - point.value), end, shortest, end)
         return Trial(step, point.value + direction * step, shortest, end)
 
-    def _attempt(self, point: Equilibrium, value: float) -> Attempt:
+    def _attempt(self, point: Equilibrium, value: float, halfway: bool) -> Attempt:
         """Newton from the predicted edges, and the gaps beside the edges that it finds."""
         inc, change, predicted = self.increments, value - point.value, point.predicted(value)
         if not predicted.is_ordered:
             return Attempt()
-        corrected = correct(self.system, predicted, point.state.penetration, value, inc.coarse)
+        system = self.system.sloped if halfway else self.system  # from there the fold is looked for
+        corrected = correct(system, predicted, point.state.penetration, value, inc.coarse)
         if corrected.balance is None:
             return Attempt()
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
@@ -320,9 +327,8 @@ class Path:
         A fold is looked for from halfway, where it is foretold better, and what comes before it is met.
         """
         if attempt.ahead is None and pace.fold == "unasked":
-            foretold = self.jumps.ends.foretold(point, trial.value - point.value)
-            half = np.floor(foretold / 2 / trial.step * FRACTIONS) / FRACTIONS * trial.step
-            if self.increments.smallest / NEARBY < half < trial.step:
+            half = self._halfway(point, trial)
+            if half is not None:
                 return [], Pace(half, trial.value, "ahead")
         overshoot, shorter = self._bracket(point, attempt.found, trial.step, trial.shortest)
         thorough = overshoot <= 1.05 * trial.shortest
@@ -333,6 +339,12 @@ class Path:
             start = point if attempt.ahead is None else attempt.ahead
             points = [self.jumps.unlocated(start, trial.value, attempt.found, trial.step)]
         return points, Pace(shorter, trial.value if attempt.found is None else pace.blocked, "asked")
+
+    def _halfway(self, point: Equilibrium, trial: Trial) -> float | None:
+        """The increment halfway to where a fold is foretold, if that is shorter than the one to try."""
+        foretold = self.jumps.ends.foretold(point, trial.value - point.value)
+        half = np.floor(foretold / 2 / trial.step * FRACTIONS) / FRACTIONS * trial.step
+        return half if self.increments.smallest / NEARBY < half < trial.step else None
 
     def _past_event(
         self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool

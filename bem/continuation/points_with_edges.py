@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import Balance, System
+from bem.adhesive.third_derivatives import branch_curvature
 from bem.continuation.limit_points import LimitPoint, before_fold
 from bem.elastic.collocation import Evaluation
 from bem.geometry.arrays import FloatArray
@@ -56,7 +57,9 @@ def equilibrium(
     system: System, value: float, here: Balance, events: tuple[PathEvent, ...] = (), last: bool = False
 ) -> Equilibrium:
     """The point of a balance at a value of the control, with its tangent."""
-    return Equilibrium(value, here, tangent(system.control, here), events=events, last=last)
+    rate = tangent(system.control, here)
+    curvature = branch_curvature(system, here, rate) if here.state.slope_compliance.size else None
+    return Equilibrium(value, here, rate, curvature, events=events, last=last)
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,7 +50,8 @@ def at_rest(
         if not patches.is_ordered:
             return None
         wanted = resolve(system.elastic, patches, tolerance)
-        here = balance(system, patches, here.state.penetration, value, tolerance, finer(wanted) if last else wanted)
+        asked, wanted = (system.sloped, finer(wanted)) if last else (system, wanted)
+        here = balance(asked, patches, here.state.penetration, value, tolerance, wanted)
         outward = -here.response(here.gradient)
         found.append(after_step(system, here, value, outward, 0.0))
     if here.factor is None or float(np.max(np.abs(outward) / here.state.patches.edge_scale)) > SHORT:

@@ -1,20 +1,21 @@
 """Forces near a neutral equilibrium in fixed units of length, the softest modes of their Hessian, and steps from there.
 
-The derivative of the smallest eigenvalue mu along a motion of the edges, D_v H v, is a difference of exact Hessians;
-that by the control is exact: K is linear in the control at fixed edges.  Dimensionless.
+Derivatives of the smallest eigenvalue mu, D_v H v by the edges and v . dH/dtau v by the control, are exact
+(third_derivatives.py).  Dimensionless.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System, balance, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
+from bem.adhesive.third_derivatives import hessian_change_times
 from bem.elastic.collocation import Resolution, finer, resolve
-from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.loading.path_events import EventNumbers
 
 FloatArray = NDArray[np.float64]
@@ -22,7 +23,6 @@ FloatArray = NDArray[np.float64]
 LONGEST_STEP = 0.2  # of the edge scale
 NEAR = 1e-3  # of the edge scale: the rest of a step is left to finer evaluations
 SYMMETRIC = 1e-3  # cosine between a mode and the pull of the load, below which it may break a symmetry
-SIDEWAYS = 1e-4  # of the edge scale, over which D_v H is a difference
 
 
 class LostError(Exception):
@@ -31,22 +31,64 @@ class LostError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Soft:
-    """Forces on the edges in fixed units of length, with the modes of their Hessian."""
+    """Forces on the edges in fixed units of length, (2 L,), with the modes of their Hessian.
 
+    Parameters
+    ----------
+    system : System
+    here : Balance
+    value : float
+        Of the control.
+    scale : (2 L,) array
+        The units.
+    last : (2 L,) array, optional
+        A mode, with which the softest one goes.
+    every : bool
+        Whether all modes are wanted, not the two softest alone.
+    """
+
+    system: System
     here: Balance
     value: float
     scale: FloatArray
-    gradient: FloatArray
-    hessian: FloatArray
-    pull: FloatArray
-    eigenvalues: FloatArray
-    modes: FloatArray
-    eigenvalue_rate: float
+    last: FloatArray | None = None
+    every: bool = False
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """Of the potential, (2 L,)."""
+        return self.here.gradient * self.scale
+
+    @cached_property
+    def hessian(self) -> FloatArray:
+        """Its symmetric part, (2 L, 2 L)."""
+        return symmetric_part(self.here.hessian, self.scale)
+
+    @cached_property
+    def pull(self) -> FloatArray:
+        """Derivative of the gradient by the control, (2 L,)."""
+        return self.here.load_gradient * self.scale * self.system.control.rate(self.here.state)
+
+    @property
+    def eigenvalues(self) -> FloatArray:
+        """Of the Hessian, ascending."""
+        return self._lowest[0]
+
+    @property
+    def modes(self) -> FloatArray:
+        """Theirs, one a column."""
+        return self._lowest[1]
 
     @property
     def mode(self) -> FloatArray:
         """The softest one, (2 L,)."""
         return np.asarray(self.modes[:, 0])
+
+    @property
+    def eigenvalue_rate(self) -> float:
+        """v . dH/dtau v for the softest mode v."""
+        outward = self.mode * self.scale
+        return float(outward @ hessian_change_times(self.system, self.here, None, 1.0, outward))
 
     @property
     def edge_scale(self) -> FloatArray:
@@ -57,37 +99,12 @@ class Soft:
         """Largest part of its edge scale by which an edge moves in a step."""
         return float(np.max(np.abs(step) / self.edge_scale))
 
-
-def softness(
-    system: System, here: Balance, value: float, scale: FloatArray, last: FloatArray | None = None, every: bool = False
-) -> Soft:
-    """Forces of a balance, and its two softest modes or `every` one; the first has the sign of `last`."""
-    hessian = symmetric_part(here.hessian, scale)
-    eigenvalues, modes = lowest_modes(hessian, None if every else 2)
-    if last is not None:
-        modes *= np.sign(modes[:, 0] @ last) or 1.0
-    rate = system.control.rate(here.state)
-    return Soft(
-        here=here,
-        value=value,
-        scale=scale,
-        gradient=here.gradient * scale,
-        hessian=hessian,
-        pull=here.load_gradient * scale * rate,
-        eigenvalues=eigenvalues,
-        modes=modes,
-        eigenvalue_rate=_stiffening(system, here, modes[:, 0] * scale),
-    )
-
-
-def _stiffening(system: System, here: Balance, outward: FloatArray) -> float:
-    """v . dH/dtau v for a motion v of the edges; at fixed edges K and its Jacobian are linear in the control."""
-    state, rate = here.state, system.control.rate(here.state)
-    growing = replace(state, stress_intensity=state.stress_intensity_rate, edge_slope=state.edge_slope_rate)
-    twice = (outward * state.stress_intensity_rate) @ (here.jacobian @ outward)
-    twice += (outward * state.stress_intensity) @ (stress_intensity_jacobian(growing) @ outward)
-    carried = float(here.load_gradient @ outward) * float(state.stress_intensity_rate**2 @ outward)
-    return float(rate * (twice / 2 - system.control.load_weight * rate * carried))
+    @cached_property
+    def _lowest(self) -> tuple[FloatArray, FloatArray]:
+        eigenvalues, modes = lowest_modes(self.hessian, None if self.every else 2)
+        if self.last is not None:
+            modes *= np.sign(modes[:, 0] @ self.last) or 1.0
+        return eigenvalues, modes
 
 
 def is_at_rest(soft: Soft, modes: FloatArray) -> NDArray[np.bool_]:
@@ -104,17 +121,16 @@ def forces_at(
     patches = state.patches.moved(step * soft.scale)
     if not patches.is_ordered:
         raise LostError
-    here = balance(system, patches, state.penetration, value, tolerance, like)
+    here = balance(system.sloped, patches, state.penetration, value, tolerance, like)
     if not here.all_tensile:
         raise LostError
     return here
 
 
-def eigenvalue_gradient(system: System, soft: Soft, tolerance: float) -> FloatArray:
+def eigenvalue_gradient(soft: Soft) -> FloatArray:
     """D_v H v, the derivative of the smallest eigenvalue by the edges, (2 L,)."""
-    distance = SIDEWAYS / soft.size(soft.mode)
-    beside = forces_at(system, soft, distance * soft.mode, soft.value, tolerance, soft.here.state.resolution)
-    return np.asarray((symmetric_part(beside.hessian, soft.scale) - soft.hessian) @ soft.mode / distance)
+    outward = soft.mode * soft.scale
+    return np.asarray(soft.scale * hessian_change_times(soft.system, soft.here, outward, 0.0, outward))
 
 
 def refined(system: System, soft: Soft, step: FloatArray, value: float, tolerance: float, other: bool) -> Balance:

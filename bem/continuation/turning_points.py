@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from bem.adhesive.equilibrium import System
-from bem.continuation.softness import LONGEST_STEP, NEAR, LostError, Soft, forces_at, softness
+from bem.continuation.softness import LONGEST_STEP, NEAR, LostError, Soft, forces_at
 from bem.elastic.collocation import resolve
 from bem.geometry.arrays import FloatArray
 
@@ -68,7 +68,7 @@ def _continued(system: System, soft: Soft, length: float, way: tuple[FloatArray,
     step, change = length * way[0], length * way[1]
     for _ in range(CORRECTIONS):
         here = forces_at(system, soft, step, soft.value + change, tolerance, resolution)
-        soft = softness(system, here, soft.value + change, soft.scale, soft.mode)
+        soft = Soft(system, here, soft.value + change, soft.scale, soft.mode)
         both = np.linalg.solve(_bordered(soft, way[0]), -np.append(soft.gradient, 0.0))
         step, change = both[:-1], float(both[-1])
         if soft.size(step) <= NEAR * length:

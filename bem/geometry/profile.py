@@ -27,7 +27,7 @@ _POINTS_PER_WAVELENGTH = 16
 _TAYLOR_TERMS = 14
 _MANY_POINTS = 256  # above, Horner's rule over all points beats one sum per point (measured)
 _BISECTIONS = 55  # of a crest between its neighbours on the grid: also flat crests, where Newton is slow
-_DERIVATIVE_FACTORS = np.array([[math.perm(k, order) for k in range(_TAYLOR_TERMS)] for order in range(3)], dtype=float)
+_DERIVATIVE_FACTORS = np.array([[math.perm(k, order) for k in range(_TAYLOR_TERMS)] for order in range(4)], dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,6 +185,10 @@ class Profile:
         values = self._expand(x, 2)
         return values[0], values[1], values[2]
 
+    def derivatives(self, x: ArrayLike) -> FloatArray:
+        """The height and its first three derivatives at once, (4, ...)."""
+        return self._expand(x, 3)
+
     @cached_property
     def grid(self) -> tuple[FloatArray, FloatArray]:
         """Positions and heights of the table, (n_grid,) each: at least 16 points per shortest wavelength."""
@@ -248,7 +252,7 @@ def taylor(table: FloatArray, x: FloatArray, spacing_inverse: float, derivatives
     spacing_inverse : float
         1 / delta.
     derivatives : int
-        Highest, at most 2.
+        Highest, at most 3.
 
     Returns
     -------

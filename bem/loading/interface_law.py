@@ -24,6 +24,10 @@ class InterfaceLaw(Protocol):
         """w and dw/dx at the positions x, same shape."""
         ...
 
+    def work_curvature(self, x: FloatArray) -> FloatArray:
+        """d2w/dx2 at the positions x, same shape."""
+        ...
+
     def energy(self, patches: Patches) -> float:
         """-int w dx over the patches."""
         ...

@@ -13,21 +13,17 @@ DIRECTIONS = pytest.mark.parametrize("direction", [1.0, -1.0], ids=["loading", "
 
 def foretold_of(monkeypatch, direction, pull):
     """Of two modes with stiffnesses 1 and 4, which fall by 0.1 and 4 per unit of the control."""
-    hessian, change = np.diag([1.0, 4.0]), direction * np.diag([-0.1, -4.0])
+    hessian, falling = np.diag([1.0, 4.0]), direction * np.diag([-0.1, -4.0])
     soft = SimpleNamespace(
         hessian=hessian,
         pull=-np.array(pull),
         value=0.0,
         scale=np.ones(2),
         size=lambda step: float(np.abs(step).max()),
-        here=SimpleNamespace(state=SimpleNamespace(resolution=None)),
+        here=None,
     )
-
-    def forces_at(system, soft, step, value, tolerance, like):
-        return SimpleNamespace(hessian=hessian + value * change)
-
-    monkeypatch.setattr(foretold_folds, "forces_at", forces_at)
-    return foretell_folds(None, soft, direction, 1e-3), soft
+    monkeypatch.setattr(foretold_folds, "hessian_change", lambda system, here, outward, change: change * falling)
+    return foretell_folds(None, soft, direction), soft
 
 
 @DIRECTIONS

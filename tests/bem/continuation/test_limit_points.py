@@ -8,6 +8,7 @@ from bem.adhesive.branch import tangent
 from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, balance, correct, forces
 from bem.adhesive.relaxation import Relaxed, interpenetration
+from bem.adhesive.third_derivatives import with_slopes
 from bem.continuation import branch_ends, limit_points
 from bem.continuation.branch_ends import TouchedFold
 from bem.continuation.departure import departure
@@ -16,7 +17,7 @@ from bem.continuation.jumps import Jumps, interpolated
 from bem.continuation.limit_points import Search, UndecidedError, before_fold, locate_limit_point
 from bem.continuation.points_with_edges import Equilibrium, equilibrium
 from bem.continuation.rest import at_rest
-from bem.continuation.softness import LostError, softness
+from bem.continuation.softness import LostError, Soft
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -86,7 +87,7 @@ def test_a_fold_is_where_johnsons_branch_turns(control, quantity, taken):
 def test_the_softest_mode_stiffens_as_differences_of_hessians_say(control):
     system, value, change = wave(control), 0.5, 0.1
     here = resting(system, [2 * np.pi], 1.0, value)
-    soft = softness(system, here, value, here.scale)
+    soft = Soft(system, here, value, here.scale)
     rate = control.rate(here.state)
 
     def eigenvalue(by):
@@ -120,7 +121,8 @@ def test_the_error_of_the_distance_falls_with_its_root(control, quantity, expect
     system, exact = wave(control), lowest(quantity)
     start = exact * (1 - part)
     here = resting(system, [2 * np.pi], 0.8, start)
-    foretold = foretell_folds(system, softness(system, here, start, here.scale), exact - start, 1e-3)
+    here = with_slopes(system, here, start, 1e-3)
+    foretold = foretell_folds(system, Soft(system, here, start, here.scale), exact - start)
     error = foretold.distance / abs(exact - start) - 1
     assert error / np.sqrt(part) == pytest.approx(expected, rel=0.08)
 

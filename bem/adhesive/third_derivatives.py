@@ -1,0 +1,119 @@
+"""How the Hessian of the potential changes along a motion of the edges and of the control: third derivatives, exact.
+
+Of H_ef = (K_e/2) dK_e/df - delta_ef dw_e/de, with the change of dK/de by second_sensitivities.py; at fixed edges K and
+dK/de are linear in the penetration.  Under control H_tau = H - beta rate k k^T, rate = 1/(alpha + beta dP/dDelta), and
+k and dP/dDelta change by (dK dK/dDelta + K d(dK/dDelta))/2 and (dK/dDelta)^2/2.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
+from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.geometry.arrays import FloatArray
+
+
+def with_slopes(system: System, here: Balance, value: float, tolerance: float) -> Balance:
+    """The forces on the same edges, evaluated again unless their changes along motions are known."""
+    if here.state.slope_compliance.size:
+        return here
+    state = here.state
+    return balance(system.sloped, state.patches, state.penetration, value, tolerance, state.resolution)
+
+
+def hessian_change(system: System, here: Balance, outward: FloatArray, change: float) -> FloatArray:
+    """The derivative of the Hessian under control along a motion, (2 L, 2 L).
+
+    Parameters
+    ----------
+    system : System
+    here : Balance
+        Whose state knows the slopes that edges make at edges.
+    outward : (2 L,) array
+        Of the edges.
+    change : float
+        Of the control.
+    """
+    motion = _Motion(system, here, outward, change)
+    growing = replace(here.state, stress_intensity=motion.rate, edge_slope=here.state.edge_slope_rate)
+    jacobian = here.edge_fields.jacobian_change(outward) + motion.deeper * stress_intensity_jacobian(growing)
+    result = (motion.stronger[:, None] * here.jacobian + here.state.stress_intensity[:, None] * jacobian) / 2
+    result.flat[:: outward.size + 1] -= motion.work_bent(outward)
+    if system.control.load_weight:
+        both = np.outer(here.load_gradient, motion.carried)
+        result -= both + both.T
+    return np.asarray(result)
+
+
+def hessian_change_times(
+    system: System, here: Balance, outward: FloatArray | None, change: float, x: FloatArray
+) -> FloatArray:
+    """The same times x, (2 L,); where edges rest (None) the state need not know slopes."""
+    motion, fields = _Motion(system, here, outward, change), here.edge_fields
+    jacobian = motion.deeper * fields.times_jacobian_rate(x)
+    if outward is not None:
+        jacobian += fields.jacobian_change_times(outward, x)
+    result = (motion.stronger * (here.jacobian @ x) + here.state.stress_intensity * jacobian) / 2
+    if outward is not None:
+        result -= motion.work_bent(outward) * x
+    if system.control.load_weight:
+        result -= here.load_gradient * (motion.carried @ x) + motion.carried * (here.load_gradient @ x)
+    return np.asarray(result)
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """What a motion of edges (None: they rest) and control does to K, w and the load gradient."""
+
+    system: System
+    here: Balance
+    outward: FloatArray | None
+    change: float
+
+    @property
+    def rate(self) -> FloatArray:
+        """dK/dDelta, (2 L,)."""
+        return self.here.state.stress_intensity_rate
+
+    @cached_property
+    def deeper(self) -> float:
+        """Of the penetration."""
+        control, carried = self.system.control, 0.0
+        if self.outward is not None and control.load_weight:
+            carried = control.load_weight * float(self.here.load_gradient @ self.outward)
+        return control.rate(self.here.state) * (self.change - carried)
+
+    @cached_property
+    def stronger(self) -> FloatArray:
+        """Of K, (2 L,)."""
+        growth = self.deeper * self.rate
+        return growth if self.outward is None else growth + self.here.jacobian @ self.outward
+
+    def work_bent(self, outward: FloatArray) -> FloatArray:
+        """Of dw/de, (2 L,)."""
+        return self.system.law.work_curvature(edge_positions(self.here.state.patches)) * outward
+
+    @cached_property
+    def carried(self) -> FloatArray:
+        """What times the load gradient is taken from the Hessian, with its transpose, (2 L,)."""
+        state, control, fields = self.here.state, self.system.control, self.here.edge_fields
+        change = self.stronger * self.rate / 2
+        share = control.load_weight * control.rate(state)
+        if self.outward is not None:
+            change += state.stress_intensity * fields.times_jacobian_rate(self.outward) / 2
+            change -= share / 4 * float(self.rate**2 @ self.outward) * self.here.load_gradient
+        return share * change
+
+
+def branch_curvature(system: System, here: Balance, rate: FloatArray) -> FloatArray:
+    """Half the second derivative of the outward motion of the edges by the control along a branch, (2 L,).
+
+    H x'' = -(dH x' + dH/dtau x' + d2g/dtau2), dH the change of H along the branch, and g quadratic in the control.
+    """
+    bent = hessian_change_times(system, here, rate, 1.0, rate) + hessian_change_times(system, here, None, 1.0, rate)
+    bent += (here.state.stress_intensity_rate * system.control.rate(here.state)) ** 2 / 2
+    return -here.response(bent) / 2

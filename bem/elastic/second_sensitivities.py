@@ -1,0 +1,139 @@
+"""Exact second derivatives of the stress intensities with respect to outward motion of the edges, along one motion.
+
+An edge e that moves outward adds K_e S_e to the pressure, where S_e vanishes on the patches as a displacement and is
+singular at its edge.  At a distance d from any edge i
+
+    S_e = delta_ie / (2 sqrt(2 pi) d^(3/2)) - k_ie / sqrt(2 pi d) + sqrt(2/pi) c_ie sqrt(d) + ...,
+    sigma = -K_i / sqrt(2 pi d) + sqrt(2/pi) (s_i sqrt(d) + t_i d^(3/2)) + ...
+
+Motion of edge g changes S_e by k_ge S_g, since it is a pressure like any other, and what moves with the edge is the
+next term of its series.  So the derivatives of K and k are
+
+    dK_i/dg = k_ig K_g + delta_ig s_g,       dk_ie/dg = k_ig k_ge  (g neither i nor e),
+    dk_ie/di = k_ii k_ie + c_ie  (i not e),  ds_i/dg = c_ig K_g - delta_ig (3/2) t_i,
+
+k is symmetric, and a translation of all edges leaves it as it is, which gives dk_ee/de.  K and s follow from q and its
+derivatives at the edges, as in sensitivities.py: on a patch sigma = q(t) / (r sqrt(1 - t^2)).  Of S_e the coupled modes
+are what the edge vectors make of it, the others Q_n = -n (+-1)^n / sqrt(pi r); their divergent sums are finite parts
+(of n, n^3: minus the sum of those before; with alternating signs Abel's: -1/4 and 1/8).
+Source: Hadamard's variation, as for the weight functions of cracks (Rice, Int. J. Solids Struct. 21 (1985) 781).
+Dimensionless.  Limits: equal profile and elasticity all along, no fields of frozen patches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bem.elastic.collocation import Evaluation
+from bem.geometry.arrays import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeFields:
+    """The fields that moving edges add to the pressure, at all edges.
+
+    Parameters
+    ----------
+    state : Evaluation
+        With K > 0; of c, and of all that needs it, one that knows the slopes which edges make at edges.
+    jacobian : (2 L, 2 L) array
+        dK_i/de.
+    """
+
+    state: Evaluation
+    jacobian: FloatArray
+
+    @cached_property
+    def radius(self) -> FloatArray:
+        """Half widths of the patches of the edges, (2 L,)."""
+        return np.concatenate([self.state.patches.half_width] * 2)
+
+    @cached_property
+    def s(self) -> FloatArray:
+        """s_e, (2 L,)."""
+        return self._tip(self.state.stress_intensity, self.state.edge_slope)
+
+    @cached_property
+    def s_rate(self) -> FloatArray:
+        """ds_e/dDelta, (2 L,)."""
+        return self._tip(self.state.stress_intensity_rate, self.state.edge_slope_rate)
+
+    @cached_property
+    def k(self) -> tuple[FloatArray, FloatArray]:
+        """k_ie with zeros on its diagonal, (2 L, 2 L), and the diagonal, (2 L,)."""
+        k = self.jacobian / self.state.stress_intensity
+        own = np.diagonal(k) - self.s / self.state.stress_intensity
+        k.flat[:: own.size + 1] = 0.0
+        return k, own
+
+    @cached_property
+    def c(self) -> tuple[FloatArray, FloatArray]:
+        """c_ie with zeros on its diagonal, (2 L, 2 L), and the diagonal, (2 L,)."""
+        (k, own), radius, size = self.k, self.radius, self.radius.size
+        modes = np.concatenate([self.state.resolution.modes] * 2).astype(np.float64)
+        edge, tail, scale = np.arange(size), 1 / np.sqrt(np.pi * radius), np.sqrt(np.pi / radius) / (2 * radius)
+        other = np.concatenate([edge[size // 2 :], edge[: size // 2]])
+        cubes = np.where(modes % 2 == 0, -(modes**2) * (2 * modes - 3), (modes - 1) ** 2 * (2 * modes + 1)) / 4
+        c = self.state.slope_compliance * ((np.pi**1.5 / 2) / np.sqrt(radius))
+        c[other, edge] -= tail * (cubes - 0.125)
+        c *= scale[:, None]
+        c -= k / (8 * radius)[:, None]
+        c[edge, edge] -= scale * tail * ((modes * (modes - 1) / 2) ** 2 - 1 / 64) + own / (8 * radius)
+        own_c = np.diagonal(c).copy()
+        c[edge, edge] = 0.0
+        return c, own_c
+
+    @cached_property
+    def t(self) -> FloatArray:
+        """t_e, (2 L,)."""
+        charges = self.state.charges()
+        square = np.arange(charges.shape[1], dtype=np.float64) ** 2
+        weight = 3 / 32 - square / 4 + square * (square - 1) / 6
+        sign = np.where(np.arange(square.size) % 2 == 0, 1.0, -1.0)
+        value = (charges @ np.stack([weight * sign, weight], axis=1)).T.ravel()
+        return np.asarray(np.sqrt(np.pi / self.radius) / (2 * self.radius**2) * value)
+
+    def times_jacobian_rate(self, x: FloatArray) -> FloatArray:
+        """The derivative of dK/de by Delta, times x, (2 L,)."""
+        k, own = self.k
+        y = self.state.stress_intensity_rate * x
+        return k @ y + own * y + self.s_rate * x
+
+    def jacobian_change(self, a: FloatArray) -> FloatArray:
+        """The derivative of dK/de along a motion of the edges at fixed penetration, (2 L,): (2 L, 2 L)."""
+        (k, own), (c, _), intensity = self.k, self.c, self.state.stress_intensity
+        along, turned, bent = self._own_change(a)
+        beside = own[:, None] * k
+        beside += c
+        beside *= a[:, None]
+        change = (k * a) @ k
+        change += beside
+        change += beside.T
+        change *= intensity
+        change += k * along
+        change.flat[:: a.size + 1] += bent - turned * intensity
+        return change
+
+    def jacobian_change_times(self, a: FloatArray, x: FloatArray) -> FloatArray:
+        """The same times x, (2 L,), by products of matrices and vectors."""
+        (k, own), (c, _), intensity = self.k, self.c, self.state.stress_intensity
+        along, turned, bent = self._own_change(a)
+        y = intensity * x
+        z = k @ y
+        beside = a * (own * z + c @ y) + (a * y) @ c
+        return k @ (a * (z + own * y) + along * x) + beside - turned * y + bent * x
+
+    def _own_change(self, a: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """dK along a motion a, and what dk_ee/de and ds_e add to the diagonal, (2 L,) each."""
+        (k, own), (c, own_slope), intensity = self.k, self.c, self.state.stress_intensity
+        side = np.repeat([-1.0, 1.0], self.state.patches.count)
+        along = self.jacobian @ a
+        turned = np.einsum("ij,ij,j->i", k, k, side) * side * a
+        bent = own * along + c @ (a * intensity) + a * (intensity * own_slope - 1.5 * self.t)
+        return along, turned, bent
+
+    def _tip(self, intensity: FloatArray, slope: FloatArray) -> FloatArray:
+        return np.asarray(-intensity / (8 * self.radius) - np.sqrt(np.pi / self.radius) * slope / 2)
