@@ -206,7 +206,7 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
     work_gradient[: patches.count] *= -1.0
     jacobian = stress_intensity_jacobian(state)
     hessian = (intensity / 2)[:, None] * jacobian
-    hessian.reshape(-1)[:: edges.size + 1] -= work_gradient
+    hessian.flat[:: edges.size + 1] -= work_gradient
     load_gradient = intensity * state.stress_intensity_rate / 2
     energy = state.elastic_energy + system.law.energy(patches)
     return Balance(

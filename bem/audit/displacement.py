@@ -312,8 +312,8 @@ def regular_part(charge: FloatArray, n: int) -> FloatArray:
     return np.fft.irfft(spectrum, 2 * n)[..., : n + 1]
 
 
-def twice_the_series(values: FloatArray) -> FloatArray:
-    """2 Q_k, k < n, of sum Q_k cos(k theta) through values at theta = (j + 1/2) pi / n along the last axis."""
+def series_and_twice_the_mean(values: FloatArray) -> FloatArray:
+    """2 Q_0, Q_1, .., Q_n-1 of sum Q_k cos(k theta) through values at (j + 1/2) pi / n along the last axis."""
     n = values.shape[-1]
     spectrum = np.fft.rfft(np.concatenate([values, values[..., ::-1]], axis=-1)) / half_steps(n)
     return np.asarray(spectrum.real[..., :n] / n)
@@ -359,7 +359,7 @@ def _nodes(middle: FloatArray, half: float, terms: int) -> FloatArray:
 
 def _series(values: FloatArray) -> FloatArray:
     """Chebyshev series through values at the nodes of boxes, (n_boxes, n_terms), transposed."""
-    series = twice_the_series(values).T
+    series = series_and_twice_the_mean(values).T
     series[0] /= 2
     return series
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from bem.audit.displacement import DisplacementField, GapPoints, half_steps, twice_the_series
+from bem.audit.displacement import DisplacementField, GapPoints, half_steps, series_and_twice_the_mean
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.profile import Profile
 
@@ -95,7 +95,7 @@ def _displacement_series(
         u = field.in_gaps(GapPoints(*(np.concatenate([getattr(p, f.name) for p in points]) for f in fields(GapPoints))))
         unresolved = []
         for (size, who), part in zip(classes, np.split(u, np.cumsum([p.gap.size for p in points])[:-1]), strict=True):
-            rows = twice_the_series(part.reshape(who.size, size))
+            rows = series_and_twice_the_mean(part.reshape(who.size, size))
             if size > series.shape[1]:
                 series = np.pad(series, ((0, 0), (0, size - series.shape[1])))
             series[who, :size] = rows
@@ -142,7 +142,9 @@ def _moments(size: int) -> FloatArray:
     With t = cos phi it is pi/4 int T_k(t) cos(pi t/2) dt, the cosine in Chebyshev polynomials and int T_j dt =
     2/(1 - j^2) for even j.
     """
-    wave = twice_the_series(np.cos(np.pi / 2 * np.cos((np.arange(WAVE_TERMS) + 0.5) * (np.pi / WAVE_TERMS))))[::2]
+    wave = series_and_twice_the_mean(np.cos(np.pi / 2 * np.cos((np.arange(WAVE_TERMS) + 0.5) * (np.pi / WAVE_TERMS))))[
+        ::2
+    ]
     wave[0] /= 2
     even, order = 2 * np.arange(wave.size), np.arange(0, size, 2)[:, None]
     moments = np.zeros(size)

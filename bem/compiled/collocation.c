@@ -74,10 +74,11 @@ static void transformed(Call *outer, Size n, double *samples)
     double *copy, *series;
     PyObject *module = PyImport_ImportModule("bem.geometry.chebyshev"), *array;
     enter(&call, 0, 0);
+    call.failed = module == NULL;
     array = held(&call, new_reals(&call, 1, n, 0, &copy));
     if (!call.failed)
         memcpy(copy, samples, (size_t)n * sizeof(double));
-    series = reals(&call, held(&call, module ? PyObject_CallMethod(module, "coefficients", "O", array) : NULL), 1, m);
+    series = reals(&call, held(&call, call.failed ? NULL : PyObject_CallMethod(module, "coefficients", "O", array)), 1, m);
     expect(&call, m[0] == n, "coefficients of another number");
     if (!call.failed)
         memcpy(samples, series, (size_t)n * sizeof(double));
@@ -131,7 +132,7 @@ DECLARED(right_hand_sides)
     parts[3] = new_reals(&call, 2, 2, 2 * n[0], &tail);
     if (!call.failed && (samples = workspace(2 * most)) == NULL)
         call.failed = 1;
-    points = samples + most;
+    points = call.failed ? NULL : samples + most;
     for (i = 0; !call.failed && i < n[0]; i++, series += most) {
         double center = (left[i] + right[i]) / 2, half_width = (right[i] - left[i]) / 2;
         const Table *basis = &coupled[i];
@@ -249,7 +250,8 @@ DECLARED(stress_intensity_jacobian)
             row[i] -= intensity[i] / (4 * r) + sqrt(PI) / root * slope[i] / 2;
         }
         PyMem_Free(pull);
-    }
+    } else
+        Py_CLEAR(result);
     leave(&call);
     return result;
 }

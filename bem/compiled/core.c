@@ -159,6 +159,8 @@ Table *tables_of(Call *call, const char *packed, const int64_t *sizes, Size coun
         return NULL;
     module = PyImport_ImportModule("bem.geometry.chebyshev");
     tables = PyMem_Malloc((size_t)(count + 1) * sizeof(Table));
+    if (module != NULL && tables == NULL)
+        PyErr_NoMemory();
     call->failed = module == NULL || tables == NULL;
     for (i = 0; !call->failed && i < count; i++) {
         for (j = i - 1; j >= 0 && sizes[j] != sizes[i]; j--)

@@ -55,31 +55,6 @@ DECLARED(taylor)
     return result;
 }
 
-VECTORISED static void integrals(Size panels, const double *start, const double *width, Size terms,
-                                 const double *series, double whole, Size n, const double *x, double *values)
-{
-    Size i, k;
-    for (i = 0; i < n; i++) {
-        double turns = floor(x[i] / (2 * PI)), place = x[i] - turns * (2 * PI), t, before = 0.0, now = 0.0;
-        const double *c = series;
-        Size low = 0, left = panels;
-        while (left > 1) { /* the last panel that does not begin behind the place; no branch that could be mispredicted */
-            Size half = left / 2;
-            low += start[low + half] <= place ? half : 0;
-            left -= half;
-        }
-        t = 2 * (place - start[low]) / width[low] - 1;
-        t = t < -1 ? -1 : t > 1 ? 1 : t;
-        c = series + low * terms;
-        for (k = terms - 1; k > 0; k--) { /* Clenshaw's rule */
-            double next = 2 * t * now + (c[k] - before);
-            before = now;
-            now = next;
-        }
-        values[i] = turns * whole + t * now + (c[0] - before);
-    }
-}
-
 /* adhesion.integral(start, width, series, whole, x): a Chebyshev series on the panel in which each position lies, and
    `whole` for every turn of the circle. */
 DECLARED(integral)

@@ -85,7 +85,10 @@ class BranchEnds:
         here = if_solvable(with_slopes, self.system, point.balance, point.value, self.increments.coarse.tolerance)
         if here is None:
             return np.inf
-        expected = foretell_folds(self.system, Soft(self.system, here, point.value, here.scale), reach)
+        try:
+            expected = foretell_folds(self.system, Soft(self.system, here, point.value, here.scale), reach)
+        except np.linalg.LinAlgError:
+            return np.inf
         return np.inf if expected is None else expected.distance
 
     def _located(self, point: Equilibrium, search: Search) -> LimitPoint | None:

@@ -5,8 +5,8 @@ With dH the change of the Hessian H along the branch, by the control, a mode v i
 is the softest yet.  Towards its fold a mode moves with the root of the distance from it, and its stiffness falls with
 that root, twice as far as its tangent at the point says: the fold lies at d = t/2, and on the way to it the mode moves
 twice as far as its rate at the point says.  A mode on which the load does no work, which breaks a symmetry, softens
-evenly and is neutral at t.  Dimensionless.  Limits: of the first order, d is too long
-by about its own root, in parts of it; modes apart from the first few are taken to move evenly.
+evenly and is neutral at t.  Dimensionless.  Limits: of the first order, d is too long by about its own root, in parts
+of it; modes apart from the first few are taken to move evenly.
 """
 
 from __future__ import annotations
