@@ -65,7 +65,7 @@ def resting(system, centers, half_width, value):
 
 @pytest.mark.parametrize(
     ("control", "quantity", "taken"),
-    [(DisplacementControl(), "penetration", 21), (LoadControl(), "load", 8)],
+    [(DisplacementControl(), "penetration", 12), (LoadControl(), "load", 5)],
     ids=["Delta", "load"],
 )
 def test_a_fold_is_where_johnsons_branch_turns(control, quantity, taken):
