@@ -141,8 +141,8 @@ class Path:
 
         1. Without edges: to first touch, to where complete contact opens, or to the goal.
         2. Choose an increment; where none is left before the gaps close, contact is complete.
-        3. Try it: Newton from the edges that the branch predicts.  Where the point tells of a fold within, halfway to
-           that comes first.
+        3. Try it: Newton from the edges that the branch predicts.  Where the point already foretells a fold on the way,
+           try half the way to that fold first.
         4. Accepted: the next increment is up to twice as long.
         5. Too long for energies to tell whether a jump lies within: half of it comes first.
         6. Refused: jump from the end of the branch in between, or try a shorter increment, where a fold is foretold
