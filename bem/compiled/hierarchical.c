@@ -3,6 +3,8 @@
 #include "hierarchical.h"
 #include "kernels.h"
 
+#define CENTRED 10.0 /* hierarchical.CENTRED */
+
 static void release(Cluster *cluster)
 {
     PyMem_Free(cluster->gram);
@@ -135,9 +137,10 @@ static Status solved_cluster(System *system, Size first, Size last, Size shared,
     if (last - first == 1 || n <= system->largest || system->addition != NULL)
         return solved_leaf(system, first, last, columns, cluster);
     for (i = first + 1; i < last; i++) {
-        double off = fabs((double)tables[i].start - (double)(tables[first].start + tables[last].start) / 2);
-        if (off < best) {
-            best = off;
+        double off = fabs((double)tables[i].start - (double)(tables[first].start + tables[last].start) / 2) / (double)n;
+        double cost = CENTRED * off - log(system->left[i] - system->right[i - 1]);
+        if (cost < best) {
+            best = cost;
             cut = i;
         }
     }

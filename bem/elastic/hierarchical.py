@@ -2,8 +2,9 @@
 
 Let A be the negated kernel between the nodes of a cluster of patches and b the columns that it must serve.  Wanted are
 the Gram matrix b^T A^-1 b and, of few columns, the charges A^-1 b.  A small cluster is a leaf: Cholesky, A = U^T U and
-Y = U^-T b.  A large one is split into two, between which the kernel is a short sum of products P C Q^T
-(separated_kernel.py).  Each half serves its share of the columns, and those of P or Q besides; with
+Y = U^-T b.  A large one is split into two, between which the kernel is a short sum of products P C Q^T, the shorter the
+wider the gap is in which they part (separated_kernel.py).  Each half serves its share of the columns, and those of P or
+Q besides; with
 X_1 = P^T A_1^-1 P, X_2 = Q^T A_2^-1 Q, V = [P^T A_1^-1 b; Q^T A_2^-1 b] and H = C X_2 C, block elimination gives
 
     b^T A^-1 b = b_1^T A_1^-1 b_1 + b_2^T A_2^-1 b_2 - V^T M V,
@@ -48,6 +49,7 @@ Output = TypeVar("Output")
 
 UNIFORM = 0.03  # alpha; the kernel of a whole period has the eigenvalues 0 and 1 / (2 n)
 LARGEST_LEAF = 130  # unknowns, above which a cluster of several patches is split (measured)
+CENTRED = 10.0  # a cluster is split in a gap e times wider, if that is off its middle by less than one part in these
 FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by blocks of rows (measured)
 
 
@@ -221,7 +223,8 @@ def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, spli
     starts, patches = skeleton.coupled.starts, skeleton.patches
     if last - first == 1 or starts[last] - starts[first] <= splitting.largest or skeleton.addition is not None:
         return _leaf(skeleton, first, last, shared, splitting.uniform)
-    middle = first + 1 + int(np.argmin(np.abs(starts[first + 1 : last] - (starts[first] + starts[last]) / 2)))
+    off = np.abs(starts[first + 1 : last] - (starts[first] + starts[last]) / 2) / (starts[last] - starts[first])
+    middle = first + 1 + int(np.argmin(CENTRED * off - np.log(patches.gap_after[first : last - 1])))
     behind = (patches.left[first] - patches.right[last - 1]) % TWO_PI
     kernel = separated_kernel(
         skeleton.x[starts[first] : starts[last]],
