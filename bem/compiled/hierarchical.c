@@ -5,9 +5,19 @@
 
 #define CENTRED 10.0 /* hierarchical.CENTRED */
 
-static void release(Cluster *cluster)
+#define PANEL 64 /* columns at a time of a symmetric product */
+
+static void forget_grams(Cluster *cluster)
 {
     PyMem_Free(cluster->gram);
+    PyMem_Free(cluster->with_edges);
+    PyMem_Free(cluster->with_slopes);
+    cluster->gram = cluster->with_edges = cluster->with_slopes = NULL;
+}
+
+static void release(Cluster *cluster)
+{
+    forget_grams(cluster);
     PyMem_Free(cluster->factor);
     PyMem_Free(cluster->solved);
     PyMem_Free(cluster->response);
@@ -18,22 +28,25 @@ static void release(Cluster *cluster)
     }
 }
 
-/* hierarchical._middle: the three different blocks of M of two halves, (q, q), from X_1, X_2 and C; 0 where the matrix
-   is not positive definite.  `work` has room for 5 q q + 2 q numbers; C is symmetric. */
-static int middle(Size q, const double *first, const double *second, const double *core, double *work, double *const *m)
+/* hierarchical._middle: the three different blocks of M of two halves, (q, q), from X_1, X_2, whose columns are `ld`
+   numbers apart, and C; 0 where the matrix is not positive definite.  `work` has room for 5 q q + 2 q numbers; C is
+   symmetric. */
+static int middle(Size q, const double *first, const double *second, Size ld, const double *core, double *work,
+                  double *const *m)
 {
     double *root = work, *other = root + q * q, *factor = other + q * q, *to_first = factor + q * q;
     double *to_second = to_first + q * q, *scratch = to_second + q * q, tolerance = -1.0;
     int *pivots = (int *)to_second, order = (int)q, rank, info;
     char lower = 'L';
     Size i, j;
-    memcpy(other, first, (size_t)(q * q) * sizeof(double));
+    for (j = 0; j < q; j++)
+        memcpy(other + j * q, first + j * ld, (size_t)q * sizeof(double));
     blas.dpstrf(&lower, &order, other, &order, pivots, &rank, &tolerance, scratch, &info);
     memset(root, 0, (size_t)(q * q) * sizeof(double)); /* R, `rank` columns */
     for (j = 0; j < rank; j++)
         for (i = j; i < q; i++)
             root[j * q + pivots[i] - 1] = other[j * q + i];
-    product('N', 'N', q, q, q, 1.0, second, q, core, q, 0.0, other, q);
+    product('N', 'N', q, q, q, 1.0, second, ld, core, q, 0.0, other, q);
     product('N', 'N', q, q, q, -1.0, core, q, other, q, 0.0, m[0], q); /* -H */
     product('N', 'N', q, rank, q, 1.0, m[0], q, root, q, 0.0, to_first, q);
     product('T', 'N', rank, rank, q, 1.0, root, q, to_first, q, 0.0, factor, q);
@@ -52,70 +65,87 @@ static int middle(Size q, const double *first, const double *second, const doubl
     return 1;
 }
 
+/* C -= A^T B above the diagonal of C, (n, n); A and B of q rows. */
+static void subtract_upper(Size n, Size q, const double *a, Size lda, const double *b, double *c, Size ldc)
+{
+    Size start, end;
+    for (start = 0; start < n; start = end) {
+        end = start + PANEL < n ? start + PANEL : n;
+        product('T', 'N', end, end - start, q, -1.0, a, lda, b + start * q, q, 1.0, c + start * ldc, ldc);
+    }
+}
+
+/* -V^T M V of the edges of two halves, and of edges and slopes, into the matrices of all edges, from patch `first`. */
+static void join_edges(const System *system, Size first, const Cluster *pair, double *const *m, double *reply)
+{
+    const Cluster *half = pair->halves;
+    Size q = pair->rank, shared = pair->shared, ld = shared + q, all = system->edges, corner = 2 * first * (all + 1);
+    Size n = half[0].edges, other = half[1].edges;
+    const double *edge[2] = {half[0].with_edges + shared, half[1].with_edges + shared};
+    double *to = system->compliance + corner, *behind = reply + q * n;
+    product('N', 'N', q, n, q, 1.0, m[0], q, edge[0], ld, 0.0, reply, q);
+    subtract_upper(n, q, edge[0], ld, reply, to, all);
+    product('N', 'N', q, other, q, 1.0, m[1], q, edge[1], ld, 0.0, reply, q);
+    product('T', 'N', n, other, q, -1.0, edge[0], ld, reply, q, 1.0, to + n * all, all);
+    product('N', 'N', q, other, q, 1.0, m[2], q, edge[1], ld, 0.0, reply, q);
+    subtract_upper(other, q, edge[1], ld, reply, to + n * (all + 1), all);
+    if (system->per_patch == 4) {
+        const double *slope[2] = {half[0].with_slopes + shared, half[1].with_slopes + shared};
+        to = system->slopes + corner;
+        product('N', 'N', q, n, q, 1.0, m[0], q, slope[0], ld, 0.0, reply, q);
+        product('N', 'N', q, other, q, 1.0, m[1], q, slope[1], ld, 0.0, behind, q);
+        product('T', 'N', n, n + other, q, -1.0, edge[0], ld, reply, q, 1.0, to, all);
+        product('T', 'N', q, n, q, 1.0, m[1], q, slope[0], ld, 0.0, reply, q);
+        product('N', 'N', q, other, q, 1.0, m[2], q, slope[1], ld, 0.0, behind, q);
+        product('T', 'N', other, n + other, q, -1.0, edge[1], ld, reply, q, 1.0, to + n, all);
+    }
+}
+
+/* b^T A'^-1 b of the shared columns with others of both halves, `sizes` of them, from those of the halves. */
+static void join_columns(const Cluster *pair, const double *const *parts, const Size *sizes, double *to)
+{
+    Size q = pair->rank, shared = pair->shared, ld = shared + q, part, i;
+    for (part = 0; part < 2; part++) {
+        for (i = 0; i < sizes[part]; i++)
+            memcpy(to + i * shared, parts[part] + i * ld, (size_t)shared * sizeof(double));
+        product('T', 'N', shared, sizes[part], q, -1.0, pair->response + part * q, 2 * q, parts[part] + shared, ld, 1.0,
+                to, shared);
+        to += sizes[part] * shared;
+    }
+}
+
 /* hierarchical._joined: b^T A^-1 b of a pair and M V of its shared columns from those of its halves.  V of the edges of
    one half has no rows of the other. */
-static Status joined(Cluster *pair, const double *core)
+static Status joined(const System *system, Size first, Cluster *pair, const double *core)
 {
-    Size shared = pair->shared, q = pair->rank, size = pair->m, place = shared, edges[2], part, i, j;
-    double *work = workspace(10 * q * q + 2 * q + q * (2 * shared + 2 * size)), *own[2], *m[3], *seen[2];
-    double *gram = pair->gram = workspace(size * size);
+    const Cluster *half = pair->halves;
+    Size shared = pair->shared, q = pair->rank, ld = shared + q, i, j, sizes[2] = {half[0].edges, half[1].edges};
+    const double *seen[2] = {half[0].gram + shared, half[1].gram + shared};
+    const double *edges[2] = {half[0].with_edges, half[1].with_edges};
+    const double *slopes[2] = {half[0].with_slopes, half[1].with_slopes};
+    double *work = workspace(8 * q * q + 2 * q + q * pair->edges), *top = pair->response = workspace(2 * q * shared);
+    double *m[3], *bottom;
     Status status = FAILED;
-    pair->response = workspace(2 * q * shared);
-    if (work != NULL && gram != NULL && pair->response != NULL) {
-        for (i = 0; i < 2; i++) {
-            edges[i] = pair->halves[i].m - shared - q;
-            own[i] = work + (5 + i) * q * q + 2 * q; /* X_1 and X_2 */
-        }
+    if (work != NULL && top != NULL) {
         for (i = 0; i < 3; i++)
-            m[i] = own[1] + (1 + i) * q * q;
-        seen[0] = m[2] + q * q;
-        seen[1] = seen[0] + q * (shared + edges[0]);
-        for (part = 0; part < 2; part++) {
-            Size full = pair->halves[part].m;
-            const double *from = pair->halves[part].gram;
-            for (i = 0; i < q; i++)
-                memcpy(own[part] + i * q, from + (shared + i) * full + shared, (size_t)q * sizeof(double));
-            for (i = 0; i < shared + edges[part]; i++) {
-                Size column = i < shared ? i : i + q;
-                memcpy(seen[part] + i * q, from + column * full + shared, (size_t)q * sizeof(double));
-            }
-            for (i = 0; i < shared; i++) {
-                for (j = 0; j < shared; j++)
-                    gram[i * size + j] = from[i * full + j] + (part == 0 ? 0.0 : gram[i * size + j]);
-                memcpy(gram + i * size + place, from + i * full + shared + q, (size_t)edges[part] * sizeof(double));
-            }
-            for (i = 0; i < edges[part]; i++)
-                memcpy(gram + (place + i) * size + place, from + (shared + q + i) * full + shared + q,
-                       (size_t)edges[part] * sizeof(double));
-            place += edges[part];
-        }
-        status = middle(q, own[0], own[1], core, work, m) ? SOLVED : NOT_DEFINITE;
-        if (status == SOLVED) {
-            double *edge[2] = {seen[0] + shared * q, seen[1] + shared * q}, *reply = seen[1] + q * (shared + edges[1]);
-            double *top = pair->response, *bottom = top + q, *corner = gram + shared * (size + 1);
-            for (j = shared + edges[0]; j < size; j++)
-                memset(gram + j * size + shared, 0, (size_t)edges[0] * sizeof(double));
-            product('N', 'N', q, shared, q, 1.0, m[0], q, seen[0], q, 0.0, top, 2 * q);
-            product('N', 'N', q, shared, q, 1.0, m[1], q, seen[1], q, 1.0, top, 2 * q);
-            product('T', 'N', q, shared, q, 1.0, m[1], q, seen[0], q, 0.0, bottom, 2 * q);
-            product('N', 'N', q, shared, q, 1.0, m[2], q, seen[1], q, 1.0, bottom, 2 * q);
-            product('T', 'N', shared + edges[0], shared, q, -1.0, seen[0], q, top, 2 * q, 1.0, gram, size);
-            product('T', 'N', shared, shared, q, -1.0, seen[1], q, bottom, 2 * q, 1.0, gram, size);
-            product('T', 'N', edges[1], shared, q, -1.0, edge[1], q, bottom, 2 * q, 1.0, gram + shared + edges[0],
-                    size);
-            product('N', 'N', q, edges[0], q, 1.0, m[0], q, edge[0], q, 0.0, reply, q);
-            product('N', 'N', q, edges[1], q, 1.0, m[1], q, edge[1], q, 0.0, reply + q * edges[0], q);
-            product('T', 'N', edges[0], edges[0] + edges[1], q, -1.0, edge[0], q, reply, q, 1.0, corner, size);
-            product('N', 'N', q, edges[1], q, 1.0, m[2], q, edge[1], q, 0.0, reply, q);
-            product('T', 'N', edges[1], edges[1], q, -1.0, edge[1], q, reply, q, 1.0, corner + edges[0] * (size + 1),
-                    size);
-            for (j = shared; j < size; j++) {
-                for (i = 0; i < shared; i++)
-                    gram[j * size + i] = gram[i * size + j];
-                for (i = shared + edges[0]; j < shared + edges[0] && i < size; i++)
-                    gram[j * size + i] = gram[i * size + j];
-            }
-        }
+            m[i] = work + (5 + i) * q * q + 2 * q;
+        status = middle(q, seen[0] + shared * ld, seen[1] + shared * ld, ld, core, work, m) ? SOLVED : NOT_DEFINITE;
+    }
+    if (status == SOLVED) {
+        bottom = top + q;
+        product('N', 'N', q, shared, q, 1.0, m[0], q, seen[0], ld, 0.0, top, 2 * q);
+        product('N', 'N', q, shared, q, 1.0, m[1], q, seen[1], ld, 1.0, top, 2 * q);
+        product('T', 'N', q, shared, q, 1.0, m[1], q, seen[0], ld, 0.0, bottom, 2 * q);
+        product('N', 'N', q, shared, q, 1.0, m[2], q, seen[1], ld, 1.0, bottom, 2 * q);
+        for (i = 0; i < shared; i++)
+            for (j = 0; j < shared; j++)
+                pair->gram[i * shared + j] = half[0].gram[i * ld + j] + half[1].gram[i * ld + j];
+        product('T', 'N', shared, shared, q, -1.0, seen[0], ld, top, 2 * q, 1.0, pair->gram, shared);
+        product('T', 'N', shared, shared, q, -1.0, seen[1], ld, bottom, 2 * q, 1.0, pair->gram, shared);
+        join_columns(pair, edges, sizes, pair->with_edges);
+        if (system->per_patch == 4)
+            join_columns(pair, slopes, sizes, pair->with_slopes);
+        join_edges(system, first, pair, m, work + 8 * q * q + 2 * q);
     }
     PyMem_Free(work);
     return status;
@@ -134,6 +164,12 @@ static Status solved_cluster(System *system, Size first, Size last, Size shared,
     cluster->n = n;
     cluster->m = shared + system->per_patch * (last - first);
     cluster->shared = shared;
+    cluster->edges = system->per_patch == 0 ? 0 : 2 * (last - first);
+    cluster->gram = workspace(shared * shared);
+    cluster->with_edges = workspace(shared * cluster->edges);
+    cluster->with_slopes = workspace(system->per_patch == 4 ? shared * cluster->edges : 0);
+    if (cluster->gram == NULL || cluster->with_edges == NULL || cluster->with_slopes == NULL)
+        return FAILED;
     if (last - first == 1 || n <= system->largest || system->addition != NULL)
         return solved_leaf(system, first, last, columns, cluster);
     for (i = first + 1; i < last; i++) {
@@ -155,11 +191,9 @@ static Status solved_cluster(System *system, Size first, Size last, Size shared,
         if (status == SOLVED)
             status = solved_cluster(system, cut, last, shared + range->q, wider[1], &cluster->halves[1]);
         if (status == SOLVED)
-            status = joined(cluster, core);
-        for (i = 0; i < 2; i++) {
-            PyMem_Free(cluster->halves[i].gram);
-            cluster->halves[i].gram = NULL;
-        }
+            status = joined(system, first, cluster, core);
+        for (i = 0; i < 2; i++)
+            forget_grams(&cluster->halves[i]);
     }
     PyMem_Free(wider[0]);
     PyMem_Free(wider[1]);
@@ -205,24 +239,22 @@ static void corrected(Size k, const double *change, Size n, double *values)
     }
 }
 
-/* The same of a Gram matrix of k shared columns, and those of patches behind them: what edges do at edges, left ones
-   first, and the slopes that they make there; and the Gram matrix of the shared ones. */
-static void corrected_gram(const System *system, Size patches, Size k, const double *from, const double *change,
-                           double *compliance, double *slopes, double *gram)
+/* The same of what edges do at edges and of the slopes that they make there, left ones first; `change` and `ones`
+   (b^T A'^-1 1) of edges. */
+static void corrected_edges(const System *system, const Cluster *whole, const double *change, double *compliance,
+                            double *slopes)
 {
-    Size per_patch = system->per_patch, m = k + per_patch * patches, kind, side, i, j;
-    const double *ones = from + m; /* b^T A'^-1 1 */
-    for (kind = 0; kind < per_patch; kind++)
-        for (i = 0; i < patches; i++) {
-            Size place = k + per_patch * i + kind;
-            double **to = kind < 2 ? &compliance : &slopes;
-            for (side = 0; side < 2; side++)
-                for (j = k + side; j < m; j += per_patch)
-                    *(*to)++ = from[place * m + j] + ones[place] * change[j];
+    Size k = whole->shared, edges = whole->edges, half = edges / 2, i, j;
+    for (i = 0; i < edges; i++) {
+        Size row = 2 * (i % half) + i / half;
+        double one = whole->with_edges[row * k + 1], bent = system->per_patch == 4 ? whole->with_slopes[row * k + 1] : 0.0;
+        for (j = 0; j < edges; j++) {
+            Size column = 2 * (j % half) + j / half, low = row < column ? row : column, high = row + column - low;
+            *compliance++ = system->compliance[high * edges + low] + one * change[column];
+            if (system->per_patch == 4)
+                *slopes++ = system->slopes[row * edges + column] + bent * change[column];
         }
-    for (i = 0; i < k; i++)
-        for (j = 0; j < k; j++)
-            gram[i * k + j] = from[i * m + j] + change[i] * ones[j];
+    }
 }
 
 /* q of the charges of k columns at the edges, and sum n^2 (+-1)^n Q_n, (k, 2 L) each, left edges first. */
@@ -248,12 +280,18 @@ static void sums_at_edges(const System *system, Size patches, Size k, const doub
         }
 }
 
+static double *zeros(Size n)
+{
+    double *memory = workspace(n);
+    return memory == NULL ? NULL : memset(memory, 0, (size_t)n * sizeof(double));
+}
+
 /* hierarchical.solved(skeleton, splitting). */
 DECLARED(solved)
 {
     Call call;
     Size n[1], patches[1], of_left[1], of_right[1], of_columns[2], of_addition[2], of_modes, i, k, edges;
-    double *half = NULL, *unit = NULL, *change = NULL, *columns, *made[6], remaining;
+    double *half = NULL, *unit = NULL, *change = NULL, *columns, *made[6], remaining, share;
     int64_t *modes;
     System system;
     Cluster whole;
@@ -288,14 +326,15 @@ DECLARED(solved)
     system.tables = tables_of(&call, "packed_basis", modes, of_modes);
     expect(&call, call.failed || system.tables[of_modes].start == n[0], "modes and nodes differ");
     k = of_columns[0];
-    edges = system.per_patch == 0 ? 0 : 2 * of_modes;
+    edges = system.edges = system.per_patch == 0 ? 0 : 2 * of_modes;
     parts[0] = new_reals(&call, 2, edges, edges, &made[0]);
     parts[1] = new_reals(&call, 2, system.per_patch == 4 ? edges : 0, edges, &made[1]);
     parts[2] = new_reals(&call, 2, k, k, &made[2]);
     parts[3] = new_reals(&call, 2, k, n[0], &made[3]);
     parts[4] = new_reals(&call, 2, k, 2 * of_modes, &made[4]);
     parts[5] = new_reals(&call, 2, k, 2 * of_modes, &made[5]);
-    if (!call.failed && (half = workspace(2 * n[0])) && (unit = workspace(k * k))) {
+    if (!call.failed && (half = workspace(2 * n[0])) && (unit = workspace(k * k)) && (change = workspace(k + edges)) &&
+        (system.compliance = zeros(edges * edges)) && (system.slopes = zeros(system.per_patch == 4 ? edges * edges : 0))) {
         system.half = half;
         for (i = 0; i < n[0]; i++) {
             half[i] = sin(system.x[i] / 2);
@@ -306,15 +345,16 @@ DECLARED(solved)
         status = solved_cluster(&system, 0, of_modes, k, columns, &whole);
         if (status == SOLVED && !charges_of(&whole, k, unit, made[3], n[0]))
             status = FAILED;
-        if (status == SOLVED && (remaining = 1 - system.uniform * whole.gram[whole.m + 1]) <= 0)
+        if (status == SOLVED && (remaining = 1 - system.uniform * whole.gram[k + 1]) <= 0)
             status = NOT_DEFINITE;
-        if (status == SOLVED && (change = workspace(whole.m)) == NULL)
-            status = FAILED;
         if (status == SOLVED) {
-            for (i = 0; i < whole.m; i++)
-                change[i] = whole.gram[whole.m + i] * (system.uniform / remaining);
+            share = system.uniform / remaining;
+            for (i = 0; i < k + edges; i++)
+                change[i] = (i < k ? whole.gram[k + i] : whole.with_edges[(i - k) * k + 1]) * share;
+            for (i = 0; i < k * k; i++)
+                made[2][i] = whole.gram[i] + change[i / k] * whole.gram[k + i % k];
             sums_at_edges(&system, of_modes, k, made[3], made[4], made[5]);
-            corrected_gram(&system, of_modes, k, whole.gram, change, made[0], made[1], made[2]);
+            corrected_edges(&system, &whole, change + k, made[0], made[1]);
             corrected(k, change, n[0], made[3]);
             corrected(k, change, 2 * of_modes, made[4]);
             corrected(k, change, 2 * of_modes, made[5]);
@@ -330,6 +370,8 @@ DECLARED(solved)
     PyMem_Free(half);
     PyMem_Free(unit);
     PyMem_Free(change);
+    PyMem_Free(system.compliance);
+    PyMem_Free(system.slopes);
     PyMem_Free((void *)system.tables);
     leave(&call);
     return result;

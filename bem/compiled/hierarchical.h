@@ -13,22 +13,25 @@ typedef struct {
     const double *modes, *core;
 } Range;
 
-/* Nodes, patches and their tables; sine and cosine of half of each position, one behind the other. */
+/* Nodes, patches and their tables; sine and cosine of half of each position, one behind the other; what edges do at
+   edges, two of each patch, above the diagonal, and, a column each, the slopes that they make at edges. */
 typedef struct {
     Call *call;
-    Size n, largest, per_patch; /* columns of the edges of each patch: none, 2 or 4 */
+    Size n, largest, per_patch, edges; /* per_patch: columns of the edges of each patch: none, 2 or 4 */
     const double *x, *half, *left, *right, *half_width, *addition;
+    double *compliance, *slopes; /* (edges, edges) */
     const Table *tables;
     double uniform, accuracy;
     Range ranges[MOST_RANGES];
     Size n_ranges;
 } System;
 
-/* A solved cluster.  Of a leaf: L with A' = L L^T, and Y^T = b^T L^-T, (m, n); of a pair: M V of the shared columns,
+/* A solved cluster: b^T A'^-1 b of the columns shared from above, of these with its edges, two of each patch, and with
+   the slopes there.  Of a leaf: L with A' = L L^T, and Y^T = b^T L^-T, (m, n); of a pair: M V of the shared columns,
    (2 q, shared), and its halves. */
 typedef struct Cluster {
-    Size n, m, shared, rank;
-    double *gram, *factor, *solved, *response;
+    Size n, m, shared, edges, rank;
+    double *gram, *with_edges, *with_slopes, *factor, *solved, *response;
     struct Cluster *halves;
 } Cluster;
 

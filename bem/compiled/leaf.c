@@ -48,8 +48,8 @@ VECTORISED static void within_patch(const Table *table, double r, double uniform
     }
 }
 
-/* hierarchical._gram: Y^T = rhs L^-T in place by blocks of columns, and Y^T Y, (m, m); row c of rhs begins at column
-   begin[c]. */
+/* hierarchical._gram: Y^T = rhs L^-T in place by blocks of columns, and Y^T Y, (m, m), above its diagonal; row c of rhs
+   begins at column begin[c]. */
 static void substitute(Size n, Size m, const double *lower, double *rhs, const Size *begin, double *gram)
 {
     Size start, end, active, from, to, seen;
@@ -73,19 +73,44 @@ static void substitute(Size n, Size m, const double *lower, double *rhs, const S
         columns = (int)(end - start);
         blas.dsyrk(&triangle, &plain, &in_active, &columns, &one, rhs + start * m, &ld, &one, gram, &ld);
     }
-    for (start = 0; start < m; start++)
-        for (end = 0; end < start; end++)
-            gram[end * m + start] = gram[start * m + end];
+}
+
+/* An entry of a symmetric matrix known above its diagonal. */
+static inline double entry(Size m, const double *gram, Size i, Size j)
+{
+    return i < j ? gram[j * m + i] : gram[i * m + j];
+}
+
+/* The parts of the Gram matrix of a leaf, to where they belong; its columns are the shared ones, then the edges and
+   slopes of each patch. */
+static void distribute(const System *system, Size first, const double *gram, Cluster *leaf)
+{
+    Size shared = leaf->shared, m = leaf->m, per_patch = system->per_patch, edge, other, i;
+    for (edge = 0; edge < shared; edge++)
+        for (i = 0; i < shared; i++)
+            leaf->gram[edge * shared + i] = entry(m, gram, i, edge);
+    for (edge = 0; edge < leaf->edges; edge++) {
+        Size column = shared + per_patch * (edge / 2) + edge % 2, at = (2 * first + edge) * system->edges + 2 * first;
+        memcpy(leaf->with_edges + edge * shared, gram + column * m, (size_t)shared * sizeof(double));
+        if (per_patch == 4)
+            memcpy(leaf->with_slopes + edge * shared, gram + (column + 2) * m, (size_t)shared * sizeof(double));
+        for (other = 0; other < leaf->edges; other++) {
+            Size row = shared + per_patch * (other / 2) + other % 2;
+            system->compliance[at + other] = entry(m, gram, row, column);
+            if (per_patch == 4)
+                system->slopes[at + other] = entry(m, gram, row, column + 2);
+        }
+    }
 }
 
 Status solved_leaf(const System *system, Size first, Size last, const double *shared, Cluster *leaf)
 {
     Size start = system->tables[first].start, n = leaf->n, m = leaf->m, i, k, c, row;
     double *matrix = leaf->factor = workspace(n * n), *rhs = leaf->solved = workspace(n * m), *half = workspace(2 * n);
+    double *gram = workspace(m * m);
     Size *begin = (Size *)workspace(m);
     Status status = FAILED;
-    leaf->gram = workspace(m * m);
-    if (matrix != NULL && rhs != NULL && half != NULL && begin != NULL && leaf->gram != NULL) {
+    if (matrix != NULL && rhs != NULL && half != NULL && begin != NULL && gram != NULL) {
         char lower = 'L';
         int order = (int)n, info;
         memcpy(half, system->half + start, (size_t)n * sizeof(double));
@@ -112,9 +137,12 @@ Status solved_leaf(const System *system, Size first, Size last, const double *sh
                 matrix[i] -= system->addition[i];
         blas.dpotrf(&lower, &order, matrix, &order, &info);
         status = info == 0 ? SOLVED : NOT_DEFINITE;
-        if (status == SOLVED)
-            substitute(n, m, matrix, rhs, begin, leaf->gram);
+        if (status == SOLVED) {
+            substitute(n, m, matrix, rhs, begin, gram);
+            distribute(system, first, gram, leaf);
+        }
     }
+    PyMem_Free(gram);
     PyMem_Free(half);
     PyMem_Free(begin);
     return status;
