@@ -7,7 +7,7 @@
 #include "core.h"
 #include "kernels.h"
 
-#define INTERFACE "5" /* kernels.INTERFACE */
+#define INTERFACE "6" /* kernels.INTERFACE */
 
 Blas blas;
 static PyObject *numpy_empty;

@@ -7,9 +7,10 @@
 
 #define MOST_RANGES 64 /* for which tables are held in one call */
 
-/* separated_kernel.modes_and_core of a half range: `count` coefficients of each of q - 2 functions, and the core, (q, q). */
+/* separated_kernel.modes_and_core of a half range: `count` coefficients of each of q - 2 functions, of which the first
+   are even, and the core, (q, q). */
 typedef struct {
-    Size steps, count, q;
+    Size steps, count, even, q;
     const double *modes, *core;
 } Range;
 

@@ -24,12 +24,13 @@ static const Range *range_of(System *system, Size steps)
     if (found == NULL)
         return NULL;
     system->call->objects[system->call->n_objects++] = found;
-    expect(system->call, PyTuple_Check(found) && PyTuple_GET_SIZE(found) == 2, "modes and core: two arrays");
+    expect(system->call, PyTuple_Check(found) && PyTuple_GET_SIZE(found) == 3, "modes, how many are even, core");
     if (system->call->failed)
         return NULL;
     range->modes = reals(system->call, PyTuple_GET_ITEM(found, 0), 2, shape);
-    range->core = reals(system->call, PyTuple_GET_ITEM(found, 1), 2, of_core);
-    expect(system->call, shape[0] > 0 && of_core[0] == shape[1] + 2 && of_core[1] == of_core[0], "core of another size");
+    range->even = count(system->call, PyTuple_GET_ITEM(found, 1));
+    range->core = reals(system->call, PyTuple_GET_ITEM(found, 2), 2, of_core);
+    expect(system->call, shape[0] > 1 && range->even >= 0 && range->even <= shape[1] && of_core[0] == shape[1] + 2 && of_core[1] == of_core[0], "core of another size");
     range->steps = steps;
     range->count = shape[0];
     range->q = of_core[0];
@@ -80,6 +81,16 @@ VECTORISED static void chebyshev(Size n, Size count, const double *RESTRICT t, d
         }
 }
 
+/* The phi_k at `rows` of n places, the even ones of polynomials of even degree, the others of odd ones. */
+static void series(const Range *range, Size n, const double *polynomials, Size rows, double *values)
+{
+    Size functions = range->q - 2, even = range->even;
+    product('N', 'T', rows, even, (range->count + 1) / 2, 1.0, polynomials, 2 * n, range->modes, 2 * functions, 0.0,
+            values, rows);
+    product('N', 'T', rows, functions - even, range->count / 2, 1.0, polynomials + n, 2 * n,
+            range->modes + functions + even, 2 * functions, 0.0, values + even * rows, rows);
+}
+
 const Range *widened(System *system, Size first, Size middle, Size last, Size shared, const double *columns,
                      double *wider[2])
 {
@@ -118,8 +129,7 @@ const Range *widened(System *system, Size first, Size middle, Size last, Size sh
             memcpy(added, m + from, (size_t)rows * sizeof(double));
             for (i = 0; i < rows; i++)
                 added[rows + i] = 1.0;
-            product('N', 'T', rows, range->q - 2, range->count, 1.0, polynomials + from, n, range->modes, range->q - 2,
-                    0.0, added + 2 * rows, rows);
+            series(range, n, polynomials + from, rows, added + 2 * rows);
         }
     }
     PyMem_Free(polynomials);

@@ -8,7 +8,7 @@ sin((x - delta)/2)| and m = log sqrt|sin((x - beta)/2) sin((x - delta)/2)|.  For
 The last term is analytic in |Im u| < pi however close the arcs come to beta and delta, which only widens the interval
 [-U, U] of u by the logarithm of the clearance.  It is a double Chebyshev series there, and its symmetric matrix of
 coefficients has eigenvalues that fall like exp(-pi^2 k / (2 U)): the sum of products sign_k phi_k(u) phi_k(u') is
-short.  Addition theorem: of the sine.  Dimensionless.
+short.  As it is even in u - u', the phi_k are even or odd.  Addition theorem: of the sine.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def separated_kernel(x: FloatArray, beta: float, delta: float, accuracy: float) 
     u, m = _coordinates(x, beta, delta)
     low, high = float(u.min()), float(u.max())
     steps = int(np.ceil(np.log((high - low) / 2) / np.log(RANGE_STEP)))
-    modes, core = modes_and_core(steps, accuracy)
+    modes, _, core = modes_and_core(steps, accuracy)
     return SeparatedKernel(_columns(m, (u - (low + high) / 2) / RANGE_STEP**steps, modes), core)
 
 
@@ -97,8 +97,9 @@ def _polynomials(t: FloatArray, count: int) -> FloatArray:
 
 
 @lru_cache(maxsize=256)
-def modes_and_core(steps: int, accuracy: float) -> tuple[FloatArray, FloatArray]:
-    """Chebyshev coefficients of the phi_k on [-U, U], U = RANGE_STEP^steps, (m, q - 2), and the core, (q, q)."""
+def modes_and_core(steps: int, accuracy: float) -> tuple[FloatArray, int, FloatArray]:
+    """Chebyshev coefficients of the phi_k on [-U, U], U = RANGE_STEP^steps, (m, q - 2), first those that are even, how
+    many these are, and the core, (q, q)."""
     half_range = RANGE_STEP**steps
     pole = np.pi / half_range
     decay = np.log(pole + np.hypot(1.0, pole))
@@ -106,8 +107,14 @@ def modes_and_core(steps: int, accuracy: float) -> tuple[FloatArray, FloatArray]
     nodes = half_range * basis_nodes(count)
     difference = np.abs(np.subtract.outer(nodes, nodes))
     series = coefficients(coefficients(difference / 2 + np.log1p(np.exp(-difference))).T)
-    values, vectors = np.linalg.eigh((series + series.T) / 2)
-    kept = np.abs(values) > accuracy
-    core = np.diag(np.concatenate([[0.0, 0.0], np.sign(values[kept])]))
+    modes, signs, sizes = np.zeros((count, count)), [], [0]
+    for parity in (0, 1):
+        block = series[parity::2, parity::2]
+        values, vectors = np.linalg.eigh((block + block.T) / 2)
+        kept = np.abs(values) > accuracy
+        sizes.append(sizes[-1] + int(kept.sum()))
+        modes[parity::2, sizes[-2] : sizes[-1]] = vectors[:, kept] * np.sqrt(np.abs(values[kept]))
+        signs.append(np.sign(values[kept]))
+    core = np.diag(np.concatenate([[0.0, 0.0], *signs]))
     core[0, 1] = core[1, 0] = 1.0
-    return np.ascontiguousarray(vectors[:, kept] * np.sqrt(np.abs(values[kept]))), core
+    return np.ascontiguousarray(modes[:, : sizes[2]]), sizes[1], core

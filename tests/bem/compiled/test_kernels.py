@@ -139,8 +139,13 @@ def test_matrix_that_a_uniform_charge_alone_keeps_positive_definite(posed):
 
 @pytest.mark.parametrize("posed", ["sixty", "three hundred"], indirect=True)
 def test_clusters_that_are_not_positive_definite_together(posed, monkeypatch):
-    modes, splitting = separated_kernel.modes_and_core, hierarchical.Splitting(1e-12, 110, 0.03)
-    monkeypatch.setattr(separated_kernel, "modes_and_core", lambda *given: (modes(*given)[0], 100 * modes(*given)[1]))
+    original, splitting = separated_kernel.modes_and_core, hierarchical.Splitting(1e-12, 110, 0.03)
+
+    def too_strong(steps, accuracy):
+        modes, even, core = original(steps, accuracy)
+        return modes, even, 100 * core
+
+    monkeypatch.setattr(separated_kernel, "modes_and_core", too_strong)
     assert refused(posed.skeleton, splitting, posed.reference)
 
 

@@ -132,8 +132,8 @@ def test_clusters_that_are_not_positive_definite_together_are_refused_by_name(mo
     """A kernel between them far larger than that within them."""
 
     def too_strong(steps, accuracy):
-        modes, core = original(steps, accuracy)
-        return modes, 100 * core
+        modes, even, core = original(steps, accuracy)
+        return modes, even, 100 * core
 
     original = separated_kernel.modes_and_core
     monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 40)
