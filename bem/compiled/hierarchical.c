@@ -151,14 +151,14 @@ static Status joined(const System *system, Size first, Cluster *pair, const doub
     return status;
 }
 
-/* hierarchical._cluster: patches from `first` to before `last`, with `shared` columns at their nodes. */
-static Status solved_cluster(System *system, Size first, Size last, Size shared, const double *columns,
-                             Cluster *cluster)
+/* hierarchical._cluster: patches from `first` to before `last`, with the columns shared from above. */
+static Status solved_cluster(System *system, Size first, Size last, const Columns *columns, Cluster *cluster)
 {
     const Table *tables = system->tables;
-    double *wider[2] = {NULL, NULL}, *core = NULL, best = HUGE_VAL;
+    double *core = NULL, best = HUGE_VAL;
     const Range *range = NULL;
-    Size n = tables[last].start - tables[first].start, cut = first + 1, i;
+    Columns wider = {.above = columns};
+    Size n = tables[last].start - tables[first].start, shared = columns->shared, cut = first + 1, i;
     Status status = FAILED;
     memset(cluster, 0, sizeof *cluster);
     cluster->n = n;
@@ -181,22 +181,21 @@ static Status solved_cluster(System *system, Size first, Size last, Size shared,
         }
     }
     cluster->halves = PyMem_Calloc(2, sizeof(Cluster));
-    range = cluster->halves != NULL ? widened(system, first, cut, last, shared, columns, wider) : NULL;
-    if (range != NULL && wider[1] != NULL && (core = workspace(range->q * range->q)) != NULL) {
+    range = cluster->halves != NULL ? widened(system, first, cut, last, &wider) : NULL;
+    if (range != NULL && wider.values != NULL && (core = workspace(range->q * range->q)) != NULL) {
         for (i = 0; i < range->q * range->q; i++)
             core[i] = -range->core[i];
         core[range->q + 1] += system->uniform; /* the second column is 1 */
         cluster->rank = range->q;
-        status = solved_cluster(system, first, cut, shared + range->q, wider[0], &cluster->halves[0]);
+        status = solved_cluster(system, first, cut, &wider, &cluster->halves[0]);
         if (status == SOLVED)
-            status = solved_cluster(system, cut, last, shared + range->q, wider[1], &cluster->halves[1]);
+            status = solved_cluster(system, cut, last, &wider, &cluster->halves[1]);
         if (status == SOLVED)
             status = joined(system, first, cluster, core);
         for (i = 0; i < 2; i++)
             forget_grams(&cluster->halves[i]);
     }
-    PyMem_Free(wider[0]);
-    PyMem_Free(wider[1]);
+    PyMem_Free((void *)wider.values);
     PyMem_Free(core);
     return status;
 }
@@ -294,6 +293,7 @@ DECLARED(solved)
     double *half = NULL, *unit = NULL, *change = NULL, *columns, *made[6], remaining, share;
     int64_t *modes;
     System system;
+    Columns asked;
     Cluster whole;
     Status status = FAILED;
     PyObject *object, *parts[6], *result = NULL;
@@ -340,9 +340,10 @@ DECLARED(solved)
             half[i] = sin(system.x[i] / 2);
             half[n[0] + i] = cos(system.x[i] / 2);
         }
+        asked = (Columns){.values = columns, .ld = n[0], .count = k, .shared = k};
         for (i = 0; i < k * k; i++)
             unit[i] = i % (k + 1) == 0;
-        status = solved_cluster(&system, 0, of_modes, k, columns, &whole);
+        status = solved_cluster(&system, 0, of_modes, &asked, &whole);
         if (status == SOLVED && !charges_of(&whole, k, unit, made[3], n[0]))
             status = FAILED;
         if (status == SOLVED && (remaining = 1 - system.uniform * whole.gram[k + 1]) <= 0)

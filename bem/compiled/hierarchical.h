@@ -36,14 +36,21 @@ typedef struct Cluster {
     struct Cluster *halves;
 } Cluster;
 
+/* Right-hand sides at the nodes of a cluster from node `first` of all on, by columns `ld` numbers apart, and those
+   shared from above. */
+typedef struct Columns {
+    const struct Columns *above;
+    const double *values;
+    Size first, ld, count, shared; /* `shared` counts them all */
+} Columns;
+
 typedef enum { FAILED = -1, NOT_DEFINITE = 0, SOLVED = 1 } Status;
 
 /* hierarchical._leaf of the patches from `first` to before `last`, whose sizes the leaf says. */
-Status solved_leaf(const System *system, Size first, Size last, const double *shared, Cluster *leaf);
+Status solved_leaf(const System *system, Size first, Size last, const Columns *columns, Cluster *leaf);
 
-/* separated_kernel.separated_kernel between the patches before and from `middle`: for both halves the columns shared
-   from above and those of the kernel, which the caller frees; NULL with an exception. */
-const Range *widened(System *system, Size first, Size middle, Size last, Size shared, const double *columns,
-                     double *wider[2]);
+/* separated_kernel.separated_kernel between the patches before and from `middle`: its columns, whose values the caller
+   frees; NULL with an exception. */
+const Range *widened(System *system, Size first, Size middle, Size last, Columns *added);
 
 #endif

@@ -103,7 +103,7 @@ static void distribute(const System *system, Size first, const double *gram, Clu
     }
 }
 
-Status solved_leaf(const System *system, Size first, Size last, const double *shared, Cluster *leaf)
+Status solved_leaf(const System *system, Size first, Size last, const Columns *columns, Cluster *leaf)
 {
     Size start = system->tables[first].start, n = leaf->n, m = leaf->m, i, k, c, row;
     double *matrix = leaf->factor = workspace(n * n), *rhs = leaf->solved = workspace(n * m), *half = workspace(2 * n);
@@ -117,9 +117,13 @@ Status solved_leaf(const System *system, Size first, Size last, const double *sh
         memcpy(half + n, system->half + system->n + start, (size_t)n * sizeof(double));
         between_nodes(n, half, system->uniform, matrix);
         memset(rhs, 0, (size_t)(n * m) * sizeof(double));
-        for (i = 0; i < n; i++)
-            for (c = 0; c < leaf->shared; c++)
-                rhs[i * m + c] = shared[c * n + i];
+        for (; columns != NULL; columns = columns->above)
+            for (c = 0; c < columns->count; c++) {
+                const double *from = columns->values + c * columns->ld + start - columns->first;
+                double *to = rhs + columns->shared - columns->count + c;
+                for (i = 0; i < n; i++)
+                    to[i * m] = from[i];
+            }
         for (c = 0; c < leaf->shared; c++)
             begin[c] = 0;
         for (i = first; i < last; i++) {

@@ -81,21 +81,19 @@ VECTORISED static void chebyshev(Size n, Size count, const double *RESTRICT t, d
         }
 }
 
-/* The phi_k at `rows` of n places, the even ones of polynomials of even degree, the others of odd ones. */
-static void series(const Range *range, Size n, const double *polynomials, Size rows, double *values)
+/* The phi_k at n places, the even ones of polynomials of even degree, the others of odd ones. */
+static void series(const Range *range, Size n, const double *polynomials, double *values)
 {
     Size functions = range->q - 2, even = range->even;
-    product('N', 'T', rows, even, (range->count + 1) / 2, 1.0, polynomials, 2 * n, range->modes, 2 * functions, 0.0,
-            values, rows);
-    product('N', 'T', rows, functions - even, range->count / 2, 1.0, polynomials + n, 2 * n,
-            range->modes + functions + even, 2 * functions, 0.0, values + even * rows, rows);
+    product('N', 'T', n, even, (range->count + 1) / 2, 1.0, polynomials, 2 * n, range->modes, 2 * functions, 0.0,
+            values, n);
+    product('N', 'T', n, functions - even, range->count / 2, 1.0, polynomials + n, 2 * n,
+            range->modes + functions + even, 2 * functions, 0.0, values + even * n, n);
 }
 
-const Range *widened(System *system, Size first, Size middle, Size last, Size shared, const double *columns,
-                     double *wider[2])
+const Range *widened(System *system, Size first, Size middle, Size last, Columns *added)
 {
-    Size start = system->tables[first].start, split = system->tables[middle].start - start, i, part;
-    Size n = system->tables[last].start - start, steps;
+    Size start = system->tables[first].start, n = system->tables[last].start - start, steps, i;
     const double *x = system->x + start, *sine = system->half + start, *cosine = sine + system->n;
     double behind = fmod(system->left[first] - system->right[last - 1], 2 * PI), low = HUGE_VAL, high = -HUGE_VAL;
     double beta = system->right[middle - 1] + (system->left[middle] - system->right[middle - 1]) / 2;
@@ -116,21 +114,21 @@ const Range *widened(System *system, Size first, Size middle, Size last, Size sh
     unit = pow(RANGE_STEP, (double)steps);
     range = range_of(system, steps);
     if (range != NULL && (polynomials = workspace(n * range->count)) != NULL) {
+        double *values = workspace(n * range->q);
         for (i = 0; i < n; i++)
             u[i] = (u[i] - (low + high) / 2) / unit;
         chebyshev(n, range->count, u, polynomials, u + 2 * n);
-        for (part = 0; part < 2; part++) {
-            Size from = part == 0 ? 0 : split, rows = part == 0 ? split : n - split;
-            double *added = wider[part] = workspace(rows * (shared + range->q));
-            if (added == NULL)
-                break;
-            for (i = 0; i < shared; i++, added += rows)
-                memcpy(added, columns + i * n + from, (size_t)rows * sizeof(double));
-            memcpy(added, m + from, (size_t)rows * sizeof(double));
-            for (i = 0; i < rows; i++)
-                added[rows + i] = 1.0;
-            series(range, n, polynomials + from, rows, added + 2 * rows);
+        if (values != NULL) {
+            memcpy(values, m, (size_t)n * sizeof(double));
+            for (i = 0; i < n; i++)
+                values[n + i] = 1.0;
+            series(range, n, polynomials, values + 2 * n);
         }
+        added->values = values;
+        added->first = start;
+        added->ld = n;
+        added->count = range->q;
+        added->shared = added->above->shared + range->q;
     }
     PyMem_Free(polynomials);
     PyMem_Free(u);
