@@ -26,9 +26,10 @@ def assess_equilibrium(system: System, here: Balance, value: float, tolerance: f
     value : float
         Of the control.
     tolerance : float
-        Finer than that of `here`; the nodes and modes being given, it sets the accuracy between clusters of patches.
+        Finer than that of `here`.
     """
-    state, resolution = here.state, finer(here.state.resolution)
+    state = here.state
+    resolution = finer(system.elastic, state.patches, state.resolution, tolerance)
     system = replace(system, elastic=with_left_out(system.elastic, state))
     fine = balance(system, state.patches, state.penetration, value, tolerance, resolution)
     corrected = state.patches.moved(-fine.response(fine.gradient))

@@ -50,7 +50,9 @@ def at_rest(
         if not patches.is_ordered:
             return None
         wanted = resolve(system.elastic, patches, tolerance)
-        asked, wanted = (system.sloped, finer(wanted)) if last else (system, wanted)
+        if last:
+            wanted = finer(system.elastic, patches, wanted, 1e-2 * tolerance)
+        asked = system.sloped if last else system
         here = balance(asked, patches, here.state.penetration, value, tolerance, wanted)
         outward = -here.response(here.gradient)
         found.append(after_step(system, here, value, outward, 0.0))

@@ -135,8 +135,11 @@ def eigenvalue_gradient(soft: Soft) -> FloatArray:
 
 def refined(system: System, soft: Soft, step: FloatArray, value: float, tolerance: float, other: bool) -> Balance:
     """Forces after a step, at a finer tolerance; with another resolution than it asks for, where errors are wanted."""
-    wanted = resolve(system.elastic, soft.here.state.patches.moved(step * soft.scale), tolerance)
-    return forces_at(system, soft, step, value, tolerance, finer(wanted) if other else wanted)
+    patches = soft.here.state.patches.moved(step * soft.scale)
+    wanted = resolve(system.elastic, patches, tolerance)
+    if other:
+        wanted = finer(system.elastic, patches, wanted, 1e-2 * tolerance)
+    return forces_at(system, soft, step, value, tolerance, wanted)
 
 
 def to_rest(soft: Soft) -> FloatArray:

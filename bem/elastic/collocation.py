@@ -204,9 +204,13 @@ def sizes(patches: Patches, tolerance: float, max_order: int, least: FloatArray)
     return chebyshev.rounded_up(wanted, NODES_RATIO), modes
 
 
-def finer(resolution: Resolution) -> Resolution:
-    """A third more nodes and half as many modes again: an independent size for error estimates."""
-    modes = chebyshev.rounded_up(1.5 * resolution.modes.astype(np.float64), MODES_RATIO)
+def finer(elastic: Elastic, patches: Patches, resolution: Resolution, tolerance: float) -> Resolution:
+    """Modes that a finer tolerance asks for, a size above those known at least, and a third more nodes.
+
+    What a tolerance a hundred times smaller changes is the error of an evaluation.
+    """
+    more = chebyshev.rounded_up(resolution.modes.astype(np.float64) + 1, MODES_RATIO)
+    modes = np.maximum(resolve(elastic, patches, tolerance).modes, more)
     nodes = np.maximum(1.33 * resolution.nodes, modes.astype(np.float64)) + 8
     return Resolution(chebyshev.rounded_up(nodes, NODES_RATIO), modes)
 

@@ -13,20 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem.elastic.collocation import MODES_RATIO, NODES_RATIO, Elastic, Evaluation, Resolution, evaluate, finer, resolve
+from bem.elastic.collocation import Elastic, Evaluation, evaluate, finer
 from bem.elastic.sensitivities import own_sensitivity
-from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 from bem.loading.control import Control
-
-
-def _finer(elastic: Elastic, state: Evaluation, tolerance: float) -> Resolution:
-    """Modes that a tolerance asks for, a size above those of the state at least, and a third more nodes."""
-    more = chebyshev.rounded_up(state.resolution.modes.astype(np.float64) + 1, MODES_RATIO)
-    modes = np.maximum(resolve(elastic, state.patches, tolerance).modes, more)
-    nodes = np.maximum(finer(state.resolution).nodes, chebyshev.rounded_up(modes.astype(np.float64) + 4, NODES_RATIO))
-    return Resolution(nodes, modes)
 
 
 def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value: float, tolerance: float) -> Assessment:
@@ -40,11 +31,11 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
     value : float
         Of the control.
     tolerance : float
-        Finer than that of `state`: the modes are those of this tolerance, and more than before; the nodes a third more.
+        Finer than that of `state`.
     """
     at = control.guess(state.penetration, value)
     elastic = with_left_out(elastic, state)
-    resolution = _finer(elastic, state, tolerance)
+    resolution = finer(elastic, state.patches, state.resolution, tolerance)
     fine = evaluate(elastic, state.patches, at, tolerance, resolution, with_compliance=False)
     fine = control.reach(fine, value)
     outward = -fine.stress_intensity / own_sensitivity(fine)

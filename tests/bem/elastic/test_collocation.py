@@ -130,8 +130,10 @@ def test_pressure_series_agree_with_the_dense_reference(rough):
 
 def test_finer_sizes_change_nothing(rough):
     patches, penetration, state = rough
-    other = evaluate(Elastic(ROUGH), patches, penetration, 1e-12, finer(state.resolution))
-    assert np.all(finer(state.resolution).modes > state.resolution.modes)
+    more = finer(Elastic(ROUGH), patches, state.resolution, 1e-12)
+    other = evaluate(Elastic(ROUGH), patches, penetration, 1e-12, more)
+    assert np.all(more.modes > state.resolution.modes)
+    assert np.all(more.nodes > state.resolution.nodes)
     np.testing.assert_allclose(other.stress_intensity, state.stress_intensity, rtol=0, atol=1e-10)
     assert other.load == pytest.approx(state.load, rel=1e-12)
 
