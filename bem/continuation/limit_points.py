@@ -177,7 +177,7 @@ def _near(system: System, soft: Soft, expected: Foretold, reach: float, toleranc
         here = forces_at(system, soft, motion, soft.value + change, tolerance, resolution)
     except LostError:
         return None
-    return Soft(system, here, soft.value + change, soft.scale)
+    return Soft(system, here, soft.value + change, soft.scale, expected.modes[:, 0])
 
 
 def _is_expected(fold: LimitPoint, soft: Soft, expected: Foretold) -> bool:
@@ -271,7 +271,7 @@ def _neutral(system: System, soft: Soft, begin: float, search: Search, breaking:
 def _ends_branch(soft: Soft, gradient: FloatArray, reach: float) -> bool:
     """Whether a fold ends its branch: not where another limit point lies before it, or where it begins a branch."""
     cubic, work = float(gradient @ soft.mode), float(soft.pull @ soft.mode)
-    return bool(soft.eigenvalues[1:2].min(initial=1.0) > 0 and cubic * work * reach > 0)
+    return soft.is_alone and cubic * work * reach > 0
 
 
 def _newton(system: System, soft: Soft, breaking: bool) -> _Newton:

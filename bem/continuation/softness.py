@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System, balance, symmetric_part
-from bem.adhesive.lowest_modes import lowest_modes
+from bem.adhesive.lowest_modes import known_mode, lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.loading.path_events import EventNumbers
@@ -42,9 +42,9 @@ class Soft:
     scale : (2 L,) array
         The units.
     last : (2 L,) array, optional
-        A mode, with which the softest one goes.
+        A mode, with which the softest one goes; found the faster the closer to it.
     every : bool
-        Whether all modes are wanted, not the two softest alone.
+        Whether all modes are wanted, not the softest alone.
     """
 
     system: System
@@ -71,7 +71,7 @@ class Soft:
 
     @property
     def eigenvalues(self) -> FloatArray:
-        """Of the Hessian, ascending."""
+        """Of the Hessian, ascending: all, the lowest two, or the lowest where the others are positive."""
         return self._lowest[0]
 
     @property
@@ -83,6 +83,11 @@ class Soft:
     def mode(self) -> FloatArray:
         """The softest one, (2 L,)."""
         return np.asarray(self.modes[:, 0])
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether the eigenvalues of all other modes are positive."""
+        return bool(self.eigenvalues[1:2].min(initial=1.0) > 0)
 
     @property
     def eigenvalue_rate(self) -> float:
@@ -101,7 +106,8 @@ class Soft:
 
     @cached_property
     def _lowest(self) -> tuple[FloatArray, FloatArray]:
-        eigenvalues, modes = lowest_modes(self.hessian, None if self.every else 2)
+        known = None if self.every or self.last is None else known_mode(self.hessian, self.last)
+        eigenvalues, modes = known or lowest_modes(self.hessian, None if self.every else 2)
         if self.last is not None:
             modes *= np.sign(modes[:, 0] @ self.last) or 1.0
         return eigenvalues, modes

@@ -37,7 +37,7 @@ def turning_points(system: System, soft: Soft, reach: float, tolerance: float) -
         try:
             ahead = _continued(system, soft, length, way, tolerance)
             turned = _tangent(ahead, way[0])
-            if turned[1] * way[1] < 0 and ahead.eigenvalues[1:2].min(initial=1.0) > 0:
+            if turned[1] * way[1] < 0 and ahead.is_alone:
                 yield _continued(system, soft, length * way[1] / (way[1] - turned[1]), way, tolerance)
         except LostError:
             ahead = None
