@@ -167,6 +167,7 @@ class Path:
                 if half is not None:
                     pace = Pace(half, trial.value, "ahead")
                     continue
+                pace = replace(pace, fold="asked")
             attempt = Attempt() if pace.fold == "near" else self._attempt(point, trial.value, pace.fold == "ahead")
             if attempt.too_long and trial.step >= 2 * self.increments.smallest:
                 self.effort.rejected += 1
