@@ -1,5 +1,7 @@
 """Ends of branches by their own equation: folds against closed forms, broken symmetries, and ways that lead on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -222,6 +224,21 @@ def test_equal_crests_lose_their_symmetry_before_they_pull_off(count):
     assert way.leads_on
     inward = -(way.outward[:count] + way.outward[count:])
     assert np.argmax(inward) == np.argmax(np.abs(inward))  # one patch shrinks most
+
+
+def test_newton_for_a_fold_that_ends_where_a_symmetry_breaks_has_found_no_fold(monkeypatch):
+    """Crests far apart: the two modes are neutral together but for a little, and either may attract Newton."""
+    system, start = equal_crests(2), -0.05
+    here = symmetric_state(system, 2, start)
+    broken = locate_limit_point(system, here, start, Search(-0.05, TOLERANCES))
+    assert broken.kind == "broken_symmetry"
+
+    def ends_there(system, soft, begin, search, breaking):
+        return None if breaking else replace(broken, kind="fold")
+
+    monkeypatch.setattr(limit_points, "_neutral", ends_there)
+    monkeypatch.setattr(limit_points, "_near", lambda system, soft, expected, reach, tolerance: soft)
+    assert locate_limit_point(system, here, start, Search(-0.05, TOLERANCES)) is None
 
 
 def test_a_fold_of_almost_equal_crests_lies_before_the_symmetric_one():
