@@ -3,7 +3,8 @@
 #include "hierarchical.h"
 #include "kernels.h"
 
-#define CENTRED 10.0 /* hierarchical.CENTRED */
+#define CENTRED 10.0  /* hierarchical.CENTRED */
+#define MOST_OFF 0.25 /* hierarchical.MOST_OFF */
 
 #define PANEL 64 /* columns at a time of a symmetric product */
 
@@ -151,11 +152,33 @@ static Status joined(const System *system, Size first, Cluster *pair, const doub
     return status;
 }
 
+/* Where hierarchical._cluster splits patches from `first` to before `last`: in a wide gap not far from the middle. */
+static Size cut_of(const System *system, Size first, Size last)
+{
+    const Table *tables = system->tables;
+    double start = (double)tables[first].start, end = (double)tables[last].start;
+    double off, wider, cost, best = HUGE_VAL, middle = 0.0;
+    Size cut = first + 1, pass, i;
+    for (pass = 0; pass < 2; pass++, best = HUGE_VAL)
+        for (i = first + 1; i < last; i++) {
+            off = fabs((double)tables[i].start - (start + end) / 2) / (end - start);
+            wider = pass == 0 ? 0.0 : log((system->left[i] - system->right[i - 1]) / middle);
+            cost = CENTRED * off - (wider < CENTRED * MOST_OFF ? wider : CENTRED * MOST_OFF);
+            if (cost < best) {
+                best = cost;
+                cut = i;
+            }
+            if (pass == 0 && cut == i)
+                middle = system->left[i] - system->right[i - 1];
+        }
+    return cut;
+}
+
 /* hierarchical._cluster: patches from `first` to before `last`, with the columns shared from above. */
 static Status solved_cluster(System *system, Size first, Size last, const Columns *columns, Cluster *cluster)
 {
     const Table *tables = system->tables;
-    double *core = NULL, best = HUGE_VAL;
+    double *core = NULL;
     const Range *range = NULL;
     Columns wider = {.above = columns};
     Size n = tables[last].start - tables[first].start, shared = columns->shared, cut = first + 1, i;
@@ -172,15 +195,9 @@ static Status solved_cluster(System *system, Size first, Size last, const Column
         return FAILED;
     if (last - first == 1 || n <= system->largest || system->addition != NULL)
         return solved_leaf(system, first, last, columns, cluster);
-    for (i = first + 1; i < last; i++) {
-        double off = fabs((double)tables[i].start - (double)(tables[first].start + tables[last].start) / 2) / (double)n;
-        double cost = CENTRED * off - log(system->left[i] - system->right[i - 1]);
-        if (cost < best) {
-            best = cost;
-            cut = i;
-        }
-    }
-    cluster->halves = PyMem_Calloc(2, sizeof(Cluster));
+    cut = cut_of(system, first, last);
+    if ((cluster->halves = PyMem_Calloc(2, sizeof(Cluster))) == NULL)
+        PyErr_NoMemory();
     range = cluster->halves != NULL ? widened(system, first, cut, last, &wider) : NULL;
     if (range != NULL && wider.values != NULL && (core = workspace(range->q * range->q)) != NULL) {
         for (i = 0; i < range->q * range->q; i++)
@@ -238,15 +255,15 @@ static void corrected(Size k, const double *change, Size n, double *values)
     }
 }
 
-/* The same of what edges do at edges and of the slopes that they make there, left ones first; `change` and `ones`
-   (b^T A'^-1 1) of edges. */
+/* The same of what edges do at edges and of the slopes that they make there, left ones first; `change` of edges. */
 static void corrected_edges(const System *system, const Cluster *whole, const double *change, double *compliance,
                             double *slopes)
 {
     Size k = whole->shared, edges = whole->edges, half = edges / 2, i, j;
     for (i = 0; i < edges; i++) {
         Size row = 2 * (i % half) + i / half;
-        double one = whole->with_edges[row * k + 1], bent = system->per_patch == 4 ? whole->with_slopes[row * k + 1] : 0.0;
+        double one = whole->with_edges[row * k + 1]; /* b^T A'^-1 1 */
+        double bent = system->per_patch == 4 ? whole->with_slopes[row * k + 1] : 0.0;
         for (j = 0; j < edges; j++) {
             Size column = 2 * (j % half) + j / half, low = row < column ? row : column, high = row + column - low;
             *compliance++ = system->compliance[high * edges + low] + one * change[column];
@@ -334,7 +351,8 @@ DECLARED(solved)
     parts[4] = new_reals(&call, 2, k, 2 * of_modes, &made[4]);
     parts[5] = new_reals(&call, 2, k, 2 * of_modes, &made[5]);
     if (!call.failed && (half = workspace(2 * n[0])) && (unit = workspace(k * k)) && (change = workspace(k + edges)) &&
-        (system.compliance = zeros(edges * edges)) && (system.slopes = zeros(system.per_patch == 4 ? edges * edges : 0))) {
+        (system.compliance = zeros(edges * edges)) &&
+        (system.slopes = zeros(system.per_patch == 4 ? edges * edges : 0))) {
         system.half = half;
         for (i = 0; i < n[0]; i++) {
             half[i] = sin(system.x[i] / 2);

@@ -85,10 +85,10 @@ static inline double entry(Size m, const double *gram, Size i, Size j)
    slopes of each patch. */
 static void distribute(const System *system, Size first, const double *gram, Cluster *leaf)
 {
-    Size shared = leaf->shared, m = leaf->m, per_patch = system->per_patch, edge, other, i;
-    for (edge = 0; edge < shared; edge++)
-        for (i = 0; i < shared; i++)
-            leaf->gram[edge * shared + i] = entry(m, gram, i, edge);
+    Size shared = leaf->shared, m = leaf->m, per_patch = system->per_patch, edge, other, i, j;
+    for (i = 0; i < shared; i++)
+        for (j = 0; j < shared; j++)
+            leaf->gram[i * shared + j] = entry(m, gram, i, j);
     for (edge = 0; edge < leaf->edges; edge++) {
         Size column = shared + per_patch * (edge / 2) + edge % 2, at = (2 * first + edge) * system->edges + 2 * first;
         memcpy(leaf->with_edges + edge * shared, gram + column * m, (size_t)shared * sizeof(double));

@@ -30,7 +30,8 @@ static const Range *range_of(System *system, Size steps)
     range->modes = reals(system->call, PyTuple_GET_ITEM(found, 0), 2, shape);
     range->even = count(system->call, PyTuple_GET_ITEM(found, 1));
     range->core = reals(system->call, PyTuple_GET_ITEM(found, 2), 2, of_core);
-    expect(system->call, shape[0] > 1 && range->even >= 0 && range->even <= shape[1] && of_core[0] == shape[1] + 2 && of_core[1] == of_core[0], "core of another size");
+    expect(system->call, shape[0] > 1 && range->even >= 0 && range->even <= shape[1], "functions and modes differ");
+    expect(system->call, of_core[0] == shape[1] + 2 && of_core[1] == of_core[0], "core of another size");
     range->steps = steps;
     range->count = shape[0];
     range->q = of_core[0];

@@ -205,11 +205,11 @@ def sizes(patches: Patches, tolerance: float, max_order: int, least: FloatArray)
 
 
 def finer(elastic: Elastic, patches: Patches, resolution: Resolution, tolerance: float) -> Resolution:
-    """Modes that a finer tolerance asks for, a size above those known at least, and a third more nodes.
+    """Modes that a finer tolerance asks for, three more than known at least, and a third more nodes.
 
     What a tolerance a hundred times smaller changes is the error of an evaluation.
     """
-    more = chebyshev.rounded_up(resolution.modes.astype(np.float64) + 1, MODES_RATIO)
+    more = chebyshev.rounded_up(resolution.modes.astype(np.float64) + 3, MODES_RATIO)
     modes = np.maximum(resolve(elastic, patches, tolerance).modes, more)
     nodes = np.maximum(1.33 * resolution.nodes, modes.astype(np.float64)) + 8
     return Resolution(chebyshev.rounded_up(nodes, NODES_RATIO), modes)

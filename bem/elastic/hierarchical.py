@@ -50,6 +50,7 @@ Output = TypeVar("Output")
 UNIFORM = 0.03  # alpha; the kernel of a whole period has the eigenvalues 0 and 1 / (2 n)
 LARGEST_LEAF = 130  # unknowns, above which a cluster of several patches is split (measured)
 CENTRED = 10.0  # a cluster is split in a gap e times wider, if that is off its middle by less than one part in these
+MOST_OFF = 0.25  # and by no more than this, unless all are: clusters of clusters stay few
 FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by blocks of rows (measured)
 
 
@@ -224,7 +225,9 @@ def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, spli
     if last - first == 1 or starts[last] - starts[first] <= splitting.largest or skeleton.addition is not None:
         return _leaf(skeleton, first, last, shared, splitting.uniform)
     off = np.abs(starts[first + 1 : last] - (starts[first] + starts[last]) / 2) / (starts[last] - starts[first])
-    middle = first + 1 + int(np.argmin(CENTRED * off - np.log(patches.gap_after[first : last - 1])))
+    gap = patches.gap_after[first : last - 1]
+    wider = np.minimum(np.log(gap / gap[np.argmin(off)]), CENTRED * MOST_OFF)
+    middle = first + 1 + int(np.argmin(CENTRED * off - wider))
     behind = (patches.left[first] - patches.right[last - 1]) % TWO_PI
     kernel = separated_kernel(
         skeleton.x[starts[first] : starts[last]],

@@ -98,8 +98,10 @@ def _polynomials(t: FloatArray, count: int) -> FloatArray:
 
 @lru_cache(maxsize=256)
 def modes_and_core(steps: int, accuracy: float) -> tuple[FloatArray, int, FloatArray]:
-    """Chebyshev coefficients of the phi_k on [-U, U], U = RANGE_STEP^steps, (m, q - 2), first those that are even, how
-    many these are, and the core, (q, q)."""
+    """Chebyshev coefficients of the phi_k on [-U, U], U = RANGE_STEP^steps, (m, q - 2), and the core, (q, q).
+
+    Between them the number of even phi_k, which come first.
+    """
     half_range = RANGE_STEP**steps
     pole = np.pi / half_range
     decay = np.log(pole + np.hypot(1.0, pole))

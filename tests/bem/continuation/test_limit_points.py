@@ -19,8 +19,8 @@ from bem.continuation.jumps import Jumps, interpolated
 from bem.continuation.limit_points import Search, UndecidedError, before_fold, locate_limit_point
 from bem.continuation.points_with_edges import Equilibrium, equilibrium
 from bem.continuation.rest import at_rest
-from bem.continuation.softness import LostError, Soft
-from bem.elastic.collocation import Elastic
+from bem.continuation.softness import LostError, Soft, refined
+from bem.elastic.collocation import Elastic, resolve
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
@@ -299,6 +299,18 @@ def test_an_end_that_is_not_located_knows_its_errors(control, quantity, other, p
     at, error = behind.events[0].at, behind.events[0].error
     assert abs(at.value - exact) <= error.value
     assert 0.3 <= abs(getattr(at, other) - johnson(other, psi)) / getattr(error, other) <= 1
+
+
+def test_errors_are_those_of_more_modes():
+    system, value = wave(DisplacementControl()), johnson("penetration", 1.525)
+    here = resting(system, [2 * np.pi], 3.05, value)
+    soft = Soft(system, here, value, here.scale)
+    fine, other = (refined(system, soft, np.zeros(2), value, 1e-6, more).state for more in (False, True))
+    jumped = at_rest(system, here, value, (1e-6, 1e-6))[0].state
+    least = resolve(system.elastic, here.state.patches, 1e-8).modes
+    for more in (other.resolution, jumped.resolution):
+        assert np.all(more.modes >= np.maximum(fine.resolution.modes + 3, least))
+        assert np.all(more.nodes >= 1.3 * fine.resolution.nodes)
 
 
 def test_a_coarse_equilibrium_is_improved_with_its_error():

@@ -5,8 +5,9 @@ import pytest
 from rough_surfaces import cut, short_waved
 
 from bem.audit.dense import evaluate_dense
+from bem.compiled.kernels import REFERENCES
 from bem.elastic import hierarchical, separated_kernel
-from bem.elastic.collocation import Elastic, evaluate
+from bem.elastic.collocation import Elastic, evaluate, resolve, right_hand_sides
 from bem.elastic.compliance import Compliance
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.sensitivities import stress_intensity_jacobian
@@ -109,6 +110,26 @@ def test_the_start_of_the_period_does_not_matter(evaluated):
     order = np.argsort((moved.left - shift) % (2 * np.pi))
     count = patches.count
     assert relative(there.stress_intensity[np.r_[order, count + order]], here.stress_intensity) <= 1e-9
+
+
+def test_clusters_of_clusters_stay_few_where_gaps_widen_towards_the_ends(monkeypatch):
+    """Such gaps would all be worth a split at the end, a patch at a time."""
+    shared = []
+
+    def leaf(skeleton, first, last, columns, uniform):
+        shared.append(columns.shape[1])
+        return original(skeleton, first, last, columns, uniform)
+
+    original = hierarchical._leaf
+    monkeypatch.setattr(hierarchical, "_leaf", leaf)
+    behind = np.cumsum(0.3 + 1e-3 + np.linspace(-1, 1, 60) ** 2)
+    left = np.append(0.0, behind[:-1])
+    patches = Patches(left * 2 * np.pi / behind[-1], (left + 0.3) * 2 * np.pi / behind[-1])
+    resolution = resolve(Elastic(SHORT), patches, 1e-6)
+    _, x, columns, *_ = right_hand_sides(SHORT, patches, 1.0, resolution)
+    skeleton = hierarchical.Skeleton(patches, resolution.modes, x, columns, None)
+    REFERENCES["solved"](skeleton, hierarchical.Splitting(1e-8, 130, 0.03))
+    assert max(shared) <= 200  # measured 0, with splits at any gap 578
 
 
 def test_layers_are_one_cluster(monkeypatch):
