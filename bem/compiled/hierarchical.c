@@ -5,8 +5,7 @@
 
 #define CENTRED 10.0  /* hierarchical.CENTRED */
 #define MOST_OFF 0.25 /* hierarchical.MOST_OFF */
-
-#define PANEL 64 /* columns at a time of a symmetric product */
+#define PANEL 64      /* columns at a time of a symmetric product */
 
 static void forget_grams(Cluster *cluster)
 {
@@ -152,25 +151,31 @@ static Status joined(const System *system, Size first, Cluster *pair, const doub
     return status;
 }
 
+/* Unknowns of a cluster between its middle and patch i, in parts of them all. */
+static double off_middle(const Table *tables, Size first, Size last, Size i)
+{
+    double start = (double)tables[first].start, end = (double)tables[last].start;
+    return fabs((double)tables[i].start - (start + end) / 2) / (end - start);
+}
+
 /* Where hierarchical._cluster splits patches from `first` to before `last`: in a wide gap not far from the middle. */
 static Size cut_of(const System *system, Size first, Size last)
 {
-    const Table *tables = system->tables;
-    double start = (double)tables[first].start, end = (double)tables[last].start;
-    double off, wider, cost, best = HUGE_VAL, middle = 0.0;
-    Size cut = first + 1, pass, i;
-    for (pass = 0; pass < 2; pass++, best = HUGE_VAL)
-        for (i = first + 1; i < last; i++) {
-            off = fabs((double)tables[i].start - (start + end) / 2) / (end - start);
-            wider = pass == 0 ? 0.0 : log((system->left[i] - system->right[i - 1]) / middle);
-            cost = CENTRED * off - (wider < CENTRED * MOST_OFF ? wider : CENTRED * MOST_OFF);
-            if (cost < best) {
-                best = cost;
-                cut = i;
-            }
-            if (pass == 0 && cut == i)
-                middle = system->left[i] - system->right[i - 1];
+    const double *left = system->left, *right = system->right;
+    double best = HUGE_VAL;
+    Size middle = first + 1, cut = first + 1, i;
+    for (i = first + 2; i < last; i++)
+        if (off_middle(system->tables, first, last, i) < off_middle(system->tables, first, last, middle))
+            middle = i;
+    for (i = first + 1; i < last; i++) {
+        double wider = log((left[i] - right[i - 1]) / (left[middle] - right[middle - 1]));
+        double cost = CENTRED * off_middle(system->tables, first, last, i);
+        cost -= wider < CENTRED * MOST_OFF ? wider : CENTRED * MOST_OFF;
+        if (cost < best) {
+            best = cost;
+            cut = i;
         }
+    }
     return cut;
 }
 
@@ -181,7 +186,7 @@ static Status solved_cluster(System *system, Size first, Size last, const Column
     double *core = NULL;
     const Range *range = NULL;
     Columns wider = {.above = columns};
-    Size n = tables[last].start - tables[first].start, shared = columns->shared, cut = first + 1, i;
+    Size n = tables[last].start - tables[first].start, shared = columns->shared, cut, i;
     Status status = FAILED;
     memset(cluster, 0, sizeof *cluster);
     cluster->n = n;
