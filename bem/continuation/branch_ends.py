@@ -19,13 +19,15 @@ from bem.adhesive.third_derivatives import with_slopes
 from bem.continuation.foretold_folds import foretell_folds
 from bem.continuation.limit_points import LimitPoint, Search, UndecidedError, locate_limit_point
 from bem.continuation.points_with_edges import Equilibrium, equilibrium
-from bem.continuation.softness import Soft
+from bem.continuation.softness import NEAR, Soft
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
 from bem.loading.increments import Increments
 
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
+FINER = 0.3  # of that, where a neutral mode magnifies what is missing; the second then suffices more often
+DEEP = 0.3  # of what a coarse fold may be off by: depth of gaps beside it that surely are closed; errors seen: 0.16
 OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
 
 
@@ -62,10 +64,11 @@ class BranchEnds:
 
         A fold beside which crests have touched is not located any better: the branch ends before.
         """
-        coarse, (fine, finest) = self.increments.coarse.tolerance, self.fine
+        coarse, finest = self.increments.coarse.tolerance, self.fine[1]
+        fine, surely = max(FINER * self.fine[0], finest), max(coarse, NEAR) * (1.0 if thorough else DEEP)
         touched: list[TouchedFold] = []
 
-        def is_touched(here: Balance, value: float, allowed: float = coarse) -> bool:
+        def is_touched(here: Balance, value: float, allowed: float = surely) -> bool:
             found = interpenetration(self.system, here.state, allowed)
             touched.extend([TouchedFold(value, here.state, found)] if found.position.size else [])
             return bool(touched)

@@ -21,6 +21,7 @@ from bem.continuation.points_with_edges import Equilibrium, equilibrium
 from bem.continuation.rest import at_rest
 from bem.continuation.softness import LostError, Soft, refined
 from bem.elastic.collocation import Elastic, resolve
+from bem.elastic.gap import GapMinima
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
@@ -175,6 +176,26 @@ def test_an_undecided_fold_is_looked_for_at_the_accuracy_of_targets(monkeypatch)
     assert found.exact.value == pytest.approx(exact, rel=1e-11)
     assert searches[1][1] == (1e-8, 1e-8, 1e-8)
     assert searches[1][0].residual <= 1e-9 < searches[0][0].residual
+
+
+@pytest.mark.parametrize("thorough", [False, True])
+def test_a_gap_that_surely_is_closed_beside_a_fold_ends_the_search(monkeypatch, thorough):
+    """A gap below zero by half the accuracy between targets: more than coarse evaluations are off by; a search that has
+    no shorter increments behind it asks finer ones."""
+    system, exact = wave(DisplacementControl()), lowest("penetration")
+    start = 0.98 * exact
+    point = equilibrium(system, start, resting(system, [2 * np.pi], 0.8, start))
+    closed = GapMinima(np.array([np.pi]), np.array([-0.5e-3]), np.array([0]))
+    none, improved, finer = GapMinima(*(x[:0] for x in (closed.position, closed.depth, closed.gap))), [], refined
+
+    def found(system, state, allowed):
+        return closed if allowed < 0.5e-3 else none
+
+    monkeypatch.setattr(branch_ends, "interpenetration", found)
+    monkeypatch.setattr(limit_points, "refined", lambda *inputs: improved.append(inputs) or finer(*inputs))
+    limit = branch_ends.BranchEnds(system, Increments(0.1, 1e-3)).limit_point(point, exact - start, thorough)
+    assert isinstance(limit, TouchedFold)
+    assert bool(improved) == thorough
 
 
 def test_no_fold_is_found_far_from_it():
