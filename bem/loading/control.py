@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.linalg import blas
 
 from bem.elastic.collocation import Evaluation
 from bem.geometry.arrays import FloatArray
@@ -76,7 +77,7 @@ class DisplacementControl:
         """Hessian of the potential, (2 L, 2 L)."""
         if not self.load_weight:
             return hessian
-        return hessian + np.outer(-self.load_weight * self.rate(state) * load_gradient, load_gradient)
+        return _less_square(hessian, self.load_weight * self.rate(state), load_gradient)
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,12 @@ class LoadControl:
 
     def hessian_under_control(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
         """Hessian of the potential, (2 L, 2 L)."""
-        return hessian + np.outer(-self.rate(state) * load_gradient, load_gradient)
+        return _less_square(hessian, self.rate(state), load_gradient)
+
+
+def _less_square(matrix: FloatArray, share: float, vector: FloatArray) -> FloatArray:
+    """The matrix less a share of a vector times itself, without a matrix between."""
+    return np.asarray(blas.dger(-share, vector, vector, a=matrix.T).T)
 
 
 Control = DisplacementControl | LoadControl
