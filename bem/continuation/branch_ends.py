@@ -28,6 +28,7 @@ from bem.loading.increments import Increments
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
 FINER = 0.3  # of that, where a neutral mode magnifies what is missing; the second then suffices more often
 DEEP = 0.3  # of what a coarse fold may be off by: depth of gaps beside it that surely are closed; errors seen: 0.16
+HALFWAY = 10.0  # times the residual between targets, of points from which a fold is looked for at once
 OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
 
 
@@ -131,8 +132,9 @@ class BranchEnds:
     def leaps(self, start: Equilibrium, end: Equilibrium) -> bool:
         """Whether Newton leapt from one branch to another, as motions of the edges or energies say."""
         ends, rates, change = (start.balance, end.balance), (start.rate, end.rate), end.value - start.value
+        least, largest = self.increments.coarse.residual, max(start.balance.residual, end.balance.residual)
         return (
-            strays(ends, rates, change, self.increments.coarse.residual)
+            strays(ends, rates, change, max(least, min(largest, HALFWAY * least)))
             or passes_crest(self.system.elastic.profile, start.state.patches, end.state.patches)
             or self.surely_misses_energy(start, end)
         )

@@ -24,6 +24,7 @@ from bem.continuation.softness import LONGEST_STEP, Soft, is_at_rest
 from bem.geometry.arrays import FloatArray
 
 MODES = 6  # that come first
+RIVALS = 1.1  # times the distance of the first fold: the second is found as well, or neither
 SOON = 2.0  # times a way along the branch: modes that fold there soften on it to 0.7 and less
 STIFFER = 0.3  # than foretold, in parts of the stiffness at the point; nine of ten modes are by less than 0.06
 
@@ -59,6 +60,11 @@ class Foretold:
     def distance(self) -> float:
         """To the first of them."""
         return float(self.distances[0])
+
+    @property
+    def has_rivals(self) -> bool:
+        """Whether another mode folds so soon behind the first that coarse evaluations may take one for the other."""
+        return bool(self.distances[1:2].min(initial=np.inf) < RIVALS * self.distance)
 
     def stiffness(self, way: float) -> FloatArray:
         """Of the modes after a way of the control, (n,), in parts of that at the point."""

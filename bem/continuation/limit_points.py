@@ -82,7 +82,10 @@ class LimitPoint:
 
 
 class UndecidedError(Exception):
-    """Coarse evaluations lead to a limit point that finer ones do not find, or find behind another one."""
+    """Coarse evaluations lead to a limit point that finer ones do not find, or find behind another one.
+
+    Or they find none, where two modes are to fold at once.
+    """
 
 
 @dataclass(frozen=True)
@@ -153,6 +156,8 @@ def _located(system: System, start: Balance, value: float, search: Search) -> Li
     if near is None and search.thorough:
         near = soft
     found = None if near is None else _neutral(system, near, value, search, breaking=False)
+    if found is None and expected is not None and expected.has_rivals and search.tolerances[0] > search.tolerances[2]:
+        raise UndecidedError
     if found is not None and (expected is None or _is_expected(found, soft, expected)):
         return found
     if search.thorough or broken is not None:

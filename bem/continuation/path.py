@@ -27,7 +27,7 @@ from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation import crossing
 from bem.continuation.bare_states import BareStates
-from bem.continuation.branch_ends import TouchedFold
+from bem.continuation.branch_ends import HALFWAY, TouchedFold
 from bem.continuation.jumps import Jumps
 from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import Flaw
@@ -309,7 +309,8 @@ class Path:
         if not predicted.is_ordered:
             return Attempt()
         system = self.system.sloped if halfway else self.system  # from there the fold is looked for
-        corrected = correct(system, predicted, point.state.penetration, value, inc.coarse)
+        accuracy = replace(inc.coarse, residual=HALFWAY * inc.coarse.residual) if halfway else inc.coarse
+        corrected = correct(system, predicted, point.state.penetration, value, accuracy)
         if corrected.balance is None:
             return Attempt()
         self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)

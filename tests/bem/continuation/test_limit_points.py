@@ -159,6 +159,28 @@ def test_a_fold_that_finer_evaluations_do_not_confirm_is_undecided_unless_they_l
     assert locate_limit_point(system, here, start, Search(exact - start, TOLERANCES[2:] * 3)) is None
 
 
+@pytest.mark.parametrize(("rival", "undecided"), [(1.05, True), (1.2, False), (np.inf, False)])
+def test_coarse_evaluations_that_find_no_fold_of_two_modes_at_once_decide_nothing(monkeypatch, rival, undecided):
+    """Newton goes to and fro between the two: so it missed an event of one of 31 realisations in small increments."""
+    system, exact = wave(DisplacementControl()), lowest("penetration")
+    start = 0.98 * exact
+    here = resting(system, [2 * np.pi], 0.8, start)
+    foretell = limit_points.foretell_folds
+
+    def with_rival(*inputs):
+        found = foretell(*inputs)
+        return replace(found, distances=found.distance * np.array([1.0, rival]))
+
+    monkeypatch.setattr(limit_points, "foretell_folds", with_rival)
+    monkeypatch.setattr(limit_points, "_neutral", lambda *_, **__: None)
+    search = Search(exact - start, TOLERANCES)
+    if undecided:
+        with pytest.raises(UndecidedError):
+            locate_limit_point(system, here, start, search)
+        search = replace(search, tolerances=TOLERANCES[2:] * 3)
+    assert locate_limit_point(system, here, start, search) is None
+
+
 def test_an_undecided_fold_is_looked_for_at_the_accuracy_of_targets(monkeypatch):
     system, exact = wave(DisplacementControl()), lowest("penetration")
     start = 0.98 * exact
