@@ -23,6 +23,7 @@ import numpy as np
 from bem.adhesive.equilibrium import System
 from bem.continuation.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
 from bem.continuation.points_with_edges import Equilibrium, Point, WithEdges
+from bem.continuation.softness import after_step
 from bem.elastic.collocation import evaluate
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
@@ -163,7 +164,8 @@ def _root(path: Branches, before: WithEdges, after: WithEdges, load: float) -> E
 
 def may_meet(path: Branches, before: WithEdges, after: WithEdges, load: float) -> bool:
     """Whether the load is met between two points with edges, or may have been before an event that lowered it."""
-    if min(before.state.load, after.state.load) < load <= max(before.state.load, after.state.load):
+    start, end = _load(path, before), _load(path, after)
+    if min(start, end) < load <= max(start, end):
         return True
     low, high = sorted((before.value, after.value))
     return after.last and low <= _ahead(path, before, load) <= high
@@ -178,7 +180,7 @@ def _tracking(path: Branches) -> Branches:
 
 def _between(path: Branches, before: WithEdges, after: WithEdges, load: float, accuracy: float) -> Equilibrium | None:
     """The point of this load on the branch between two points, to a relative accuracy of the load."""
-    ends = (before.value, before.state.load - load), (after.value, after.state.load - load)
+    ends = (before.value, _load(path, before) - load), (after.value, _load(path, after) - load)
     if ends[0][1] * ends[1][1] > 0:
         return None
     found = _secant(path, before, *ends, load, accuracy)
@@ -241,8 +243,16 @@ def _newton(
     return nearest
 
 
+def _load(path: Branches, point: WithEdges) -> float:
+    """Load at a point; of one halfway to a fold, on whose edges more forces are left, to second order in them."""
+    here = point.balance
+    if not isinstance(point, Equilibrium) or here.residual <= path.increments.coarse.residual:
+        return here.state.load
+    return after_step(path.system, here, point.value, -here.response(here.gradient), 0.0).load
+
+
 def _ahead(path: Branches, point: WithEdges, load: float) -> float:
     """The control value at which the tangent of the branch at a point has this load."""
     control = path.system.control
-    miss = point.balance.state.load - load
+    miss = _load(path, point) - load
     return point.value - miss * (control.penetration_weight / point.balance.stiffness + control.load_weight)

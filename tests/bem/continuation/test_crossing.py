@@ -61,6 +61,24 @@ def test_a_load_next_to_a_point_is_met(adhesive, share):
             assert at_load(path, before, after, load).state.load == pytest.approx(load, rel=1e-9)
 
 
+def test_a_load_next_to_a_point_with_forces_left_is_met(adhesive):
+    """As halfway to a fold: its load is off by 5e-5, more than the coarse search makes up for beyond the two points."""
+    path, points = adhesive
+    before, after = smooth_pair(points)
+    coarse, state = path.increments.coarse, after.state
+    pushed = state.patches.moved(5e-5 * state.patches.edge_scale)
+    here = equilibrium.balance(path.system, pushed, state.penetration, after.value, coarse.tolerance)
+    unsettled = replace(after, balance=here)
+    assert coarse.residual < here.residual
+    at_rest = equilibrium.correct(path.system, pushed, state.penetration, after.value, replace(coarse, residual=1e-9))
+    settled = at_rest.balance.state.load
+    load = crossing._load(path, unsettled)
+    assert abs(load - settled) <= 6e-5 * abs(here.state.load - settled)  # measured 2e-5
+    for share in (1 - 1e-6, 1.0):
+        wanted = (1 - share) * before.state.load + share * load
+        assert at_load(path, before, unsettled, wanted).state.load == pytest.approx(wanted, rel=1e-9)
+
+
 def test_few_evaluations_are_as_fine_as_those_of_a_target(adhesive, monkeypatch):
     path, points = adhesive
     before, after = smooth_pair(points)
