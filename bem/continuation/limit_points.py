@@ -156,7 +156,8 @@ def _located(system: System, start: Balance, value: float, search: Search) -> Li
     if near is None and search.thorough:
         near = soft
     found = None if near is None else _neutral(system, near, value, search, breaking=False)
-    if found is None and expected is not None and expected.has_rivals and search.tolerances[0] > search.tolerances[2]:
+    missed = near is not None and found is None
+    if missed and expected is not None and expected.has_rivals and search.tolerances[0] > search.tolerances[2]:
         raise UndecidedError
     if found is not None and (expected is None or _is_expected(found, soft, expected)):
         return found
