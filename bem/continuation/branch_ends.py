@@ -26,9 +26,9 @@ from bem.elastic.hierarchical import if_solvable
 from bem.loading.increments import Increments
 
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
-FINER = 0.3  # of that, where a neutral mode magnifies what is missing; the second then suffices more often
+FINER = 0.3  # of FINE at limit points, where a neutral mode magnifies what is missing: the second then suffices oftener
 DEEP = 0.3  # of what a coarse fold may be off by: depth of gaps beside it that surely are closed; errors seen: 0.16
-HALFWAY = 10.0  # times the residual between targets, of points from which a fold is looked for at once
+HALFWAY = 10.0  # times the residual between targets, of points halfway to a fold from points that are more accurate
 OFF = 8.0  # times the tolerance between targets, of the value: reach beyond coarse states; half behind them, seen: 2.8
 
 

@@ -244,9 +244,9 @@ def _newton(
 
 
 def _load(path: Branches, point: WithEdges) -> float:
-    """Load at a point; of one halfway to a fold, on whose edges more forces are left, to second order in them."""
+    """Load at a point, and what the forces that are left on its edges still change, to first order."""
     here = point.balance
-    if not isinstance(point, Equilibrium) or here.residual <= path.increments.coarse.residual:
+    if not isinstance(point, Equilibrium) or here.residual <= path.increments.fine.residual:
         return here.state.load
     return after_step(path.system, here, point.value, -here.response(here.gradient), 0.0).load
 

@@ -24,7 +24,7 @@ from bem.continuation.softness import LONGEST_STEP, Soft, is_at_rest
 from bem.geometry.arrays import FloatArray
 
 MODES = 6  # that come first
-RIVALS = 1.1  # times the distance of the first fold: the second is found as well, or neither
+RIVALS = 1.1  # times the distance of the first fold: a second mode this near may be taken for the first
 SOON = 2.0  # times a way along the branch: modes that fold there soften on it to 0.7 and less
 STIFFER = 0.3  # than foretold, in parts of the stiffness at the point; nine of ten modes are by less than 0.06
 

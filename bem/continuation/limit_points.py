@@ -153,11 +153,11 @@ def _located(system: System, start: Balance, value: float, search: Search) -> Li
             return found
     expected = foretell_folds(system, soft, reach)
     near = soft if expected is None else _near(system, soft, expected, reach, search.tolerances[0])
+    rivals = near is not None and expected is not None and expected.has_rivals
     if near is None and search.thorough:
         near = soft
     found = None if near is None else _neutral(system, near, value, search, breaking=False)
-    missed = near is not None and found is None
-    if missed and expected is not None and expected.has_rivals and search.tolerances[0] > search.tolerances[2]:
+    if found is None and rivals and search.tolerances[0] > search.tolerances[2]:
         raise UndecidedError
     if found is not None and (expected is None or _is_expected(found, soft, expected)):
         return found

@@ -309,7 +309,9 @@ class Path:
         if not predicted.is_ordered:
             return Attempt()
         system = self.system.sloped if halfway else self.system  # from there the fold is looked for
-        accuracy = replace(inc.coarse, residual=HALFWAY * inc.coarse.residual) if halfway else inc.coarse
+        accuracy = inc.coarse
+        if halfway and point.balance.residual <= accuracy.residual:  # what is left would add up from point to point
+            accuracy = replace(accuracy, residual=HALFWAY * accuracy.residual)
         corrected = correct(system, predicted, point.state.penetration, value, accuracy)
         if corrected.balance is None:
             return Attempt()
