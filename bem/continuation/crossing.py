@@ -244,9 +244,9 @@ def _newton(
 
 
 def _load(path: Branches, point: WithEdges) -> float:
-    """Load at a point, and what the forces that are left on its edges still change, to first order."""
+    """Load at a point; halfway to a fold with what the forces that are left on its edges still change."""
     here = point.balance
-    if not isinstance(point, Equilibrium) or here.residual <= path.increments.fine.residual:
+    if not isinstance(point, Equilibrium) or here.residual <= path.increments.coarse.residual:
         return here.state.load
     return after_step(path.system, here, point.value, -here.response(here.gradient), 0.0).load
 

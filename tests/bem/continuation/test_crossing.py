@@ -57,7 +57,7 @@ def test_a_load_next_to_a_point_is_met(adhesive, share):
     path, points = adhesive
     for before, after in pairwise(points[5:25]):
         if not after.events and (share < 1 or not after.last):
-            load = (1 - share) * crossing._load(path, before) + share * crossing._load(path, after)
+            load = (1 - share) * before.state.load + share * after.state.load
             assert at_load(path, before, after, load).state.load == pytest.approx(load, rel=1e-9)
 
 
