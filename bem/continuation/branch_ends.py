@@ -65,8 +65,9 @@ class BranchEnds:
 
         A fold beside which crests have touched is not located any better: the branch ends before.
         """
-        coarse, finest = self.increments.coarse.tolerance, self.fine[1]
-        fine, surely = max(FINER * self.fine[0], finest), max(coarse, NEAR) * (1.0 if thorough else DEEP)
+        coarse, (fine, finest) = self.increments.coarse.tolerance, self.fine
+        fine = max(FINER * fine, finest)
+        surely = max(coarse, NEAR) * (1.0 if thorough else DEEP)
         touched: list[TouchedFold] = []
 
         def is_touched(here: Balance, value: float, allowed: float = surely) -> bool:
