@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.linalg import blas
 
 from bem.elastic.collocation import Evaluation
 from bem.geometry.arrays import FloatArray
@@ -77,7 +76,7 @@ class DisplacementControl:
         """Hessian of the potential, (2 L, 2 L)."""
         if not self.load_weight:
             return hessian
-        return _less_square(hessian, self.load_weight * self.rate(state), load_gradient)
+        return hessian + np.outer(-self.load_weight * self.rate(state) * load_gradient, load_gradient)
 
 
 @dataclass(frozen=True)
@@ -125,12 +124,7 @@ class LoadControl:
 
     def hessian_under_control(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
         """Hessian of the potential, (2 L, 2 L)."""
-        return _less_square(hessian, self.rate(state), load_gradient)
-
-
-def _less_square(matrix: FloatArray, share: float, vector: FloatArray) -> FloatArray:
-    """The matrix less a share of a vector times itself, without a matrix between."""
-    return np.asarray(blas.dger(-share, vector, vector, a=matrix.T).T)
+        return hessian + np.outer(-self.rate(state) * load_gradient, load_gradient)
 
 
 Control = DisplacementControl | LoadControl
