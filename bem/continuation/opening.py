@@ -46,6 +46,7 @@ RESOLVED_GAP = 1e-4 * TWO_PI  # evaluated as it is in a tenth of a second
 EVEN_GAP = 1e-6 * TWO_PI  # narrower flaws open at both edges at once to a part of 1e-11, where rounding takes over
 CENTERED = 1e-4  # of the width of a flaw: its middle
 SHUT = 1e-8  # rms heights of overlap
+NARROW_GAP = 0.5  # of the shortest wavelength: up to there no crest lies in the first gap between surfaces that part
 FINEST_GAP = 1e-5 * TWO_PI  # the same in seconds; narrower ones do not feel a layer but by the square of their width
 
 
@@ -181,13 +182,13 @@ def _critical(system: System, flaw: Flaw) -> FloatArray:
     return np.asarray(2 * np.sqrt(system.law.work_of_adhesion(np.concatenate([patches.left, patches.right]))))
 
 
-def first_gap(system: System, complete: CompleteContact, separation: float) -> Patches:
-    """Where a path from complete contact begins at a small separation: one narrow gap."""
+def first_gap(system: System, complete: CompleteContact, separation: float) -> tuple[float, Patches]:
+    """Where a path from complete contact begins: one narrow gap, and the separation at which it is that, at most."""
     position = lowest_pressure(complete)
     critical = 2 * float(np.sqrt(system.law.work_of_adhesion(np.array([position]))[0]))
-    volume = TWO_PI * separation
-    width = (4 * volume / (np.pi * critical) * np.sqrt(np.pi / 2)) ** (2 / 3)
-    return with_gap(position, min(float(width), 0.5 * TWO_PI))
+    per_width = critical * np.sqrt(np.pi / 8) / TWO_PI  # to the power of 3/2
+    width = min((separation / per_width) ** (2 / 3), NARROW_GAP * TWO_PI / system.elastic.profile.max_order)
+    return min(separation, per_width * width**1.5), with_gap(position, width)
 
 
 def complete_potential(system: System, complete: CompleteContact, value: float) -> float:

@@ -125,6 +125,20 @@ def test_what_rounding_leaves_of_the_load_at_which_a_flaw_opens_is_in_its_error(
     assert event.error_estimate.mean_pressure > 1e-11 * abs(event.mean_pressure)
 
 
+def test_surfaces_part_at_any_increment():
+    """250 harmonics: two smallest increments off, the first gap is wider than six of the shortest wavelengths."""
+    loading = {"control": "separation", "targets": [2e-6], "initial": "complete_contact"}
+    found = [
+        solve(rough_scene([], harmonics=250, seed=0, loading=loading, accuracy={"max_increment": largest}))
+        for largest in (0.0125, 0.2)
+    ]
+    assert [result.status for result in found] == ["converged"] * 2
+    fractions = [result.states[-1].contact_fraction for result in found]
+    assert fractions[0] == pytest.approx(fractions[1], rel=1e-13)  # measured 3e-15
+    kinds = [[event.kind for event in result.events] for result in found]
+    assert kinds[0] == kinds[1] == ["opening", *["bifurcation"] * 11]
+
+
 def test_gap_of_a_row_of_cracks():
     """Uniform tension: K = T sqrt(2 pi tan(g/4)) for a row of cracks, T sqrt(pi g/2) for a short one."""
     _, complete = posed(1, "half-space")
