@@ -20,7 +20,7 @@ from bem.adhesive.equilibrium import Balance, System, edge_positions
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
 from bem.continuation.branch_ends import BranchEnds, TouchedFold
 from bem.continuation.departure import departure
-from bem.continuation.limit_points import LimitPoint
+from bem.continuation.limit_points import LimitPoint, sharper
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point, equilibrium
 from bem.continuation.rest import at_rest
@@ -131,6 +131,9 @@ class Jumps:
         if relaxed.balance is None and not relaxed.changes:
             return []
         behind = self.behind(limit.exact, limit.error, relaxed, changes, moved)
+        if behind is None:  # its doubt may be more than its error
+            limit = sharper(self.system, limit, self.increments.fine.tolerance)
+            behind = self.behind(limit.exact, limit.error, relaxed, changes, moved, sharply=True)
         return [] if behind is None else [BranchEnd(limit.exact.value, limit), behind]
 
     def unlocated(
@@ -164,6 +167,7 @@ class Jumps:
         relaxed: Relaxed,
         changes: tuple[tuple[str, float], ...],
         moved: bool = True,
+        sharply: bool = False,
     ) -> Point | None:
         """The point behind a jump with its events; None where nothing changed and no energy is released.
 
@@ -179,10 +183,12 @@ class Jumps:
             What happened, in order.
         moved : bool
             Whether something surely did; else the energy released must exceed its error.
+        sharply : bool
+            Whether that error is of two of the finest evaluations.
         """
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
-        value, here, found = relaxed.target, relaxed.balance, self._at_rest(relaxed.balance, relaxed.target)
+        value, here, found = relaxed.target, relaxed.balance, self._at_rest(relaxed.balance, relaxed.target, sharply)
         if found is None and relaxed.status == "converged":
             finer = self._relaxed(here.state, here.state.patches, value, fine=True)
             if finer.status in ("converged", "separated", "complete_contact"):
@@ -190,7 +196,7 @@ class Jumps:
                 relaxed, moved = finer, moved or bool(finer.changes)
             if relaxed.balance is None:
                 return self._without_edges(at, error, relaxed, changes)
-            here, found = relaxed.balance, self._at_rest(relaxed.balance, value)
+            here, found = relaxed.balance, self._at_rest(relaxed.balance, value, sharply)
         after, uncertain = self._at_fixed_edges(here, value, value), np.inf
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
@@ -203,11 +209,13 @@ class Jumps:
             equilibrium(self.system, value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
         )
 
-    def _at_rest(self, here: Balance, value: float) -> tuple[Balance, EventNumbers, EventNumbers] | None:
+    def _at_rest(
+        self, here: Balance, value: float, sharply: bool
+    ) -> tuple[Balance, EventNumbers, EventNumbers] | None:
         """The equilibrium behind a jump, improved, if finer evaluations find it."""
         fine, finest = self.ends.fine
         energies = finest if self.system.elastic.kernel else fine  # their error falls with the square of the tolerance
-        return at_rest(self.system, here, value, (fine, energies))
+        return at_rest(self.system, here, value, (finest, finest) if sharply else (fine, energies))
 
     def _without_edges(
         self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]

@@ -336,6 +336,25 @@ def _improved(
     return None
 
 
+def sharper(system: System, limit: LimitPoint, tolerance: float) -> LimitPoint:
+    """A fold as one more evaluation at the finest tolerance gives it, and what that changes as its error.
+
+    The error of a limit point is otherwise what a finer tolerance changes, which may be a thousand times more.  The
+    fold as it is where the evaluation fails.
+    """
+    here, value = limit.balance, limit.exact.value
+    known = Soft(system, here, value, here.scale, limit.modes[:, 0] / here.scale)
+    with suppress(LostError, np.linalg.LinAlgError):
+        again = if_solvable(refined, system, known, np.zeros(known.mode.size), value, tolerance, True)
+        if again is not None:
+            at = _newton(system, Soft(system, again, value, known.scale, known.mode), breaking=False)
+            if at.close:
+                exact = after_step(system, again, value, at.step * known.scale, at.change)
+                error = exact.apart(limit.exact, system.control.force(again.state))
+                return replace(limit, balance=again, exact=exact, error=error)
+    return limit
+
+
 def before_fold(limit: LimitPoint, value: float) -> Patches:
     """Edges on the branch that a fold ends, at a value of the control close before it."""
     back = np.sqrt(max((limit.exact.value - value) / limit.bend, 0.0))

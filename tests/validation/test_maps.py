@@ -106,6 +106,19 @@ def test_events_on_the_thinnest_layers_do_not_depend_on_the_increment(theta, k):
     assert loops[0] == pytest.approx(loops[1], rel=3e-8)  # measured 1.1e-8, 2e-11 and 8e-12
 
 
+def test_a_small_snap_of_a_layer_is_an_event_at_any_increment():
+    """Of its fold a finer tolerance changed more than what it releases; of five increments one had it as an event."""
+    scene = corpus.member_of(corpus.Point(0.7, 100, 0.3, 0.01), 2).scene
+    scene |= {"loading": {"control": "penetration", "targets": [4.5e-5]}}
+    snaps = [
+        solve(parse_scene(scene | {"accuracy": {"max_increment": largest}})).events[-1] for largest in (0.1, 0.2)
+    ]
+    for snap in snaps:
+        assert (snap.kind, snap.penetration) == ("bifurcation", pytest.approx(4.45548386511e-5, rel=1e-11))
+        assert snap.energy_released == pytest.approx(9.899e-8, abs=2e-10)  # spread over six increments: 7e-11
+        assert snap.error_estimate.energy_released < 1e-9  # up to 4e-10
+
+
 MAP = Map(
     "one", "slope", "H", "harmonics", ["0.3"], ["10", "20"], [[2.0, None]], [[0.1, None]], [["", "1 complete contact"]]
 )
