@@ -19,7 +19,9 @@ from validation.corpus.hard.hard_case_checks import CHECKS
 from validation.corpus.hard.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples
 
 ROUNDED = 1e-5  # of a contact fraction that is to be reached; measured 1.9e-6 at 1e-5
-RELEASED = 1e-12  # of E* h_rms^2 / period: rounding of the energy released by an event; none measured below zero
+# Of E* h_rms^2 / period, besides the error that an event states: rounding of the energy that it releases; measured 1e-12
+# below zero, where the event states 3e-12.
+RELEASED = 1e-12
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,8 @@ def judged(case: HardCase, result: Result, scene: Any) -> list[str]:
     surface = scene.surface()
     noise = RELEASED * modulus * surface.rms_height**2 / surface.period
     for event in result.events:
-        if event.energy_released is not None and event.energy_released < -noise:
+        allowed = noise + (event.error_estimate.energy_released or 0.0)
+        if event.energy_released is not None and event.energy_released < -allowed:
             findings.append(f"{event.kind} releases {event.energy_released:.1e} J/m^2 at {event.penetration:.4g} m")
     return findings
 
