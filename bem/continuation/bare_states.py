@@ -65,10 +65,9 @@ class BareStates:
         """Penetration at which contact is complete; infinite when the load takes part in the control."""
         return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
 
-    @property
-    def first_gap(self) -> tuple[float, Patches]:
-        """The gap in which complete contact opens as surfaces part, and their separation: no more than the smallest increment."""
-        return first_gap(self.system, self.complete, self.jumps.increments.smallest)
+    def parted(self, separation: float = np.inf) -> tuple[float, Patches]:
+        """A separation, at most that given and the smallest increment, and the gap in which complete contact has it."""
+        return first_gap(self.system, self.complete, min(separation, self.jumps.increments.smallest))
 
     def advance(self, point: Separated | Complete | Failed | BranchEnd, goal: float) -> Point:
         """From separated surfaces to first touch (at value 0), from complete contact to its opening, or to the goal."""
@@ -100,8 +99,8 @@ class BareStates:
         if goal >= self.closing_value:
             return Complete(goal)
         system, highest = self.system, self.system.elastic.profile.max_height
-        separation, gap = first_gap(system, self.complete, min(highest - goal, self.jumps.increments.smallest))
-        value = highest - separation
+        separation, gap = self.parted(highest - goal)
+        value = goal if separation == highest - goal else highest - separation
         relaxed = self._relaxed(gap, value, value)
         if relaxed.balance is None or relaxed.changes:
             return Failed(value, "not_converged")

@@ -209,9 +209,7 @@ class Jumps:
             equilibrium(self.system, value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
         )
 
-    def _at_rest(
-        self, here: Balance, value: float, sharply: bool
-    ) -> tuple[Balance, EventNumbers, EventNumbers] | None:
+    def _at_rest(self, here: Balance, value: float, sharply: bool) -> tuple[Balance, EventNumbers, EventNumbers] | None:
         """The equilibrium behind a jump, improved, if finer evaluations find it."""
         fine, finest = self.ends.fine
         energies = finest if self.system.elastic.kernel else fine  # their error falls with the square of the tolerance

@@ -187,8 +187,10 @@ def first_gap(system: System, complete: CompleteContact, separation: float) -> t
     position = lowest_pressure(complete)
     critical = 2 * float(np.sqrt(system.law.work_of_adhesion(np.array([position]))[0]))
     per_width = critical * np.sqrt(np.pi / 8) / TWO_PI  # to the power of 3/2
-    width = min((separation / per_width) ** (2 / 3), NARROW_GAP * TWO_PI / system.elastic.profile.max_order)
-    return min(separation, per_width * width**1.5), with_gap(position, width)
+    width, widest = (separation / per_width) ** (2 / 3), NARROW_GAP * TWO_PI / system.elastic.profile.max_order
+    if width > widest:
+        width, separation = widest, per_width * widest**1.5
+    return separation, with_gap(position, width)
 
 
 def complete_potential(system: System, complete: CompleteContact, value: float) -> float:

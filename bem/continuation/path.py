@@ -391,9 +391,9 @@ class Path:
         return max(self.increments.largest, self.increments.deepest * growth)
 
     def _last_increment(self, point: Equilibrium, closing: float) -> float:
-        """The increment before complete contact: that in which a last gap opens; half the way, where several are left."""
+        """The increment before complete contact: as the one behind it; half the way, where several gaps are left."""
         if point.state.patches.count == 1:
-            return self.bare.first_gap[0]
+            return self.bare.parted()[0]
         return max((closing - point.value) / 2, CLOSED)
 
     def _bracket(

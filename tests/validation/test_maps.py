@@ -110,9 +110,7 @@ def test_a_small_snap_of_a_layer_is_an_event_at_any_increment():
     """Of its fold a finer tolerance changed more than what it releases; of five increments one had it as an event."""
     scene = corpus.member_of(corpus.Point(0.7, 100, 0.3, 0.01), 2).scene
     scene |= {"loading": {"control": "penetration", "targets": [4.5e-5]}}
-    snaps = [
-        solve(parse_scene(scene | {"accuracy": {"max_increment": largest}})).events[-1] for largest in (0.1, 0.2)
-    ]
+    snaps = [solve(parse_scene(scene | {"accuracy": {"max_increment": largest}})).events[-1] for largest in (0.1, 0.2)]
     for snap in snaps:
         assert (snap.kind, snap.penetration) == ("bifurcation", pytest.approx(4.45548386511e-5, rel=1e-11))
         assert snap.energy_released == pytest.approx(9.899e-8, abs=2e-10)  # spread over six increments: 7e-11

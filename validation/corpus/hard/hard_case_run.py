@@ -19,8 +19,8 @@ from validation.corpus.hard.hard_case_checks import CHECKS
 from validation.corpus.hard.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples
 
 ROUNDED = 1e-5  # of a contact fraction that is to be reached; measured 1.9e-6 at 1e-5
-# Of E* h_rms^2 / period, besides the error that an event states: rounding of the energy that it releases; measured 1e-12
-# below zero, where the event states 3e-12.
+# Of E* h_rms^2 / period, besides the error that an event states: rounding of the energy that it releases.  Measured:
+# 1e-12 below zero, where the event states 3e-12.
 RELEASED = 1e-12
 
 
