@@ -46,7 +46,7 @@ RESOLVED_GAP = 1e-4 * TWO_PI  # evaluated as it is in a tenth of a second
 EVEN_GAP = 1e-6 * TWO_PI  # narrower flaws open at both edges at once to a part of 1e-11, where rounding takes over
 CENTERED = 1e-4  # of the width of a flaw: its middle
 SHUT = 1e-8  # rms heights of overlap
-NARROW_GAP = 0.5  # of the shortest wavelength: up to there no crest lies in the first gap between surfaces that part
+WIDEST_FIRST_GAP = 0.5  # of the shortest wavelength: no crest lies in the first gap between surfaces that part
 FINEST_GAP = 1e-5 * TWO_PI  # the same in seconds; narrower ones do not feel a layer but by the square of their width
 
 
@@ -187,7 +187,7 @@ def first_gap(system: System, complete: CompleteContact, separation: float) -> t
     position = lowest_pressure(complete)
     critical = 2 * float(np.sqrt(system.law.work_of_adhesion(np.array([position]))[0]))
     per_width = critical * np.sqrt(np.pi / 8) / TWO_PI  # to the power of 3/2
-    width, widest = (separation / per_width) ** (2 / 3), NARROW_GAP * TWO_PI / system.elastic.profile.max_order
+    width, widest = (separation / per_width) ** (2 / 3), WIDEST_FIRST_GAP * TWO_PI / system.elastic.profile.max_order
     if width > widest:
         width, separation = widest, per_width * widest**1.5
     return separation, with_gap(position, width)

@@ -126,7 +126,7 @@ def test_what_rounding_leaves_of_the_load_at_which_a_flaw_opens_is_in_its_error(
 
 
 def test_surfaces_part_at_any_increment():
-    """250 harmonics: two smallest increments off, the first gap is wider than six of the shortest wavelengths."""
+    """A smallest increment off, the first gap is 2 and 15 of the shortest waves wide; with crests in it paths ended."""
     loading = {"control": "separation", "targets": [2e-6], "initial": "complete_contact"}
     found = [
         solve(rough_scene([], harmonics=250, seed=0, loading=loading, accuracy={"max_increment": largest}))
