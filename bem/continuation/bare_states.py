@@ -65,10 +65,6 @@ class BareStates:
         """Penetration at which contact is complete; infinite when the load takes part in the control."""
         return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
 
-    def parted(self, separation: float = np.inf) -> tuple[float, Patches]:
-        """A separation, at most that given and the smallest increment, and the gap in which complete contact has it."""
-        return first_gap(self.system, self.complete, min(separation, self.jumps.increments.smallest))
-
     def advance(self, point: Separated | Complete | Failed | BranchEnd, goal: float) -> Point:
         """From separated surfaces to first touch (at value 0), from complete contact to its opening, or to the goal."""
         if isinstance(point, Complete):
@@ -99,7 +95,7 @@ class BareStates:
         if goal >= self.closing_value:
             return Complete(goal)
         system, highest = self.system, self.system.elastic.profile.max_height
-        separation, gap = self.parted(highest - goal)
+        separation, gap = first_gap(system, self.complete, min(highest - goal, self.jumps.increments.smallest))
         value = goal if separation == highest - goal else highest - separation
         relaxed = self._relaxed(gap, value, value)
         if relaxed.balance is None or relaxed.changes:

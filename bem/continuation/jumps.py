@@ -131,7 +131,7 @@ class Jumps:
         if relaxed.balance is None and not relaxed.changes:
             return []
         behind = self.behind(limit.exact, limit.error, relaxed, changes, moved)
-        if behind is None:  # its doubt may be more than its error
+        if behind is None and limit.kind == "fold":  # its doubt may be more than its error
             limit = sharper(self.system, limit, self.increments.fine.tolerance)
             behind = self.behind(limit.exact, limit.error, relaxed, changes, moved, sharply=True)
         return [] if behind is None else [BranchEnd(limit.exact.value, limit), behind]

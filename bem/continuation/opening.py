@@ -10,7 +10,7 @@ Under the JKR model a gap of zero width needs infinite tension, so that complete
 - or because the separation is prescribed: s > 0 is the mean gap, so that there is one.  It begins at the same
   place with zero width, and the branch is continuous there (Johnson, Int. J. Solids Struct. 32 (1995) 423).
 
-A narrow gap of width g under the tension T opens by int gap dx = pi g^2 T / 4 and has K = T sqrt(pi g / 2), from
+A narrow gap of width g under the tension T opens by int gap dx = pi g^2 T / 8 and has K = T sqrt(pi g / 2), from
 which the width at a given separation follows.
 
 Patches all round the period but for a gap below 1e-4 of it take seconds and more (the ends of one patch that nearly
@@ -183,10 +183,10 @@ def _critical(system: System, flaw: Flaw) -> FloatArray:
 
 
 def first_gap(system: System, complete: CompleteContact, separation: float) -> tuple[float, Patches]:
-    """Where a path from complete contact begins: one narrow gap, and the separation at which it is that, at most."""
+    """Where a path from complete contact begins: a separation, at most that given, and the narrow gap that has it."""
     position = lowest_pressure(complete)
     critical = 2 * float(np.sqrt(system.law.work_of_adhesion(np.array([position]))[0]))
-    per_width = critical * np.sqrt(np.pi / 8) / TWO_PI  # to the power of 3/2
+    per_width = critical * np.sqrt(np.pi / 32) / TWO_PI  # to the power of 3/2
     width, widest = (separation / per_width) ** (2 / 3), WIDEST_FIRST_GAP * TWO_PI / system.elastic.profile.max_order
     if width > widest:
         width, separation = widest, per_width * widest**1.5

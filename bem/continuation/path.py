@@ -391,9 +391,9 @@ class Path:
         return max(self.increments.largest, self.increments.deepest * growth)
 
     def _last_increment(self, point: Equilibrium, closing: float) -> float:
-        """The increment before complete contact: as the one behind it; half the way, where several gaps are left."""
+        """The increment before complete contact: the smallest; half the way, where several gaps are left."""
         if point.state.patches.count == 1:
-            return self.bare.parted()[0]
+            return self.increments.smallest
         return max((closing - point.value) / 2, CLOSED)
 
     def _bracket(

@@ -1,13 +1,18 @@
 """Complete contact opens at a flaw of any width: the closed form of a narrow one against evaluations of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
 from bem.adhesive.equilibrium import System, balance
+from bem.adhesive.relaxation import relax
 from bem.continuation import opening
 from bem.geometry.patches import TWO_PI
 from bem.loading.complete_contact import complete_contact
+from bem.loading.control import DisplacementControl
+from bem.loading.increments import COARSE
 from bem.problem import pose
 from bem.scene.scene import SceneError
 from bem.solver import solve
@@ -144,3 +149,23 @@ def test_gap_of_a_row_of_cracks():
     _, complete = posed(1, "half-space")
     _, slope = opening._crack(complete, opening.Flaw(0.0, 1e-6))
     np.testing.assert_allclose(-slope * TWO_PI, np.sqrt(np.pi * 1e-6 / 2), rtol=1e-12)
+
+
+def test_first_gap_is_as_wide_as_its_separation_asks():
+    """Where the tension of complete contact is nothing beside that under which so narrow a gap opens."""
+    system, complete = posed(10, "half-space")
+    separation, start = opening.first_gap(system, complete, 1e-6)
+    highest = system.elastic.profile.max_height
+    relaxed = relax(
+        replace(system, control=DisplacementControl()), start, highest - separation, highest - separation, COARSE
+    )
+    assert separation == 1e-6
+    assert relaxed.balance.state.patches.gap_after == pytest.approx(start.gap_after, rel=3e-3)
+
+
+def test_a_path_into_complete_contact_ends_where_one_gap_is_left():
+    """A faint ripple makes the last gap snap again and again: the last increment is the smallest, however it opens."""
+    wave = {"kind": "harmonics", "period": 0.01, "orders": [1, 300], "amplitudes": [50e-6, 1e-8], "phases": [0.0, 0.3]}
+    loading = {"control": "separation", "targets": [1e-6, 0.0], "initial": "complete_contact"}
+    result = solve(rough_scene([], adhesion=0.3, profile=wave, loading=loading))
+    assert [state.status for state in result.targets] == ["converged", "complete_contact"]
