@@ -27,6 +27,7 @@ from bem.continuation.rest import at_rest
 from bem.continuation.touch_points import Bracket, locate_touch
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field
+from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
@@ -132,8 +133,8 @@ class Jumps:
             return []
         behind = self.behind(limit.exact, limit.error, relaxed, changes, moved)
         if behind is None and limit.kind == "fold":  # its doubt may be more than its error
-            limit = sharper(self.system, limit, self.increments.fine.tolerance)
-            behind = self.behind(limit.exact, limit.error, relaxed, changes, moved, sharply=True)
+            limit = if_solvable(sharper, self.system, limit, self.increments.fine.tolerance) or limit
+            behind = if_solvable(self.behind, limit.exact, limit.error, relaxed, changes, moved, sharply=True)
         return [] if behind is None else [BranchEnd(limit.exact.value, limit), behind]
 
     def unlocated(
@@ -184,7 +185,7 @@ class Jumps:
         moved : bool
             Whether something surely did; else the energy released must exceed its error.
         sharply : bool
-            Whether that error is of two of the finest evaluations.
+            Whether that error is of two of the finest evaluations, and must be known.
         """
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
@@ -202,7 +203,7 @@ class Jumps:
             here, after, uncertain = found[0], found[1], found[2].potential
         released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
         doubt = error.potential + uncertain + self._elsewhere(at, error, after.penetration, after.load)
-        if not moved and np.isfinite(doubt) and released <= DOUBT * doubt:
+        if not moved and (sharply or np.isfinite(doubt)) and not released > DOUBT * doubt:
             return None
         events = path_events(changes, at, error, released, doubt)
         return (

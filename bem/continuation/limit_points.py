@@ -42,7 +42,7 @@ from bem.continuation.softness import (
     to_rest,
 )
 from bem.continuation.turning_points import turning_points
-from bem.elastic.collocation import resolve
+from bem.elastic.collocation import finer, resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
@@ -337,21 +337,25 @@ def _improved(
 
 
 def sharper(system: System, limit: LimitPoint, tolerance: float) -> LimitPoint:
-    """A fold as one more evaluation at the finest tolerance gives it, and what that changes as its error.
+    """A fold as one more evaluation gives it, of more nodes and modes, and what that changes as its error.
 
-    The error of a limit point is otherwise what a finer tolerance changes, which may be a thousand times more.  The
+    The error of a limit point is otherwise what the last tolerance changes, which may be a thousand times more.  The
     fold as it is where the evaluation fails.
+
+    Raises
+    ------
+    IllConditionedSystemError
     """
-    here, value = limit.balance, limit.exact.value
-    known = Soft(system, here, value, here.scale, limit.modes[:, 0] / here.scale)
+    state, value, mode = limit.balance.state, limit.exact.value, limit.modes[:, 0]
+    known = Soft(system, limit.balance, value, limit.balance.scale)
+    more = finer(system.elastic, state.patches, state.resolution, 1e-2 * tolerance)
     with suppress(LostError, np.linalg.LinAlgError):
-        again = if_solvable(refined, system, known, np.zeros(known.mode.size), value, tolerance, True)
-        if again is not None:
-            at = _newton(system, Soft(system, again, value, known.scale, known.mode), breaking=False)
-            if at.close:
-                exact = after_step(system, again, value, at.step * known.scale, at.change)
-                error = exact.apart(limit.exact, system.control.force(again.state))
-                return replace(limit, balance=again, exact=exact, error=error)
+        again = forces_at(system, known, np.zeros(mode.size), value, tolerance, more)
+        at = _newton(system, Soft(system, again, value, known.scale, mode / known.scale), breaking=False)
+        if at.close:
+            exact = after_step(system, again, value, at.step * known.scale, at.change)
+            error = exact.apart(limit.exact, system.control.force(again.state))
+            return replace(limit, balance=again, exact=exact, error=error)
     return limit
 
 
