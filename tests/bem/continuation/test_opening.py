@@ -131,7 +131,7 @@ def test_what_rounding_leaves_of_the_load_at_which_a_flaw_opens_is_in_its_error(
 
 
 def test_surfaces_part_at_any_increment():
-    """A smallest increment off, the first gap is 2 and 15 of the shortest waves wide; with crests in it paths ended."""
+    """A smallest increment off, paths began in gaps 2 and 15 of the shortest waves wide; the second ended there."""
     loading = {"control": "separation", "targets": [2e-6], "initial": "complete_contact"}
     found = [
         solve(rough_scene([], harmonics=250, seed=0, loading=loading, accuracy={"max_increment": largest}))
@@ -139,7 +139,7 @@ def test_surfaces_part_at_any_increment():
     ]
     assert [result.status for result in found] == ["converged"] * 2
     fractions = [result.states[-1].contact_fraction for result in found]
-    assert fractions[0] == pytest.approx(fractions[1], rel=1e-13)  # measured 3e-15
+    assert fractions[0] == pytest.approx(fractions[1], rel=1e-13)  # rounding: 3e-15, 4e-15 on other kernels
     kinds = [[event.kind for event in result.events] for result in found]
     assert kinds[0] == kinds[1] == ["opening", *["bifurcation"] * 11]
 
@@ -152,7 +152,7 @@ def test_gap_of_a_row_of_cracks():
 
 
 def test_first_gap_is_as_wide_as_its_separation_asks():
-    """Where the tension of complete contact is nothing beside that under which so narrow a gap opens."""
+    """Where the tension of complete contact is nothing beside that of so narrow a gap; measured 2e-4, 3e-4 at 1e-7."""
     system, complete = posed(10, "half-space")
     separation, start = opening.first_gap(system, complete, 1e-6)
     highest = system.elastic.profile.max_height
@@ -160,7 +160,7 @@ def test_first_gap_is_as_wide_as_its_separation_asks():
         replace(system, control=DisplacementControl()), start, highest - separation, highest - separation, COARSE
     )
     assert separation == 1e-6
-    assert relaxed.balance.state.patches.gap_after == pytest.approx(start.gap_after, rel=3e-3)
+    assert relaxed.balance.state.patches.gap_after == pytest.approx(start.gap_after, rel=1e-3)
 
 
 def test_a_path_into_complete_contact_ends_where_one_gap_is_left():
