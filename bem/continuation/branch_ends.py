@@ -107,9 +107,22 @@ class BranchEnds:
         except UndecidedError:
             point, search = self._settled(point), replace(search, tolerances=search.tolerances[2:] * 3)
             limit = locate_limit_point(self.system, point.balance, point.value, search)
-        if limit is None or self._accounts_for(point.balance, point, limit):
+        if limit is None or self._is_behind(point, limit, search.reach):
+            return None
+        if self._accounts_for(point.balance, point, limit):
             return limit
         return limit if self._accounts_for(self._finer(point.balance, point.value), point, limit) else None
+
+    def _is_behind(self, point: Equilibrium, limit: LimitPoint, reach: float) -> bool:
+        """Whether a fold lies behind a point that is at rest at the accuracy of targets too: it ends another branch.
+
+        That is nearer to the point than the fold, or it may be where the contact has jumped to from there.
+        """
+        if limit.kind != "fold" or (limit.exact.value - point.value) * reach >= 0:
+            return False
+        start, settled = point.state.patches, self._settled(point)
+        ways = [outward_motion(start, there.state.patches) / start.edge_scale for there in (settled, limit.balance)]
+        return settled is not point and bool(np.abs(ways[0]).max() < np.abs(ways[1]).max())
 
     def _settled(self, point: Equilibrium) -> Equilibrium:
         """The point at the accuracy of targets; as it is where Newton does not find it."""

@@ -101,8 +101,9 @@ class Jumps:
                                                                  patches stay and it releases less than its doubt
         broken symmetry  feel one, or do not fall back           the event that the symmetry breaks, and such a jump
         broken symmetry  fall back: another branch begins here   that event, and the other branch, taken up a smallest
-                                                                 increment behind in the direction of `reach`; from
-                                                                 there forces may still lead to a jump
+                                                                 increment behind, or at the end of `reach`, to which
+                                                                 the path goes; from there forces may still lead to a
+                                                                 jump
         ===============  ======================================  ===================================================
         """
         way = departure(self.system, limit, self.increments.coarse, self.increments.fine)
@@ -116,7 +117,7 @@ class Jumps:
             breaks = limit.kind == "broken_symmetry"
             changes = (place, *relaxed.changes) if breaks or not relaxed.changes else relaxed.changes
             return self._jumped(limit, relaxed, changes, moved=breaks or bool(relaxed.changes))
-        value += float(np.copysign(self.increments.smallest, reach))
+        value += float(np.copysign(min(self.increments.smallest, abs(reach)), reach))
         relaxed = self._relaxed(state, pushed, value, moving)
         points = self._jumped(limit, relaxed, (place, *relaxed.changes), moved=bool(relaxed.changes))
         if points or relaxed.balance is None:

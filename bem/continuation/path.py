@@ -146,11 +146,11 @@ class Path:
         4. Accepted: the next increment is up to twice as long.
         5. Too long for energies to tell whether a jump lies within: half of it comes first.
         6. Refused: jump from the end of the branch in between, or try a shorter increment, where a fold is foretold
-           halfway to it first.  Jumps that lead back to the same value for ever are a failure.
+           halfway to it first.  Jumps that lead back to the same value, or beyond the goal, for ever are a failure.
         """
-        direction, pace = self.direction(point, goal), self._pace(point)
-        jumps, stands = 0, point.value
+        pace, jumps, stands = self._pace(point), 0, point.value
         while point.value != goal:
+            direction = self.direction(point, goal)
             if not isinstance(point, Equilibrium):
                 start, point = point, self.bare.advance(point, goal)
                 yield point
@@ -189,7 +189,8 @@ class Path:
             yield from (*points[:-1], point)
             if isinstance(point, Failed):
                 return
-            jumps = jumps + 1 if abs(point.value - stands) < SAME_VALUE * self.increments.largest else 0
+            stays = abs(point.value - stands) < SAME_VALUE * self.increments.largest
+            jumps = jumps + 1 if stays or direction * (point.value - goal) > 0 else 0
             stands = point.value
             if jumps == MOST_JUMPS:
                 yield Failed(point.value, "jumps_again")
@@ -376,7 +377,9 @@ class Path:
             within = direction * (limit.value - ends[1]) <= 0
             return self.jumps.from_touch(point, limit, limit.found) if within else []
         if direction * (limit.exact.value - ends[1]) <= 0:  # also behind the point: coarse states go a little too far
-            return self.jumps.from_limit(limit, reach)
+            left = ends[1] - limit.exact.value
+            nearest = direction * self.increments.smallest  # branches are told apart from there on: the path comes back
+            return self.jumps.from_limit(limit, left if NEARBY * abs(left) > abs(nearest) else nearest)
         if limit.kind == "broken_symmetry":
             return []
         near = self.corrected(before_fold(limit, ends[1]), limit.balance.state.penetration, ends[1])

@@ -310,6 +310,36 @@ def test_jumps_that_lead_back_for_ever_are_a_named_failure(monkeypatch):
     assert "the contact jumps again and again at" in result.failure
 
 
+@pytest.mark.parametrize("phases", [[0.0, 0.0], [0.3, 0.0]], ids=["symmetric", "not symmetric"])
+def test_a_gap_whose_ends_snap_over_a_faint_ripple_opens_and_closes(monkeypatch, phases):
+    """No point lies beyond a goal, and no fold from which the contact has jumped ends the branch behind the jump.
+
+    The path once took up a branch beyond its goal, and went to and fro; or jumped from the same fold for ever.
+    """
+    ways = []
+
+    def advance(path, point, goal, separation=None):
+        for passed in original(path, point, goal, separation):
+            ways.append((goal - point.value) * (goal - passed.value))
+            yield passed
+
+    def busy(progress):
+        assert progress.evaluations <= 10_000  # measured 1634, 2105; 2061, 2707 at a quarter of the increment
+
+    original = Path.advance
+    monkeypatch.setattr(Path, "advance", advance)
+    wave = {"kind": "harmonics", "period": 0.01, "orders": [1, 300], "amplitudes": [50e-6, 1e-8], "phases": phases}
+    loading = {"control": "separation", "targets": [1e-6, 0.0], "initial": "complete_contact"}
+    states = []
+    for increment in (0.05, 0.0125):
+        scene = rough_scene([], adhesion=0.3, profile=wave, loading=loading, accuracy={"max_increment": increment})
+        result = solve(scene, progress=busy)
+        assert [state.status for state in result.targets] == ["converged", "complete_contact"]
+        states.append(result.targets[0])
+    assert min(ways) >= 0
+    assert states[0].contact_fraction == pytest.approx(states[1].contact_fraction, abs=1e-12)  # measured 2e-13
+
+
 def test_an_increment_that_may_hide_a_jump_is_halved(monkeypatch):
     monkeypatch.setattr(BranchEnds, "may_hide_a_jump", lambda ends, start, end: abs(end.value - start.value) > 4e-3)
     path, point = rough_path()
