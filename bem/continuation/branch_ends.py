@@ -116,7 +116,8 @@ class BranchEnds:
     def _is_behind(self, point: Equilibrium, limit: LimitPoint, reach: float) -> bool:
         """Whether a fold lies behind a point that is at rest at the accuracy of targets too: it ends another branch.
 
-        That is nearer to the point than the fold, or it may be where the contact has jumped to from there.
+        That rest is nearer to the point than the fold, or it may be where the contact has jumped to from there.
+        A broken symmetry behind a point is not asked about.
         """
         if limit.kind != "fold" or (limit.exact.value - point.value) * reach >= 0:
             return False

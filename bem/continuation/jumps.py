@@ -101,9 +101,8 @@ class Jumps:
                                                                  patches stay and it releases less than its doubt
         broken symmetry  feel one, or do not fall back           the event that the symmetry breaks, and such a jump
         broken symmetry  fall back: another branch begins here   that event, and the other branch, taken up a smallest
-                                                                 increment behind, or at the end of `reach`, to which
-                                                                 the path goes; from there forces may still lead to a
-                                                                 jump
+                                                                 increment behind, or at the end of `reach` if that is
+                                                                 nearer; from there forces may still lead to a jump
         ===============  ======================================  ===================================================
         """
         way = departure(self.system, limit, self.increments.coarse, self.increments.fine)

@@ -312,9 +312,9 @@ def test_jumps_that_lead_back_for_ever_are_a_named_failure(monkeypatch):
 
 @pytest.mark.parametrize("phases", [[0.0, 0.0], [0.3, 0.0]], ids=["symmetric", "not symmetric"])
 def test_a_gap_whose_ends_snap_over_a_faint_ripple_opens_and_closes(monkeypatch, phases):
-    """No point lies beyond a goal, and no fold from which the contact has jumped ends the branch behind the jump.
+    """It reaches its targets: it took up a branch beyond its goal, and went to and fro, or jumped from a fold for ever.
 
-    The path once took up a branch beyond its goal, and went to and fro; or jumped from the same fold for ever.
+    Of two scenes.  Nearer to a goal than an eighth of a smallest increment a branch is still taken up beyond it.
     """
     ways = []
 
@@ -324,7 +324,7 @@ def test_a_gap_whose_ends_snap_over_a_faint_ripple_opens_and_closes(monkeypatch,
             yield passed
 
     def busy(progress):
-        assert progress.evaluations <= 10_000  # measured 1634, 2105; 2061, 2707 at a quarter of the increment
+        assert progress.evaluations <= 10_000  # measured 1638, 2105; 2130, 2406 at a quarter of the increment
 
     original = Path.advance
     monkeypatch.setattr(Path, "advance", advance)
@@ -337,7 +337,7 @@ def test_a_gap_whose_ends_snap_over_a_faint_ripple_opens_and_closes(monkeypatch,
         assert [state.status for state in result.targets] == ["converged", "complete_contact"]
         states.append(result.targets[0])
     assert min(ways) >= 0
-    assert states[0].contact_fraction == pytest.approx(states[1].contact_fraction, abs=1e-12)  # measured 2e-13
+    assert states[0].contact_fraction == pytest.approx(states[1].contact_fraction, abs=1e-12)  # measured 1.4e-13
 
 
 def test_an_increment_that_may_hide_a_jump_is_halved(monkeypatch):
