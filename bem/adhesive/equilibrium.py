@@ -16,6 +16,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from bem.adhesive.lowest_modes import lowest_modes
+from bem.adhesive.pinning import PinningWaves
 from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate
 from bem.elastic.hierarchical import if_solvable
 from bem.elastic.second_sensitivities import EdgeFields
@@ -46,6 +47,11 @@ class System:
     def sloped(self) -> System:
         """The same, and its states know the slopes that edges make at edges."""
         return replace(self, elastic=replace(self.elastic, slopes=True))
+
+    @cached_property
+    def pinning(self) -> PinningWaves:
+        """Waves of the profile by what they do to edges."""
+        return PinningWaves.of(self.elastic.profile)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,7 @@ from bem.continuation.softness import NEAR, Soft
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
+from bem.geometry.patches import Patches
 from bem.loading.increments import Increments
 
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
@@ -39,6 +40,28 @@ class TouchedFold:
     value: float
     state: Evaluation
     found: GapMinima
+
+
+@dataclass(frozen=True, eq=False)
+class Passed:
+    """What tells a limit point from others: its value of the control, that one's error, and its edges."""
+
+    value: float
+    error: float
+    patches: Patches
+
+    @classmethod
+    def of(cls, limit: LimitPoint) -> Passed:
+        """Of a limit point, without its forces."""
+        return cls(limit.exact.value, limit.error.value, limit.balance.state.patches)
+
+    def is_it(self, limit: LimitPoint) -> bool:
+        """Whether a limit point is this one, found again."""
+        found = limit.balance.state.patches
+        apart = abs(limit.exact.value - self.value)
+        if found.count != self.patches.count or apart > limit.error.value + self.error:
+            return False
+        return bool(np.max(np.abs(outward_motion(self.patches, found)) / found.edge_scale) < NEAR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,24 +125,31 @@ class BranchEnds:
         Newton may lead back to the fold from which the contact has just jumped: its potential is higher by what the
         jump released, and no work of the control accounts for that.
         """
+        start = point
         try:
-            limit = locate_limit_point(self.system, point.balance, point.value, search)
+            limit = locate_limit_point(self.system, start.balance, start.value, search)
         except UndecidedError:
-            point, search = self._settled(point), replace(search, tolerances=search.tolerances[2:] * 3)
-            limit = locate_limit_point(self.system, point.balance, point.value, search)
-        if limit is None or self._is_behind(point, limit, search.reach):
+            start, search = self._settled(point), replace(search, tolerances=search.tolerances[2:] * 3)
+            limit = locate_limit_point(self.system, start.balance, start.value, search)
+        if limit is None or self._is_waves_away(point, limit) or self._is_behind(point, limit, search.reach):
             return None
-        if self._accounts_for(point.balance, point, limit):
+        if self._accounts_for(start.balance, start, limit):
             return limit
-        return limit if self._accounts_for(self._finer(point.balance, point.value), point, limit) else None
+        return limit if self._accounts_for(self._finer(start.balance, start.value), start, limit) else None
+
+    def _is_waves_away(self, point: Equilibrium, limit: LimitPoint) -> bool:
+        """Whether an edge lies half a wave or more from where it is, of the shortest one that may pin it."""
+        patches = point.state.patches
+        wave = self.system.pinning.shortest(point.balance.work, patches.edge_scale)
+        return bool(np.any(2 * np.abs(outward_motion(patches, limit.balance.state.patches)) > wave))
 
     def _is_behind(self, point: Equilibrium, limit: LimitPoint, reach: float) -> bool:
-        """Whether a fold lies behind a point that is at rest at the accuracy of targets too: it ends another branch.
+        """Whether a limit point lies behind a point at rest at the accuracy of targets too: it ends another branch.
 
-        That rest is nearer to the point than the fold, or it may be where the contact has jumped to from there.
-        A broken symmetry behind a point is not asked about.
+        That rest is nearer to the point than it is, or may be where the contact has jumped to from there.
         """
-        if limit.kind != "fold" or (limit.exact.value - point.value) * reach >= 0:
+        doubt = limit.error.value if limit.kind == "fold" else 0.0  # of the other, what a push may do to it
+        if np.sign(reach) * (limit.exact.value - point.value) > doubt:
             return False
         start, settled = point.state.patches, self._settled(point)
         ways = [outward_motion(start, there.state.patches) / start.edge_scale for there in (settled, limit.balance)]

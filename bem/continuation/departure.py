@@ -3,7 +3,9 @@
 From a fold the mode itself leads on, to the side on which the potential falls: by a force D_v H v s^2 / 2 after a
 motion s, which says how long a push must be for a force to be felt.  Small snaps lead back soon behind, and may take
 finer evaluations.  Where a symmetry breaks both sides lead on, by a force that begins with s^3, and several modes may
-be soft together: among equal patches one shrinks.
+be soft together: among equal patches one shrinks.  What the other edges do meanwhile may change the sign of that force:
+where it holds against the mode alone, the branch that begins there is followed (turning_points.py).  If it is unstable,
+it leads back, and forces lead on from where it begins.
 """
 
 from __future__ import annotations
@@ -12,8 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bem.adhesive.branch import outward_motion
 from bem.adhesive.equilibrium import System, balance
 from bem.continuation.limit_points import LimitPoint, is_pushed
+from bem.continuation.softness import LONGEST_STEP, LostError, Soft
+from bem.continuation.turning_points import continued
 from bem.geometry.arrays import FloatArray
 from bem.loading.increments import Accuracy
 
@@ -21,6 +26,8 @@ DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the edge scale
 FORCES = (1e-2, 1e-3, 1e-6)  # of the work of adhesion, that a push from a fold shall meet; the last, finely evaluated
 LEAST_FORCE = 3.0  # times the residual between targets
 TIED = 1e-6  # relative difference of patches that are equal
+QUARTERS = 8  # lengths along another branch, each a quarter of the last
+GROWN = (8.0, 24.0)  # times by which an eigenvalue grows over four times the length: about its square
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +42,15 @@ class Departure:
         Whether the force is along the motion; against it all the way where another branch begins continuously.
     fine : bool
         Whether finer evaluations alone feel it.
+    other : Soft or None
+        Where no force leads on: a stable state of the branch that begins where a symmetry breaks, close to there; None
+        at a fold, and where it is not found.
     """
 
     outward: FloatArray
     leads_on: bool
     fine: bool
+    other: Soft | None = None
 
 
 def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accuracy) -> Departure:
@@ -72,7 +83,30 @@ def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accurac
         if force > LEAST_FORCE * accuracy.residual:
             return Departure(outward, True, accuracy is fine)
     outward = outward * (DEPARTURES[-1] / float(np.max(np.abs(outward) / state.patches.edge_scale)))
-    return Departure(outward, False, False)
+    other = None if limit.kind == "fold" else _other_branch(system, limit, motion, fine.tolerance)
+    if other is not None and other.eigenvalues[0] < 0:
+        return Departure(outward_motion(state.patches, other.here.state.patches), True, True)
+    return Departure(outward, False, False, other)
+
+
+def _other_branch(system: System, limit: LimitPoint, motion: FloatArray, tolerance: float) -> Soft | None:
+    """A state of the branch that begins where a symmetry breaks, by a motion as long as the edge scale.
+
+    So close that its lowest eigenvalue grows about as the length squared.  None where that is not found, as where
+    several modes are neutral.
+    """
+    here, farther = limit.balance, None
+    start = Soft(system, here, limit.exact.value, here.scale)
+    for quarters in range(QUARTERS):
+        try:
+            closer = continued(system, start, LONGEST_STEP / 4**quarters, (motion / here.scale, 0.0), tolerance)
+        except (LostError, np.linalg.LinAlgError):
+            closer = None
+        grown = farther.eigenvalues[0] / closer.eigenvalues[0] if farther and closer else 0.0
+        if GROWN[0] < grown < GROWN[1]:
+            return farther
+        farther = closer
+    return None
 
 
 def _pushes(system: System, limit: LimitPoint) -> FloatArray:

@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.branch import unstable_patches
+from bem.adhesive.branch import outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, edge_positions
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
 from bem.continuation.branch_ends import BranchEnds, TouchedFold
@@ -90,7 +90,7 @@ class Jumps:
         after = self.behind(touch.exact, touch.error, relaxed, relaxed.changes)
         return [] if after is None else [end, after]
 
-    def from_limit(self, limit: LimitPoint, reach: float) -> list[Point]:
+    def from_limit(self, limit: LimitPoint, goal: float) -> list[Point]:
         """A limit point and the state behind its jump; nothing where the forces lead to no other state.
 
         ===============  ======================================  ===================================================
@@ -100,10 +100,17 @@ class Jumps:
         fold             feel one                                a jump at the same value of the control; nothing where
                                                                  patches stay and it releases less than its doubt
         broken symmetry  feel one, or do not fall back           the event that the symmetry breaks, and such a jump
-        broken symmetry  fall back: another branch begins here   that event, and the other branch, taken up a smallest
-                                                                 increment behind, or at the end of `reach` if that is
-                                                                 nearer; from there forces may still lead to a jump
+        broken symmetry  fall back: another branch begins here   that event, and the other branch, taken up as close as
+                                                                 it was found, at the goal if that is nearer; a smallest
+                                                                 increment behind where it was not found; from there
+                                                                 forces may still lead to a jump
         ===============  ======================================  ===================================================
+
+        Parameters
+        ----------
+        limit : LimitPoint
+        goal : float
+            Where the path ends, behind the limit point.
         """
         way = departure(self.system, limit, self.increments.coarse, self.increments.fine)
         if limit.kind == "fold" and not way.leads_on:
@@ -111,13 +118,19 @@ class Jumps:
         state, value, outward = limit.balance.state, limit.exact.value, way.outward
         pushed, moving = state.patches.moved(outward), _moving(state.patches, outward)
         place = ("bifurcation", _leading(state.patches, outward))
-        relaxed = self._relaxed(state, pushed, value, moving, fine=way.fine or not way.leads_on)
-        if way.leads_on or relaxed.changes or _departed(state.patches, relaxed, outward):
-            breaks = limit.kind == "broken_symmetry"
-            changes = (place, *relaxed.changes) if breaks or not relaxed.changes else relaxed.changes
-            return self._jumped(limit, relaxed, changes, moved=breaks or bool(relaxed.changes))
-        value += float(np.copysign(min(self.increments.smallest, abs(reach)), reach))
-        relaxed = self._relaxed(state, pushed, value, moving)
+        left, behind, other = abs(goal - value), self.increments.smallest, way.other
+        if other is None:
+            relaxed = self._relaxed(state, pushed, value, moving, fine=way.fine or not way.leads_on)
+            if way.leads_on or relaxed.changes or _departed(state.patches, relaxed, outward):
+                breaks = limit.kind == "broken_symmetry"
+                changes = (place, *relaxed.changes) if breaks or not relaxed.changes else relaxed.changes
+                return self._jumped(limit, relaxed, changes, moved=breaks or bool(relaxed.changes))
+        else:
+            behind = abs(other.value - value)
+            part = np.sqrt(left / behind) if left < behind else 1.0  # the control grows as the length squared
+            pushed = state.patches.moved(part * outward_motion(state.patches, other.here.state.patches))
+        value = goal if left <= behind else value + float(np.copysign(behind, goal - value))
+        relaxed = self._relaxed(state, pushed, value, moving, fine=other is not None)
         points = self._jumped(limit, relaxed, (place, *relaxed.changes), moved=bool(relaxed.changes))
         if points or relaxed.balance is None:
             return points

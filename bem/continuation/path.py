@@ -15,7 +15,7 @@ asked about the next fold, it forgets at its goal.  Dimensionless.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
@@ -27,11 +27,11 @@ from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation import crossing
 from bem.continuation.bare_states import BareStates
-from bem.continuation.branch_ends import HALFWAY, TouchedFold
+from bem.continuation.branch_ends import HALFWAY, Passed, TouchedFold
 from bem.continuation.jumps import Jumps
 from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import Flaw
-from bem.continuation.points_with_edges import Equilibrium, Point, WithEdges
+from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point, WithEdges
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
@@ -40,10 +40,11 @@ from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
+PART = 0.125  # of the shortest wave that may pin an edge: how far it moves in an increment, as its tangent says
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
 FRACTIONS = 64  # of an increment: the way halfway to a fold, so that the same states are met on every processor
 NEARBY = 8  # parts of the smallest increment: events nearer to a point are looked for from there
-MOST_JUMPS = 100  # in a row from the same value of the control: the path does not lead on
+MOST_JUMPS = 100  # in a row, none of which leads nearer to the goal: the path does not lead on
 SAME_VALUE = 1e-9  # of the largest increment
 CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
 
@@ -146,9 +147,10 @@ class Path:
         4. Accepted: the next increment is up to twice as long.
         5. Too long for energies to tell whether a jump lies within: half of it comes first.
         6. Refused: jump from the end of the branch in between, or try a shorter increment, where a fold is foretold
-           halfway to it first.  Jumps that lead back to the same value, or beyond the goal, for ever are a failure.
+           halfway to it first.  Jumps for ever that do not lead nearer to the goal are a failure.
         """
-        pace, jumps, stands = self._pace(point), 0, point.value
+        pace, jumps, left = self._pace(point), 0, abs(goal - point.value)
+        passed: list[Passed] = []
         while point.value != goal:
             direction = self.direction(point, goal)
             if not isinstance(point, Equilibrium):
@@ -181,17 +183,17 @@ class Path:
                 yield point
                 continue
             self.effort.rejected += int(pace.fold != "near")
-            points, pace = self._past_refusal(point, attempt, trial, pace)
+            points, pace = self._past_refusal(point, attempt, trial, pace, passed)
             if not points:
                 continue
+            passed += [Passed.of(end.limit) for end in points if isinstance(end, BranchEnd)]
             pace = Pace(max(trial.step, self.increments.largest / 8))
             point = _with_increment(points[-1], pace.increment)
             yield from (*points[:-1], point)
             if isinstance(point, Failed):
                 return
-            stays = abs(point.value - stands) < SAME_VALUE * self.increments.largest
-            jumps = jumps + 1 if stays or direction * (point.value - goal) > 0 else 0
-            stands = point.value
+            leads_on = abs(goal - point.value) < left - SAME_VALUE * self.increments.largest
+            jumps, left = (0, abs(goal - point.value)) if leads_on else (jumps + 1, left)
             if jumps == MOST_JUMPS:
                 yield Failed(point.value, "jumps_again")
                 return
@@ -288,18 +290,17 @@ class Path:
     def _trial(self, point: Equilibrium, goal: float, direction: float, pace: Pace) -> Trial | None:
         """The increment to try; None where the gaps close.
 
-        As long as the pace allows and Newton reaches, but not shorter than `BRACKET` times the shortest; before a value
-        that Newton did not reach, halfway to it, down to the shortest.  The last one ends at the goal.
+        As long as the pace allows and Newton reaches; before a value that Newton did not reach, halfway to it; but not
+        shorter than the shortest.  The last one ends at the goal.
         """
         closing = self.bare.closing_value
         last = self._last_increment(point, closing)
         if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
             return None
-        step, shortest = min(pace.increment, self._largest(point), _within_reach(point)), self._shortest(point)
-        least = shortest * BRACKET
+        step, shortest = min(pace.increment, self._largest(point), self._within_reach(point)), self._shortest(point)
         if pace.blocked is not None and direction * (pace.blocked - point.value) > 0:
-            step, least = min(step, max(abs(pace.blocked - point.value) / 2, shortest)), shortest
-        step, end = max(step, least), min(goal, closing - last) if goal >= closing else goal
+            step = min(step, abs(pace.blocked - point.value) / 2)
+        step, end = max(step, shortest), min(goal, closing - last) if goal >= closing else goal
         if step >= abs(end - point.value) * (1 - 1e-12):
             return Trial(abs(end - point.value), end, shortest, end)
         return Trial(step, point.value + direction * step, shortest, end)
@@ -326,7 +327,9 @@ class Path:
             return Attempt(ahead, found)
         return Attempt(ahead, too_long=self.jumps.ends.may_hide_a_jump(point, ahead))
 
-    def _past_refusal(self, point: Equilibrium, attempt: Attempt, trial: Trial, pace: Pace) -> tuple[list[Point], Pace]:
+    def _past_refusal(
+        self, point: Equilibrium, attempt: Attempt, trial: Trial, pace: Pace, passed: list[Passed]
+    ) -> tuple[list[Point], Pace]:
         """The points behind the event in a refused increment; none where a shorter one comes first, and the pace.
 
         A fold is looked for from halfway, where it is foretold better, and what comes before it is met.
@@ -337,7 +340,7 @@ class Path:
                 return [], Pace(half, trial.value, "ahead")
         overshoot, shorter = self._bracket(point, attempt.found, trial.step, trial.shortest)
         thorough = overshoot <= 1.05 * trial.shortest
-        points = self._past_event(point, attempt, (trial.value, trial.end), thorough)
+        points = self._past_event(point, attempt, (trial.value, trial.end), thorough, passed)
         if pace.fold == "near":  # no Newton has begun from here
             return points, Pace(shorter)
         if not points and thorough:
@@ -352,7 +355,12 @@ class Path:
         return half if self.increments.smallest / NEARBY < half < trial.step else None
 
     def _past_event(
-        self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool
+        self,
+        point: Equilibrium,
+        attempt: Attempt,
+        ends: tuple[float, float],
+        thorough: bool,
+        passed: Iterable[Passed] = (),
     ) -> list[Point]:
         """The end of the branch of a point and the state behind the jump; nothing where it is not located.
 
@@ -366,6 +374,8 @@ class Path:
             the point at its end, just before the fold, is found from there.
         thorough : bool
             Whether shorter increments would not help.
+        passed : iterable of Passed
+            Limit points from which the contact has jumped: they end no other branch.
         """
         if attempt.ahead is not None and attempt.found is not None:
             return self.jumps.from_touch(point, attempt.ahead, attempt.found)
@@ -376,10 +386,10 @@ class Path:
         if isinstance(limit, TouchedFold):
             within = direction * (limit.value - ends[1]) <= 0
             return self.jumps.from_touch(point, limit, limit.found) if within else []
+        if any(before.is_it(limit) for before in passed):
+            return []
         if direction * (limit.exact.value - ends[1]) <= 0:  # also behind the point: coarse states go a little too far
-            left = ends[1] - limit.exact.value
-            nearest = direction * self.increments.smallest  # branches are told apart from there on: the path comes back
-            return self.jumps.from_limit(limit, left if NEARBY * abs(left) > abs(nearest) else nearest)
+            return self.jumps.from_limit(limit, ends[1])
         if limit.kind == "broken_symmetry":
             return []
         near = self.corrected(before_fold(limit, ends[1]), limit.balance.state.penetration, ends[1])
@@ -414,6 +424,14 @@ class Path:
         fraction = float(np.min(np.maximum(before, 0.0) / (np.maximum(before, 0.0) - found.depth)))
         return step * (1 - fraction), max(min(step * fraction + shortest / 2, 0.9 * step), shortest)
 
+    def _within_reach(self, point: Equilibrium) -> float:
+        """The increment whose predicted motion uses half of what Newton may travel, and a part of a pinning wave."""
+        scale = point.state.patches.edge_scale
+        wave = self.system.pinning.shortest(point.balance.work, scale)
+        travel = np.minimum(0.5 * LARGEST_NEWTON_STEP * scale, PART * wave)
+        with np.errstate(divide="ignore"):
+            return float(np.min(travel / np.abs(point.rate)))
+
     def _shortest(self, point: Equilibrium) -> float:
         """Where the end of a branch is not located, the increment in which it is bracketed.
 
@@ -424,12 +442,6 @@ class Path:
         here, control = point.balance, self.system.control
         loss = np.abs(here.state.stress_intensity_rate) * control.rate(here.state) / (2 * np.sqrt(here.work))
         return min(self.increments.smallest, 1 / float(loss.max())) / BRACKET
-
-
-def _within_reach(point: Equilibrium) -> float:
-    """The increment whose predicted motion uses half of what Newton may travel."""
-    speed = float(np.max(np.abs(point.rate) / point.state.patches.edge_scale))
-    return 0.5 * LARGEST_NEWTON_STEP / speed if speed > 0 else np.inf
 
 
 def _with_increment(point: Point, increment: float | None) -> Point:

@@ -35,10 +35,10 @@ def turning_points(system: System, soft: Soft, reach: float, tolerance: float) -
     begin, length, way = soft.value, LONGEST_STEP / 4, _tangent(soft, _along(soft) * reach)
     for _ in range(CONTINUED):
         try:
-            ahead = _continued(system, soft, length, way, tolerance)
+            ahead = continued(system, soft, length, way, tolerance)
             turned = _tangent(ahead, way[0])
             if turned[1] * way[1] < 0 and ahead.is_alone:
-                yield _continued(system, soft, length * way[1] / (way[1] - turned[1]), way, tolerance)
+                yield continued(system, soft, length * way[1] / (way[1] - turned[1]), way, tolerance)
         except LostError:
             ahead = None
         within = ahead is not None and ahead.eigenvalues[0] > 0 and -0.5 <= (ahead.value - begin) / reach <= 2
@@ -62,8 +62,14 @@ def _tangent(soft: Soft, along: FloatArray) -> tuple[FloatArray, float]:
     return np.asarray(step[:-1] / size), float(step[-1]) / size
 
 
-def _continued(system: System, soft: Soft, length: float, way: tuple[FloatArray, float], tolerance: float) -> Soft:
-    """The state of the branch a length along its tangent."""
+def continued(system: System, soft: Soft, length: float, way: tuple[FloatArray, float], tolerance: float) -> Soft:
+    """The state of a branch a length along its tangent, which has the length of the edge scale.
+
+    Raises
+    ------
+    LostError
+        It is not found.
+    """
     resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
     step, change = length * way[0], length * way[1]
     for _ in range(CORRECTIONS):

@@ -99,7 +99,7 @@ def test_pressure_is_johnsons_on_the_whole_loop(loop):
     exact, result = loop
     states, psi = touching(result)
     error = np.abs([state.mean_pressure for state in states] - exact.pressure(psi)).max()
-    assert error <= 6e-13 * FULL  # measured 2.1e-13 at alpha = 0.5; asked 1e-11
+    assert error <= 1.5e-12 * FULL  # measured 6.3e-13 at alpha = 0.1; asked 1e-11
 
 
 def test_penetration_is_johnsons_on_the_whole_loop(loop):
@@ -308,36 +308,6 @@ def test_jumps_that_lead_back_for_ever_are_a_named_failure(monkeypatch):
     result = solve(rough_scene([60e-6, 5e-6], 12, 1, 0.03))
     assert result.status == "not_converged"
     assert "the contact jumps again and again at" in result.failure
-
-
-@pytest.mark.parametrize("phases", [[0.0, 0.0], [0.3, 0.0]], ids=["symmetric", "not symmetric"])
-def test_a_gap_whose_ends_snap_over_a_faint_ripple_opens_and_closes(monkeypatch, phases):
-    """It reaches its targets: it took up a branch beyond its goal, and went to and fro, or jumped from a fold for ever.
-
-    Of two scenes.  Nearer to a goal than an eighth of a smallest increment a branch is still taken up beyond it.
-    """
-    ways = []
-
-    def advance(path, point, goal, separation=None):
-        for passed in original(path, point, goal, separation):
-            ways.append((goal - point.value) * (goal - passed.value))
-            yield passed
-
-    def busy(progress):
-        assert progress.evaluations <= 10_000  # measured 1638, 2105; 2130, 2406 at a quarter of the increment
-
-    original = Path.advance
-    monkeypatch.setattr(Path, "advance", advance)
-    wave = {"kind": "harmonics", "period": 0.01, "orders": [1, 300], "amplitudes": [50e-6, 1e-8], "phases": phases}
-    loading = {"control": "separation", "targets": [1e-6, 0.0], "initial": "complete_contact"}
-    states = []
-    for increment in (0.05, 0.0125):
-        scene = rough_scene([], adhesion=0.3, profile=wave, loading=loading, accuracy={"max_increment": increment})
-        result = solve(scene, progress=busy)
-        assert [state.status for state in result.targets] == ["converged", "complete_contact"]
-        states.append(result.targets[0])
-    assert min(ways) >= 0
-    assert states[0].contact_fraction == pytest.approx(states[1].contact_fraction, abs=1e-12)  # measured 1.4e-13
 
 
 def test_an_increment_that_may_hide_a_jump_is_halved(monkeypatch):
