@@ -101,7 +101,7 @@ class BranchEnds:
         limit = self._located(point, Search(reach, (coarse, fine, finest), thorough, is_touched))
         if limit is None and thorough and not touched:  # coarse states may end farther from it than `reach`
             near = float(np.copysign(max(self.increments.smallest, OFF * coarse * abs(point.value)), reach))
-            limit = self._located(point, Search(near, (fine, fine, finest), thorough, is_touched))
+            limit = self._located(self._settled(point), Search(near, (fine, fine, finest), thorough, is_touched))
         if limit is None:
             return touched[0] if touched else None
         if is_touched(limit.balance, limit.exact.value, self.increments.fine.allowed):

@@ -40,7 +40,7 @@ from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
-PART = 0.125  # of the shortest wave that may pin an edge: how far it moves in an increment, as its tangent says
+PART = 0.0625  # of the shortest wave that may pin an edge: how far it moves in an increment, as its tangent says
 BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
 FRACTIONS = 64  # of an increment: the way halfway to a fold, so that the same states are met on every processor
 NEARBY = 8  # parts of the smallest increment: events nearer to a point are looked for from there
