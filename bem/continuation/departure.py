@@ -27,7 +27,7 @@ FORCES = (1e-2, 1e-3, 1e-6)  # of the work of adhesion, that a push from a fold 
 LEAST_FORCE = 3.0  # times the residual between targets
 TIED = 1e-6  # relative difference of patches that are equal
 QUARTERS = 8  # lengths along another branch, each a quarter of the last
-GROWN = (8.0, 24.0)  # times by which an eigenvalue grows over four times the length: about its square
+UNEVEN = 0.5  # relative difference from 16 of what an eigenvalue grows by over four times the length: as its square
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,20 +92,20 @@ def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accurac
 def _other_branch(system: System, limit: LimitPoint, motion: FloatArray, tolerance: float) -> Soft | None:
     """A state of the branch that begins where a symmetry breaks, by a motion as long as the edge scale.
 
-    So close that its lowest eigenvalue grows about as the length squared.  None where that is not found, as where
-    several modes are neutral.
+    So close that its lowest eigenvalue grows about as the length squared, from there on.  None where that is not found,
+    as where several modes are neutral.
     """
-    here, farther = limit.balance, None
+    here, way = limit.balance, (motion / limit.balance.scale, 0.0)
     start = Soft(system, here, limit.exact.value, here.scale)
+    found: list[Soft] = []
     for quarters in range(QUARTERS):
         try:
-            closer = continued(system, start, LONGEST_STEP / 4**quarters, (motion / here.scale, 0.0), tolerance)
+            found.append(continued(system, start, LONGEST_STEP / 4**quarters, way, tolerance))
         except (LostError, np.linalg.LinAlgError):
-            closer = None
-        grown = farther.eigenvalues[0] / closer.eigenvalues[0] if farther and closer else 0.0
-        if GROWN[0] < grown < GROWN[1]:
-            return farther
-        farther = closer
+            found.clear()
+        lowest = np.array([state.eigenvalues[0] for state in found[-3:]])
+        if lowest.size == 3 and np.all(np.abs(lowest[:-1] / lowest[1:] / 16 - 1) < UNEVEN):
+            return found[-3]
     return None
 
 
