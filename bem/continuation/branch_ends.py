@@ -23,7 +23,6 @@ from bem.continuation.softness import NEAR, Soft
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
-from bem.geometry.patches import Patches
 from bem.loading.increments import Increments
 
 FINE = 1e-5  # tolerance of the first of the two evaluations that give an event its numbers
@@ -40,28 +39,6 @@ class TouchedFold:
     value: float
     state: Evaluation
     found: GapMinima
-
-
-@dataclass(frozen=True, eq=False)
-class Passed:
-    """What tells a limit point from others: its value of the control, that one's error, and its edges."""
-
-    value: float
-    error: float
-    patches: Patches
-
-    @classmethod
-    def of(cls, limit: LimitPoint) -> Passed:
-        """Of a limit point, without its forces."""
-        return cls(limit.exact.value, limit.error.value, limit.balance.state.patches)
-
-    def is_it(self, limit: LimitPoint) -> bool:
-        """Whether a limit point is this one, found again."""
-        found = limit.balance.state.patches
-        apart = abs(limit.exact.value - self.value)
-        if found.count != self.patches.count or apart > limit.error.value + self.error:
-            return False
-        return bool(np.max(np.abs(outward_motion(self.patches, found)) / found.edge_scale) < NEAR)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from bem.continuation.turning_points import continued
 from bem.geometry.arrays import FloatArray
 from bem.loading.increments import Accuracy
 
-DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the edge scale
+DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the edge scale; where a symmetry breaks, of a wave that may pin if shorter
 FORCES = (1e-2, 1e-3, 1e-6)  # of the work of adhesion, that a push from a fold shall meet; the last, finely evaluated
 LEAST_FORCE = 3.0  # times the residual between targets
 TIED = 1e-6  # relative difference of patches that are equal
@@ -64,7 +64,10 @@ def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accurac
         Of the evaluations, and of max |G/w - 1|: weaker forces say nothing.
     """
     state, direction = limit.balance.state, _direction(limit)
-    motion = direction / np.max(np.abs(direction) / state.patches.edge_scale)
+    unit = state.patches.edge_scale
+    if limit.kind == "broken_symmetry":
+        unit = np.minimum(unit, system.pinning.shortest(limit.balance.work, unit))
+    motion = direction / np.max(np.abs(direction) / unit)
     pushes = [(part, coarse) for part in DEPARTURES]
     if limit.kind == "fold":
         first, second, least = _pushes(system, limit)
@@ -82,7 +85,7 @@ def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accurac
                 force, outward = along, sign * part * motion
         if force > LEAST_FORCE * accuracy.residual:
             return Departure(outward, True, accuracy is fine)
-    outward = outward * (DEPARTURES[-1] / float(np.max(np.abs(outward) / state.patches.edge_scale)))
+    outward = np.sign(outward @ motion) * DEPARTURES[-1] * motion
     other = None if limit.kind == "fold" else _other_branch(system, limit, motion, fine.tolerance)
     if other is not None and other.eigenvalues[0] < 0:
         return Departure(outward_motion(state.patches, other.here.state.patches), True, True)
@@ -90,17 +93,19 @@ def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accurac
 
 
 def _other_branch(system: System, limit: LimitPoint, motion: FloatArray, tolerance: float) -> Soft | None:
-    """A state of the branch that begins where a symmetry breaks, by a motion as long as the edge scale.
+    """A state of the branch that begins where a symmetry breaks by a motion.
 
-    So close that its lowest eigenvalue grows about as the length squared, from there on.  None where that is not found,
-    as where several modes are neutral.
+    At most a fifth of that away, and so close that its lowest eigenvalue grows about as the length squared, from there
+    on.  None where that is not found, as where several modes are neutral.
     """
-    here, way = limit.balance, (motion / limit.balance.scale, 0.0)
+    here = limit.balance
     start = Soft(system, here, limit.exact.value, here.scale)
-    found: list[Soft] = []
+    longest = start.size(motion / here.scale)
+    way, found = (motion / here.scale / longest, 0.0), list[Soft]()
     for quarters in range(QUARTERS):
         try:
-            found.append(continued(system, start, LONGEST_STEP / 4**quarters, way, tolerance))
+            length = LONGEST_STEP * longest / 4**quarters
+            found.append(continued(system, start, length, way, tolerance, least=1))  # the other edges follow
         except (LostError, np.linalg.LinAlgError):
             found.clear()
         lowest = np.array([state.eigenvalues[0] for state in found[-3:]])

@@ -15,7 +15,7 @@ asked about the next fold, it forgets at its goal.  Dimensionless.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
@@ -27,11 +27,11 @@ from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation import crossing
 from bem.continuation.bare_states import BareStates
-from bem.continuation.branch_ends import HALFWAY, Passed, TouchedFold
+from bem.continuation.branch_ends import HALFWAY, TouchedFold
 from bem.continuation.jumps import Jumps
 from bem.continuation.limit_points import before_fold
 from bem.continuation.opening import Flaw
-from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point, WithEdges
+from bem.continuation.points_with_edges import Equilibrium, Point, WithEdges
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
@@ -150,7 +150,6 @@ class Path:
            halfway to it first.  Jumps for ever that do not lead nearer to the goal are a failure.
         """
         pace, jumps, left = self._pace(point), 0, abs(goal - point.value)
-        passed: list[Passed] = []
         while point.value != goal:
             direction = self.direction(point, goal)
             if not isinstance(point, Equilibrium):
@@ -183,10 +182,9 @@ class Path:
                 yield point
                 continue
             self.effort.rejected += int(pace.fold != "near")
-            points, pace = self._past_refusal(point, attempt, trial, pace, passed)
+            points, pace = self._past_refusal(point, attempt, trial, pace)
             if not points:
                 continue
-            passed += [Passed.of(end.limit) for end in points if isinstance(end, BranchEnd)]
             pace = Pace(max(trial.step, self.increments.largest / 8))
             point = _with_increment(points[-1], pace.increment)
             yield from (*points[:-1], point)
@@ -327,9 +325,7 @@ class Path:
             return Attempt(ahead, found)
         return Attempt(ahead, too_long=self.jumps.ends.may_hide_a_jump(point, ahead))
 
-    def _past_refusal(
-        self, point: Equilibrium, attempt: Attempt, trial: Trial, pace: Pace, passed: list[Passed]
-    ) -> tuple[list[Point], Pace]:
+    def _past_refusal(self, point: Equilibrium, attempt: Attempt, trial: Trial, pace: Pace) -> tuple[list[Point], Pace]:
         """The points behind the event in a refused increment; none where a shorter one comes first, and the pace.
 
         A fold is looked for from halfway, where it is foretold better, and what comes before it is met.
@@ -340,7 +336,7 @@ class Path:
                 return [], Pace(half, trial.value, "ahead")
         overshoot, shorter = self._bracket(point, attempt.found, trial.step, trial.shortest)
         thorough = overshoot <= 1.05 * trial.shortest
-        points = self._past_event(point, attempt, (trial.value, trial.end), thorough, passed)
+        points = self._past_event(point, attempt, (trial.value, trial.end), thorough)
         if pace.fold == "near":  # no Newton has begun from here
             return points, Pace(shorter)
         if not points and thorough:
@@ -355,12 +351,7 @@ class Path:
         return half if self.increments.smallest / NEARBY < half < trial.step else None
 
     def _past_event(
-        self,
-        point: Equilibrium,
-        attempt: Attempt,
-        ends: tuple[float, float],
-        thorough: bool,
-        passed: Iterable[Passed] = (),
+        self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool
     ) -> list[Point]:
         """The end of the branch of a point and the state behind the jump; nothing where it is not located.
 
@@ -374,8 +365,6 @@ class Path:
             the point at its end, just before the fold, is found from there.
         thorough : bool
             Whether shorter increments would not help.
-        passed : iterable of Passed
-            Limit points from which the contact has jumped: they end no other branch.
         """
         if attempt.ahead is not None and attempt.found is not None:
             return self.jumps.from_touch(point, attempt.ahead, attempt.found)
@@ -386,8 +375,6 @@ class Path:
         if isinstance(limit, TouchedFold):
             within = direction * (limit.value - ends[1]) <= 0
             return self.jumps.from_touch(point, limit, limit.found) if within else []
-        if any(before.is_it(limit) for before in passed):
-            return []
         if direction * (limit.exact.value - ends[1]) <= 0:  # also behind the point: coarse states go a little too far
             return self.jumps.from_limit(limit, ends[1])
         if limit.kind == "broken_symmetry":

@@ -62,8 +62,12 @@ def _tangent(soft: Soft, along: FloatArray) -> tuple[FloatArray, float]:
     return np.asarray(step[:-1] / size), float(step[-1]) / size
 
 
-def continued(system: System, soft: Soft, length: float, way: tuple[FloatArray, float], tolerance: float) -> Soft:
+def continued(
+    system: System, soft: Soft, length: float, way: tuple[FloatArray, float], tolerance: float, least: int = 0
+) -> Soft:
     """The state of a branch a length along its tangent, which has the length of the edge scale.
+
+    After at least so many corrections: a short step along a tangent is close to the branch, but has not its curvature.
 
     Raises
     ------
@@ -72,12 +76,12 @@ def continued(system: System, soft: Soft, length: float, way: tuple[FloatArray, 
     """
     resolution = resolve(system.elastic, soft.here.state.patches, tolerance)
     step, change = length * way[0], length * way[1]
-    for _ in range(CORRECTIONS):
+    for count in range(CORRECTIONS):
         here = forces_at(system, soft, step, soft.value + change, tolerance, resolution)
         soft = Soft(system, here, soft.value + change, soft.scale, soft.mode)
         both = np.linalg.solve(_bordered(soft, way[0]), -np.append(soft.gradient, 0.0))
         step, change = both[:-1], float(both[-1])
-        if soft.size(step) <= NEAR * length:
+        if count >= least and soft.size(step) <= NEAR * length:
             return soft
     raise LostError
 

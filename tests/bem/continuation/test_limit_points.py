@@ -20,6 +20,7 @@ from bem.continuation.limit_points import Search, UndecidedError, before_fold, l
 from bem.continuation.points_with_edges import Equilibrium, equilibrium
 from bem.continuation.rest import at_rest
 from bem.continuation.softness import LostError, Soft, refined
+from bem.continuation.turning_points import continued
 from bem.elastic.collocation import Elastic, resolve
 from bem.elastic.gap import GapMinima
 from bem.geometry.patches import Patches
@@ -282,6 +283,37 @@ def test_equal_crests_lose_their_symmetry_before_they_pull_off(count):
     assert way.leads_on
     inward = -(way.outward[:count] + way.outward[count:])
     assert np.argmax(inward) == np.argmax(np.abs(inward))  # one patch shrinks most
+
+
+@pytest.mark.parametrize(("waves", "refused"), [(0.45, False), (0.55, True)])
+def test_a_limit_point_half_a_pinning_wave_away_is_of_another_branch(monkeypatch, waves, refused):
+    """Whatever the control says: an edge snaps from wave to wave, and each has folds of its own."""
+    system, start = system_of([1, 40], [AMPLITUDE, 0.02], DisplacementControl(), 0.3), 0.0
+    point = equilibrium(system, start, resting(system, [0.0], 1.0, start))
+    lengths = system.pinning.shortest(point.balance.work, point.state.patches.edge_scale)
+    np.testing.assert_allclose(lengths, 2 * np.pi / 40, rtol=1e-14)
+    there = balance(system, point.state.patches.moved(waves * lengths * [1, 0]), 0.0, start, 1e-3)
+    numbers = EventNumbers(start, 0.0, there.state.load, there.potential)
+    limit = limit_points.LimitPoint("fold", there, numbers, numbers.apart(numbers, 0.0), np.ones((2, 1)), 1.0)
+    ends = branch_ends.BranchEnds(system, Increments(0.1, 1e-3))
+    monkeypatch.setattr(branch_ends, "locate_limit_point", lambda *_: limit)
+    monkeypatch.setattr(branch_ends.BranchEnds, "_is_behind", lambda *_: False)
+    monkeypatch.setattr(branch_ends.BranchEnds, "_accounts_for", lambda *_: True)
+    monkeypatch.setattr(branch_ends, "interpenetration", lambda *_: GapMinima(*[np.empty(0)] * 3))
+    assert (ends.limit_point(point, 0.1, False) is None) == refused
+
+
+def test_another_branch_has_its_curvature_however_close_to_where_it_begins():
+    """The control changes as the length squared; a step along the mode alone leaves it as it is."""
+    system, start = equal_crests(2), -0.05
+    found = locate_limit_point(system, symmetric_state(system, 2, start), start, Search(-0.05, TOLERANCES))
+    soft = Soft(system, found.balance, found.exact.value, found.balance.scale)
+    mode = found.modes[:, 0] / soft.scale
+    way = mode / soft.size(mode), 0.0
+    short, long = (
+        continued(system, soft, length, way, 1e-10, least=1).value - found.exact.value for length in (2e-4, 8e-4)
+    )
+    assert long / short == pytest.approx(16, rel=5e-5)  # measured 1.8e-5
 
 
 def test_newton_for_a_fold_that_ends_where_a_symmetry_breaks_has_found_no_fold(monkeypatch):
