@@ -37,6 +37,7 @@ from bem.loading.path_point import Complete, Failed, Separated
 
 DEEPER = 1e-8  # rms heights, by which a gap beside the one that touches is closed before
 DOUBT = 3.0  # times its error: less energy is not released
+SURE = 10.0  # times its error: more energy surely is, less is looked at more sharply
 TIED = 1e-6  # relative difference of patches that move alike
 MOVING = 0.3  # of the largest motion in units of the edge scale: patches that move with a mode
 
@@ -145,9 +146,12 @@ class Jumps:
         if relaxed.balance is None and not relaxed.changes:
             return []
         behind = self.behind(limit.exact, limit.error, relaxed, changes, moved)
-        if behind is None and limit.kind == "fold":  # its doubt may be more than its error
-            limit = if_solvable(sharper, self.system, limit, self.increments.fine.tolerance) or limit
-            behind = if_solvable(self.behind, limit.exact, limit.error, relaxed, changes, moved, sharply=True)
+        first = behind.events[0] if behind is not None and behind.events else None
+        sure = first is not None and first.energy_released > SURE * first.energy_error
+        if limit.kind == "fold" and not (moved or sure):  # its doubt may be more than its error
+            finer = if_solvable(sharper, self.system, limit, self.increments.fine.tolerance) or limit
+            found = if_solvable(self.behind, finer.exact, finer.error, relaxed, changes, moved, sharply=True)
+            limit, behind = (limit, behind) if found is None else (finer, found)
         return [] if behind is None else [BranchEnd(limit.exact.value, limit), behind]
 
     def unlocated(
