@@ -313,7 +313,7 @@ def test_another_branch_has_its_curvature_however_close_to_where_it_begins():
     short, long = (
         continued(system, soft, length, way, 1e-10, least=1).value - found.exact.value for length in (2e-4, 8e-4)
     )
-    assert long / short == pytest.approx(16, rel=5e-5)  # measured 1.8e-5
+    assert long / short == pytest.approx(16, rel=3e-4)  # rounding: 1.8e-5, 1.0e-4 on other kernels
 
 
 def test_newton_for_a_fold_that_ends_where_a_symmetry_breaks_has_found_no_fold(monkeypatch):
