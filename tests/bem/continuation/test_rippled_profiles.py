@@ -74,6 +74,20 @@ def test_every_snap_is_an_event_at_any_increment(ways, ripple, phase, targets):
         assert state.contact_fraction == pytest.approx(other.contact_fraction, abs=1.7e-13)  # measured 5.6e-14
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.3], ids=["symmetric", "not symmetric"])
+def test_a_gap_whose_ends_snap_over_a_faint_ripple_opens_and_closes(ways, phase):
+    """The path took up a branch beyond its goal, and went to and fro; or jumped from one fold for ever."""
+
+    def busy(progress):
+        assert progress.evaluations <= 10_000  # measured 1914, 1850; 2083, 2167 at a quarter of the increment
+
+    for increment in (0.05, 0.0125):
+        loading = OPENING | {"targets": [1e-6, 0.0]}
+        result = solve(rippled([1, 300], [50e-6, 1e-8], [phase, 0.0], 0.3, loading, increment), progress=busy)
+        assert [state.status for state in result.targets] == ["converged", "complete_contact"]
+    assert min(ways) >= 0
+
+
 @pytest.mark.parametrize(
     ("ripple", "work", "initial", "last", "off"),
     [
@@ -83,7 +97,7 @@ def test_every_snap_is_an_event_at_any_increment(ways, ripple, phase, targets):
     ],
 )
 def test_a_symmetric_profile_does_what_one_does_that_is_nearly_so(ripple, work, initial, last, off):
-    """Its contact fractions were 2 parts in 100 off: where its symmetry broke, the contact took up a branch too far."""
+    """Its contact fractions were up to 2 parts in 100 off: where its symmetry broke, the contact took up a branch too far."""
     loading = {"control": "separation", "targets": [2e-6, 7e-7, last], "initial": initial}
     order, height = ripple
     scene = [1, order], [50e-6, height]
