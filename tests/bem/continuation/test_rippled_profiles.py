@@ -97,7 +97,7 @@ def test_a_gap_whose_ends_snap_over_a_faint_ripple_opens_and_closes(ways, phase)
     ],
 )
 def test_a_symmetric_profile_does_what_one_does_that_is_nearly_so(ripple, work, initial, last, off):
-    """Its contact fractions were up to 2 parts in 100 off: where its symmetry broke, the contact took up a branch too far."""
+    """Contact fractions were up to 2 parts in 100 off: where a symmetry broke, a branch was taken up too far on."""
     loading = {"control": "separation", "targets": [2e-6, 7e-7, last], "initial": initial}
     order, height = ripple
     scene = [1, order], [50e-6, height]
