@@ -17,7 +17,7 @@ from bem.adhesive.equilibrium import Balance, System, balance, correct, energy_n
 from bem.adhesive.relaxation import interpenetration
 from bem.adhesive.third_derivatives import with_slopes
 from bem.continuation.foretold_folds import foretell_folds
-from bem.continuation.limit_points import LimitPoint, Search, UndecidedError, locate_limit_point
+from bem.continuation.limit_points import LimitPoint, Search, UndecidedError, before_fold, locate_limit_point
 from bem.continuation.points_with_edges import Equilibrium, equilibrium
 from bem.continuation.softness import NEAR, Soft
 from bem.elastic.collocation import Evaluation
@@ -123,14 +123,20 @@ class BranchEnds:
     def _is_behind(self, point: Equilibrium, limit: LimitPoint, reach: float) -> bool:
         """Whether a limit point lies behind a point at rest at the accuracy of targets too: it ends another branch.
 
-        That rest is nearer to the point than it is, or may be where the contact has jumped to from there.
+        That rest is nearer to the point than it is, or may be where the contact has jumped to from there: farther from
+        a fold than the branch that it ends at this value of the control.
         """
         doubt = limit.error.value if limit.kind == "fold" else 0.0  # of the other, what a push may do to it
-        if np.sign(reach) * (limit.exact.value - point.value) > doubt:
+        ahead = np.sign(reach) * (limit.exact.value - point.value)
+        if ahead > doubt:
             return False
-        start, settled = point.state.patches, self._settled(point)
-        ways = [outward_motion(start, there.state.patches) / start.edge_scale for there in (settled, limit.balance)]
-        return settled is not point and bool(np.abs(ways[0]).max() < np.abs(ways[1]).max())
+        start, there, settled = point.state.patches, limit.balance.state.patches, self._settled(point)
+        own = (
+            before_fold(limit, limit.exact.value - np.sign(reach) * (ahead + doubt)) if limit.kind == "fold" else there
+        )
+        ways = (start, settled.state.patches), (start, there), (settled.state.patches, there), (own, there)
+        rest, far, left, most = (np.max(np.abs(outward_motion(*way)) / start.edge_scale) for way in ways)
+        return bool(settled is not point and rest < far and left > most)
 
     def _settled(self, point: Equilibrium) -> Equilibrium:
         """The point at the accuracy of targets; as it is where Newton does not find it."""

@@ -223,8 +223,10 @@ class Path:
         else:
             points = self._past_event(point, Attempt(), (value + direction * inc.smallest / NEARBY, value), True)
         if not points:
-            unlocated = self.jumps.unlocated(point, value, found, inc.smallest / NEARBY, fine=True)
-            return _with_increment(unlocated, point.increment)
+            behind = self.jumps.unlocated(point, value, found, inc.smallest / NEARBY, fine=True)
+            there = behind.state
+            rest = None if there is None else self.corrected(there.patches, there.penetration, value)
+            return _with_increment(replace(rest, events=behind.events) if rest else behind, point.increment)
         points = [*points[:-1], _with_increment(points[-1], point.increment)]
         if points[-1].value != value and points[-1].state is not None:
             points += self.advance(points[-1], value)
@@ -375,12 +377,14 @@ class Path:
         if isinstance(limit, TouchedFold):
             within = direction * (limit.value - ends[1]) <= 0
             return self.jumps.from_touch(point, limit, limit.found) if within else []
-        if direction * (limit.exact.value - ends[1]) <= 0:  # also behind the point: coarse states go a little too far
-            return self.jumps.from_limit(limit, ends[1])
-        if limit.kind == "broken_symmetry":
-            return []
-        near = self.corrected(before_fold(limit, ends[1]), limit.balance.state.penetration, ends[1])
-        return [] if near is None or self.interpenetrates(near) else [near]
+        beyond = direction * (limit.exact.value - ends[1])  # negative behind the point too: coarse states go too far
+        if beyond > 0:
+            along = limit.balance.state.patches.moved((ends[1] - limit.exact.value) * point.rate)
+            edges = before_fold(limit, ends[1]) if limit.kind == "fold" else along
+            near = self.corrected(edges, limit.balance.state.penetration, ends[1])
+            if near is not None:
+                return [] if self.interpenetrates(near) else [near]
+        return self.jumps.from_limit(limit, ends[1]) if beyond <= limit.error.value else []
 
     def _largest(self, point: Equilibrium) -> float:
         """The largest increment of the control at a point: the one asked for, or what moves the contact as far."""

@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from bem.continuation.path import Path
 from bem.scene.scene import parse_scene
 from bem.solver import solve
 
@@ -112,20 +113,42 @@ def test_equal_crests_pull_off_under_load_at_any_increment(order, alpha, delta):
     assert_same(coarse, fine, fractions=3e-10)  # measured 1e-10
 
 
+def opened(order, alpha, targets, increment):
+    data = crests(order, alpha, 0.0, "separation", targets, increment=increment)
+    data["loading"]["initial"] = "complete_contact"
+    return outcome(data)
+
+
 @pytest.mark.parametrize("order", [4, 9])
 def test_equal_gaps_open_one_by_one_at_any_increment(order):
     """Edges of narrow gaps hardly move on the way to where the symmetry breaks: its eigenvalue says how near it is."""
-
-    def opened(increment):
-        data = crests(order, 0.3, 0.0, "separation", [0.0, 1.5 * AMPLITUDE], increment=increment)
-        data["loading"]["initial"] = "complete_contact"
-        return outcome(data)
-
-    coarse, fine = opened(LARGEST), opened(LARGEST / 3)
+    coarse, fine = (opened(order, 0.3, [0.0, 1.5 * AMPLITUDE], increment) for increment in (LARGEST, LARGEST / 3))
     assert coarse[0] == fine[0]
     assert coarse[0][:2] == ["opening", "bifurcation"]
     # measured 4e-10 of the amplitude; 7e-9 where short steps of the edges were enough
     assert np.abs(coarse[1] - fine[1])[:, 0].max() <= 1e-9 * AMPLITUDE
+
+
+@pytest.mark.parametrize("order", [3, 5])
+def test_a_target_just_before_a_symmetry_breaks_is_met_before_it_does(order):
+    """Newton at the accuracy of targets finds the state next to neutral there, where coarse states have none."""
+    last = 0.8 * AMPLITUDE
+    kinds, numbers, _ = opened(order, 0.08, [last], LARGEST)
+    breaks = AMPLITUDE - numbers[kinds.index("bifurcation"), 0]
+    for before in (1e-5, 1e-6, 1e-7):  # at 1e-9 it is the state behind the jump at some increments
+        coarse, fine = (opened(order, 0.08, [breaks * (1 - before), last], LARGEST / n) for n in (1, 4))
+        assert coarse[0] == fine[0] == kinds
+        assert coarse[2] == pytest.approx(fine[2], abs=2e-12)  # measured 7e-13
+        for _, found, _ in (coarse, fine):
+            assert np.abs(found - numbers)[1:, 0].max() <= 6e-14 * AMPLITUDE  # measured 2.1e-14
+            assert np.abs(found - numbers)[:, 2].max() <= 2e-13 * numbers[:, 2].max()  # measured 7.3e-14
+
+
+def test_a_state_behind_an_end_that_is_not_located_is_as_accurate_as_others(monkeypatch):
+    """Its closure was 2.6e-7, as the last evaluation behind the jump has it."""
+    monkeypatch.setattr(Path, "_past_event", lambda *_: [])
+    kinds, *_ = opened(3, 0.08, [0.56256322 * AMPLITUDE], LARGEST / 4)
+    assert kinds == ["opening", "new_contact"]
 
 
 def rough(seed, work, control="separation", layer=None, slope_term=True, increment=LARGEST, **profile):
