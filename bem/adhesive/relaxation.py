@@ -148,19 +148,19 @@ def _with_new_contacts(
     tied = np.flatnonzero(found.depth <= (1 - TIED) * found.depth.min())
     where = found.position[tied]
     for position, depth in zip(where, found.depth[tied], strict=True):
-        patches = _with_new_contact(system, patches, float(position), float(depth))
+        patches = _with_new_contact(system, patches, float(position), float(depth), where[where != position])
     active = np.array([_nearest(patches, float(position)) for position in where])
     return patches, active, [("new_contact", float(position)) for position in where]
 
 
-def _with_new_contact(system: System, patches: Patches, position: float, depth: float) -> Patches:
-    """Patches with a new one around a point that interpenetrates by -depth."""
+def _with_new_contact(system: System, patches: Patches, position: float, depth: float, others: FloatArray) -> Patches:
+    """Patches with a new one around a point that interpenetrates by -depth, clear of `others` that do so too."""
     at = np.array([position])
     curvature = max(float(-system.elastic.profile.curvature(at)[0]), 1e-12)
     geometric = np.sqrt(-2 * depth / curvature)
     lone = 1.5 * float(pull_off_half_width(system, at)[0])
-    to_right = np.min((patches.left - position) % TWO_PI)
-    to_left = np.min((position - patches.right) % TWO_PI)
+    to_right = np.min((np.append(patches.left, others) - position) % TWO_PI)
+    to_left = np.min((position - np.append(patches.right, others)) % TWO_PI)
     half_width = min(max(lone, float(geometric)), 0.25 * float(to_right), 0.25 * float(to_left))
     return patches.with_patch(position - half_width, position + half_width)
 

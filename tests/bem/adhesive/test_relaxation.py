@@ -87,6 +87,19 @@ def test_equal_crests_make_contact_at_the_same_instant():
     np.testing.assert_allclose(np.ptp(end.balance.state.patches.width), 0.0, atol=1e-9)
 
 
+def test_equal_crests_of_a_ripple_that_both_lie_deep_below_zero_make_contacts_apart():
+    """An odd ripple splits the lower of two waves: its halves touch together, and deep ones were taken to be wide."""
+    rippled = Profile.from_harmonics(2 * np.pi, [2, 41], [1.0, 0.02])
+    system = System(Elastic(rippled), UniformLaw(0.1), DisplacementControl())
+    end = relaxed(system, one_patch(0.5), 0.6)
+    beside = [position for kind, position in end.changes if kind == "new_contact"][:2]
+    assert sum(beside) == pytest.approx(2 * np.pi, abs=1e-6)
+    assert np.diff(beside)[0] == pytest.approx(2 * np.pi / 41, rel=0.2)
+    assert end.status == "converged"
+    assert end.balance.state.patches.count == 2
+    np.testing.assert_allclose(np.sin(end.balance.state.patches.center), 0.0, atol=1e-9)
+
+
 def test_patches_detach_beyond_pull_off():
     loaded = relaxed(SYSTEM, one_patch(0.5), 0.6).balance.state.patches
     end = relaxed(SYSTEM, loaded, -0.05, 0.6)
