@@ -16,7 +16,7 @@ import numpy as np
 
 from bem.adhesive.branch import outward_motion
 from bem.adhesive.equilibrium import System, balance
-from bem.continuation.limit_points import LimitPoint, is_pushed
+from bem.continuation.limit_points import LimitPoint
 from bem.continuation.softness import LONGEST_STEP, LostError, Soft
 from bem.continuation.turning_points import continued
 from bem.geometry.arrays import FloatArray
@@ -123,16 +123,19 @@ def _pushes(system: System, limit: LimitPoint) -> FloatArray:
 
 
 def _direction(limit: LimitPoint) -> FloatArray:
-    """Outward motion of the edges, (2 L,): the mode of a fold; at a bifurcation that in which a force acts, or the one
-    nearest to a single patch that shrinks, among equal ones the first."""
-    modes = limit.modes
+    """Outward motion of the edges, (2 L,): the mode of a fold; at a bifurcation that in which a force acts.
+
+    Or else the one nearest to a single patch that shrinks, or slides where modes move patches more than they shrink
+    them; among equal patches the first.
+    """
     if limit.kind == "fold":
-        return np.asarray(modes[:, 0])
-    unit = modes / np.linalg.norm(modes, axis=0)
-    if is_pushed(limit):
-        return np.asarray(-unit @ (limit.balance.gradient @ unit))
-    count = limit.balance.state.patches.count
-    shrink = -(unit[:count] + unit[count:])
-    share = np.linalg.norm(shrink, axis=1)
+        return np.asarray(limit.modes[:, 0])
+    if limit.is_pushed:
+        return limit.push
+    unit = limit.modes / np.linalg.norm(limit.modes, axis=0)
+    left, right = np.split(unit, 2)
+    shrink, slide = -(left + right), right - left
+    alone = max(shrink, slide, key=np.linalg.norm)
+    share = np.linalg.norm(alone, axis=1)
     first = int(np.flatnonzero(share >= (1 - TIED) * share.max())[0])
-    return np.asarray(unit @ shrink[first])
+    return np.asarray(unit @ alone[first])

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -71,6 +71,9 @@ class LimitPoint:
         Outward motions of the edges without resistance; one at a fold, to the side on which the potential falls.
     bend : float
         At a fold, -d2(tau)/ds2 / 2 on the branch, s in units of the mode.
+    push : (2 L,) array
+        Where a symmetry breaks, the force on the modes that are neutral, over the work of adhesion, as an outward
+        motion: 0 but for rounding if the profile has the symmetry.  Others hold what pushes them.
     """
 
     kind: Literal["fold", "broken_symmetry"]
@@ -79,6 +82,12 @@ class LimitPoint:
     error: EventNumbers
     modes: FloatArray
     bend: float
+    push: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def is_pushed(self) -> bool:
+        """Whether a force acts along the modes of a bifurcation: the profile does not quite have the symmetry."""
+        return bool(np.linalg.norm(self.push) > FELT)
 
 
 class UndecidedError(Exception):
@@ -135,22 +144,24 @@ def locate_limit_point(system: System, start: Balance, value: float, search: Sea
 
 def _located(system: System, start: Balance, value: float, search: Search) -> LimitPoint | None:
     """The fold or bifurcation next to a branch: first what breaks a symmetry, then the fold beside it or alone."""
-    reach, finest = search.reach, (search.tolerances[2],) * 3
+    reach, broken = search.reach, None
     start = with_slopes(system, start, value, search.tolerances[0])
-    soft, broken, unasked = Soft(system, start, value, start.scale), None, replace(search, refused=None)
-    if is_at_rest(soft, soft.mode):
+    soft = Soft(system, start, value, start.scale)
+    if is_at_rest(soft, soft.mode) or np.ptp(soft.eigenvalues[:2]) < SOFT:
         soft = Soft(system, start, value, start.scale, every=True)
         for _ in range(2):  # or else what the modes that break a symmetry carry of the error between targets stays
-            here = refined(system, soft, to_rest(soft), value, search.tolerances[1], False)
+            here = refined(system, soft, to_rest(soft), value, search.tolerances[2], False)
             soft = Soft(system, here, value, start.scale, every=True)
-        broken = _neutral(system, soft, value, unasked, breaking=True)
-        if broken is not None and not is_pushed(broken):
+    if is_at_rest(soft, soft.mode):
+        # coarser evaluations are less symmetric than the profile, and nearly equal modes of both kinds mix
+        search = replace(search, tolerances=(search.tolerances[2],) * 3)
+        broken = _neutral(system, soft, value, replace(search, refused=None), breaking=True)
+        if broken is not None and not broken.is_pushed:
             return broken
-        # coarser evaluations may be less symmetric than the profile
-        search, unasked = replace(search, tolerances=finest), replace(unasked, tolerances=finest)
-        found = None if broken is None else _beside(system, broken, soft.scale, unasked)
+        found = None if broken is None else _beside(system, broken, soft.scale, replace(search, refused=None))
         if found is not None:
             return found
+    unasked = replace(search, refused=None)
     expected = foretell_folds(system, soft, reach)
     near = soft if expected is None else _near(system, soft, expected, reach, search.tolerances[0])
     rivals = near is not None and expected is not None and expected.has_rivals
@@ -271,10 +282,10 @@ def _neutral(system: System, soft: Soft, begin: float, search: Search, breaking:
         if not broken[0]:
             return None
         modes = soft.modes[:, broken] * soft.scale[:, None]
-        pushed = _push(soft.here, modes) ** (2 / 3)
-        shift = pushed / abs(soft.eigenvalue_rate)  # of the fold of an almost symmetric profile
+        push = _push(soft.here, modes[:, soft.eigenvalues[broken] <= NEUTRAL])
+        shift = float(np.linalg.norm(push)) ** (2 / 3) / abs(soft.eigenvalue_rate)  # of a fold beside the bifurcation
         error = replace(error, value=error.value + shift)
-        return LimitPoint("broken_symmetry", soft.here, exact, error, modes, 0.0)
+        return LimitPoint("broken_symmetry", soft.here, exact, error, modes, 0.0, push)
     cubic, work = float(at.gradient @ soft.mode), float(soft.pull @ soft.mode)
     mode = -np.sign(cubic) * soft.mode * soft.scale
     return LimitPoint("fold", soft.here, exact, error, mode[:, None], cubic / (2 * work))
@@ -371,9 +382,8 @@ def _beside(system: System, broken: LimitPoint, scale: FloatArray, search: Searc
     With the push f, the branch s of the mode and its fold obey f + mu s + c s^3 = 0 and mu + 3 c s^2 = 0: s ~ f^(1/3).
     """
     state, value = broken.balance.state, broken.exact.value
-    way = -broken.modes @ (broken.modes.T @ broken.balance.gradient)
-    way /= float(np.max(np.abs(way) / state.patches.edge_scale))
-    middle = float(np.cbrt(_push(broken.balance, broken.modes)))
+    way = broken.push / float(np.max(np.abs(broken.push) / state.patches.edge_scale))
+    middle = float(np.cbrt(np.linalg.norm(broken.push)))
     for side in SIDES:
         patches = state.patches.moved(side * middle * way)
         here = balance(system.sloped, patches, state.penetration, value, search.tolerances[0])
@@ -383,12 +393,7 @@ def _beside(system: System, broken: LimitPoint, scale: FloatArray, search: Searc
     return None
 
 
-def is_pushed(limit: LimitPoint) -> bool:
-    """Whether a force acts along the modes of a bifurcation: the profile does not quite have the symmetry."""
-    return _push(limit.balance, limit.modes) > FELT
-
-
-def _push(here: Balance, modes: FloatArray) -> float:
-    """Force along modes over the work of adhesion."""
+def _push(here: Balance, modes: FloatArray) -> FloatArray:
+    """Force along modes over the work of adhesion, as an outward motion, (2 L,)."""
     unit = modes / np.linalg.norm(modes, axis=0)
-    return float(np.linalg.norm(here.gradient @ unit) / np.max(here.work))
+    return np.asarray(-unit @ (here.gradient @ unit) / np.max(here.work))

@@ -155,3 +155,25 @@ def test_a_target_just_before_a_fold_does_not_hide_its_jump(event):
         assert [each.kind for each in cut.events] == [each.kind for each in whole.events]
         largest = released(whole).max()
         np.testing.assert_allclose(released(cut), released(whole), rtol=0, atol=1.5e-11 * largest)  # measured 5.5e-12
+
+
+@pytest.mark.parametrize(
+    ("orders", "ripple", "work", "more"),
+    [([1, 20], 5.65e-6, 0.03, {}), ([2, 40], 4e-6, 0.01, {"layer": {"thickness": 1e-3}, "poisson_ratio": 0.45})],
+    ids=["half-space", "layer"],
+)
+def test_a_symmetry_breaks_as_such_at_any_increment(orders, ripple, work, more):
+    """Where modes of both kinds are nearly equal, coarse forces mix them: a symmetry that broke was taken for a fold.
+
+    Or the direction in which equal patches slide was a matter of rounding.
+    """
+    loading = {"control": "separation", "targets": [3e-5, 1e-5]}
+    coarse, fine = (
+        solve(rippled(orders, [5e-5, ripple], [0.0, 0.0], work, loading, increment, **more))
+        for increment in (0.05, 0.0125)
+    )
+    assert [event.kind for event in coarse.events] == [event.kind for event in fine.events]
+    largest = released(fine).max()
+    np.testing.assert_allclose(released(coarse), released(fine), rtol=0, atol=3e-11 * largest)  # measured 1.0e-11
+    depths = [[event.penetration for event in result.events] for result in (coarse, fine)]
+    np.testing.assert_allclose(*depths, rtol=0, atol=2e-12 * 50e-6)  # measured 7.9e-13
