@@ -7,8 +7,9 @@ where G grows by this faster along q than it falls as the contact grows, which i
     edge scale * q * h sqrt(2 q / w) > 1.
 
 Several edges that move together, as those of a patch that slides, may be softer than that: they are pinned where waves
-exceed the smallest eigenvalue of the Hessian, in the same units.  Waves of all orders from one on act together; their phases being any, squares add.  Dimensionless (orders are wave
-numbers).  Limits: an estimate of sizes, for waves short beside the edge scale and the thickness of a layer.
+exceed the smallest eigenvalue of the Hessian, in the same units.  Waves of all orders from one on act together; their
+phases being any, squares add.  Dimensionless (orders are wave numbers).  Limits: an estimate of sizes, for waves short
+beside the edge scale and the thickness of a layer.
 """
 
 from __future__ import annotations

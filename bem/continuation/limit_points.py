@@ -283,7 +283,9 @@ def _neutral(system: System, soft: Soft, begin: float, search: Search, breaking:
             return None
         modes = soft.modes[:, broken] * soft.scale[:, None]
         push = _push(soft.here, modes[:, soft.eigenvalues[broken] <= NEUTRAL])
-        shift = float(np.linalg.norm(push)) ** (2 / 3) / abs(soft.eigenvalue_rate)  # of a fold beside the bifurcation
+        kept, held = soft.modes[:, ~broken], soft.eigenvalues[~broken]
+        rate = soft.eigenvalue_rate - float((at.gradient @ kept) @ ((soft.pull @ kept) / held))  # along the branch
+        shift = float(np.linalg.norm(push)) ** (2 / 3) / abs(rate)  # of a fold beside the bifurcation
         error = replace(error, value=error.value + shift)
         return LimitPoint("broken_symmetry", soft.here, exact, error, modes, 0.0, push)
     cubic, work = float(at.gradient @ soft.mode), float(soft.pull @ soft.mode)

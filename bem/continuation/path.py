@@ -384,7 +384,8 @@ class Path:
             near = self.corrected(edges, limit.balance.state.penetration, ends[1])
             if near is not None:
                 return [] if self.interpenetrates(near) else [near]
-        return self.jumps.from_limit(limit, ends[1]) if beyond <= limit.error.value else []
+        points = self.jumps.from_limit(limit, ends[1]) if beyond <= limit.error.value else []
+        return points if beyond <= 0 or len(points) > 1 else []  # another branch that begins beyond is not there yet
 
     def _largest(self, point: Equilibrium) -> float:
         """The largest increment of the control at a point: the one asked for, or what moves the contact as far."""
