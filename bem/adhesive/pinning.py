@@ -6,10 +6,8 @@ where G grows by this faster along q than it falls as the contact grows, which i
 
     edge scale * q * h sqrt(2 q / w) > 1.
 
-Several edges that move together, as those of a patch that slides, may be softer than that: they are pinned where waves
-exceed the smallest eigenvalue of the Hessian, in the same units.  Waves of all orders from one on act together; their
-phases being any, squares add.  Dimensionless (orders are wave numbers).  Limits: an estimate of sizes, for waves short
-beside the edge scale and the thickness of a layer.
+Waves of all orders from one on act together; their phases being any, squares add.  Dimensionless (orders are wave
+numbers).  Limits: an estimate of sizes, for waves short beside the edge scale and the thickness of a layer.
 """
 
 from __future__ import annotations
@@ -22,7 +20,7 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI
 from bem.geometry.profile import Profile
 
-PINS = 0.25  # of the smallest eigenvalue: it holds what the waves add at a point too, and changes in an increment
+PINS = 0.03  # of the strength at which waves pin an edge on its own: modes of several are softer
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,15 +46,13 @@ class PinningWaves:
         squares = 2 * amplitudes**2 * orders.astype(float) ** 3
         return cls(orders, np.sqrt(np.cumsum(squares[::-1])[::-1]))
 
-    def shortest(self, work: FloatArray, edge_scale: FloatArray, softest: float) -> FloatArray:
+    def shortest(self, work: FloatArray, edge_scale: FloatArray) -> FloatArray:
         """Length of the shortest wave that may pin each edge; inf where none does.
 
         Parameters
         ----------
         work, edge_scale : (2 L,) arrays
             Work of adhesion at the edges, and their edge scales.
-        softest : float
-            Smallest eigenvalue of the Hessian scaled by these.
         """
-        count = np.searchsorted(-self.strength, -PINS * softest * np.sqrt(work) / edge_scale, side="right")
+        count = np.searchsorted(-self.strength, -PINS * np.sqrt(work) / edge_scale, side="right")
         return np.where(count > 0, TWO_PI / self.orders[np.maximum(count - 1, 0)], np.inf)

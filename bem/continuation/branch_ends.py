@@ -116,8 +116,8 @@ class BranchEnds:
 
     def _is_waves_away(self, point: Equilibrium, limit: LimitPoint) -> bool:
         """Whether an edge lies half a wave or more from where it is, of the shortest one that may pin it."""
-        here, patches = point.balance, point.state.patches
-        wave = self.system.pinning.shortest(here.work, patches.edge_scale, here.smallest_eigenvalue)
+        patches = point.state.patches
+        wave = self.system.pinning.shortest(point.balance.work, patches.edge_scale)
         return bool(np.any(2 * np.abs(outward_motion(patches, limit.balance.state.patches)) > wave))
 
     def _is_behind(self, point: Equilibrium, limit: LimitPoint, reach: float) -> bool:

@@ -26,9 +26,6 @@ DEPARTURES = (0.02, 0.04, 0.08, 0.16)  # of the edge scale; where a symmetry bre
 FORCES = (1e-2, 1e-3, 1e-6)  # of the work of adhesion, that a push from a fold shall meet; the last, finely evaluated
 LEAST_FORCE = 3.0  # times the residual between targets
 TIED = 1e-6  # relative difference of patches that are equal
-STIFFNESS = (
-    0.12  # eigenvalue, of order 1, that holds edges behind a broken symmetry: waves that exceed PINS of it count
-)
 QUARTERS = 8  # lengths along another branch, each a quarter of the last
 UNEVEN = 0.5  # relative difference from 16 of what an eigenvalue grows by over four times the length: as its square
 
@@ -69,7 +66,7 @@ def departure(system: System, limit: LimitPoint, coarse: Accuracy, fine: Accurac
     state, direction = limit.balance.state, _direction(limit)
     unit = state.patches.edge_scale
     if limit.kind == "broken_symmetry":
-        unit = np.minimum(unit, system.pinning.shortest(limit.balance.work, unit, STIFFNESS))
+        unit = np.minimum(unit, system.pinning.shortest(limit.balance.work, unit))
     motion = direction / np.max(np.abs(direction) / unit)
     pushes = [(part, coarse) for part in DEPARTURES]
     if limit.kind == "fold":

@@ -418,8 +418,8 @@ class Path:
 
     def _within_reach(self, point: Equilibrium) -> float:
         """The increment whose predicted motion uses half of what Newton may travel, and a part of a pinning wave."""
-        here, scale = point.balance, point.state.patches.edge_scale
-        wave = self.system.pinning.shortest(here.work, scale, here.smallest_eigenvalue)
+        scale = point.state.patches.edge_scale
+        wave = self.system.pinning.shortest(point.balance.work, scale)
         travel = np.minimum(0.5 * LARGEST_NEWTON_STEP * scale, PART * wave)
         with np.errstate(divide="ignore"):
             return float(np.min(travel / np.abs(point.rate)))

@@ -33,16 +33,16 @@ def strengths(orders, amplitudes):
 
 
 def test_the_shortest_wave_that_pins_is_the_last_one_strong_enough():
-    """A wave alone pins where its strength in edge scales exceeds PINS of the smallest eigenvalue."""
+    """A wave alone pins from a work of adhesion on that is its strength, over PINS, in edge scales, squared."""
     waves = strengths([40, 1], [1e-3, 1.0])
-    strength, scale, softest = 1e-3 * 40 * np.sqrt(2 * 40), 0.1, 0.3
-    weakest = (strength * scale / (PINS * softest)) ** 2
+    strength, scale = 1e-3 * 40 * np.sqrt(2 * 40), 0.1
+    weakest = (strength * scale / PINS) ** 2
     work = weakest * np.array([0.999, 1.001])
-    np.testing.assert_allclose(waves.shortest(work, np.full(2, scale), softest), [TWO_PI / 40, TWO_PI], rtol=1e-15)
+    np.testing.assert_allclose(waves.shortest(work, np.full(2, scale)), [TWO_PI / 40, TWO_PI], rtol=1e-15)
 
 
 def test_waves_act_together_and_too_weak_ones_pin_nothing():
     many = strengths(np.arange(40, 80), np.full(40, 1e-3))
     squares = 2e-6 * np.arange(40.0, 80) ** 3
     np.testing.assert_allclose(many.strength**2, np.cumsum(squares[::-1])[::-1], rtol=1e-14)
-    assert np.all(np.isinf(many.shortest(np.full(4, 1e9), np.full(4, 0.1), 1.0)))
+    assert np.all(np.isinf(many.shortest(np.full(4, 1e9), np.full(4, 0.1))))

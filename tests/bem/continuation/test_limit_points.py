@@ -290,8 +290,7 @@ def test_a_limit_point_half_a_pinning_wave_away_is_of_another_branch(monkeypatch
     """Whatever the control says: an edge snaps from wave to wave, and each has folds of its own."""
     system, start = system_of([1, 40], [AMPLITUDE, 0.02], DisplacementControl(), 0.3), 0.0
     point = equilibrium(system, start, resting(system, [0.0], 1.0, start))
-    here = point.balance
-    lengths = system.pinning.shortest(here.work, point.state.patches.edge_scale, here.smallest_eigenvalue)
+    lengths = system.pinning.shortest(point.balance.work, point.state.patches.edge_scale)
     np.testing.assert_allclose(lengths, 2 * np.pi / 40, rtol=1e-14)
     there = balance(system, point.state.patches.moved(waves * lengths * [1, 0]), 0.0, start, 1e-3)
     numbers = EventNumbers(start, 0.0, there.state.load, there.potential)

@@ -177,14 +177,3 @@ def test_a_symmetry_breaks_as_such_at_any_increment(orders, ripple, work, more):
     np.testing.assert_allclose(released(coarse), released(fine), rtol=0, atol=3e-11 * largest)  # measured 1.0e-11
     depths = [[event.penetration for event in result.events] for result in (coarse, fine)]
     np.testing.assert_allclose(*depths, rtol=0, atol=2e-12 * 50e-6)  # measured 7.9e-13
-
-
-def test_a_ripple_too_faint_to_pin_costs_less_than_one_that_does():
-    """Of 1e-10 m, far below what holds the edges: where it alone was looked at, steps were parts of its wave."""
-    loading = {"control": "separation", "targets": [3e-5, 6e-5]}
-    result = solve(rippled([1, 500], [5e-5, 1e-10], [0.0, 0.3], 0.1, loading))
-    assert result.status == "converged"
-    assert len(result.events) == 1
-    assert (
-        sum(state.evaluations for state in result.states) <= 1000
-    )  # measured 513, without the ripple 147; it was 2078

@@ -38,9 +38,8 @@ SAME_END = 1e-10  # the same along other increments and after a restart, as aske
 ROUNDINGS, EPS = 24, np.finfo(float).eps
 HEIGHT_NOISE = 1e-13  # of the rms height, as seen in pressures; 4e-14 measured on a patch of 1e-5 periods
 # Of the pressure unit, or of the pressure where larger, and of the separation, a difference of rounded heights;
-# measured 2.7e-6 at a separation of 5e-13 m (closure 1.5e-6, within what rounding of positions leaves), 6.9e-7 at
-# 3e-13 m, 1.6e-8 at 1e-11 m.
-LAST_GAP = 6e-6
+# measured 6.9e-7 at a separation of 3e-13 m, 1.6e-8 at 1e-11 m.
+LAST_GAP = 2e-6
 CLOSING_LOAD, CLOSING_WIDTH = 2.5e-14, 5e-9  # measured 8.4e-15 of the load (1000 harmonics) and 1.6e-9 of the width
 WITHIN = 2000  # points within a patch, and again about its lowest pressure
 TENSION = 1e-9  # of the mean pressure of a patch: pressure that must not be tensile without adhesion
