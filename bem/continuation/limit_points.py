@@ -10,7 +10,8 @@ At a fold the load works on the mode (v . dg/dtau != 0): Newton on both equation
 d mu = D_v H v . dx + v . dH/dtau v dtau (Seydel, Practical Bifurcation and Stability Analysis, 2010, section 5.4).
 Both derivatives of H are exact (third_derivatives.py).  Where the mode breaks a symmetry that loading keeps, the load
 does no work on it, and the branch continues unstable: mu changes sign along it.  Newton on the same equations finds
-that, with the modes that break the symmetry at rest.  Coarse evaluations lead to the point, finer ones improve it, and
+that, with the modes that break the symmetry at rest.  Coarse evaluations lead to a fold, the finest alone to where a
+symmetry breaks, since coarse ones are less symmetric than the profile; finer ones improve it, and
 what the finest change after them, of a smaller tolerance or else another resolution, is its error; what Newton had left
 before is part of it.
 Dimensionless.  Limits: at a fold one mode alone is neutral.

@@ -363,8 +363,9 @@ class Path:
         attempt : Attempt
             To follow the branch.
         ends : (float, float)
-            Where the attempt was to lead, and how far the path goes: a fold beyond that does not end this path, and
-            the point at its end, just before the fold, is found from there.
+            Where the attempt was to lead, and how far the path goes: a limit point beyond that does not end this path,
+            and the point at its end, just before, is found from there.  Where there is none, and that is within the
+            error of the limit point, the contact jumps all the same.
         thorough : bool
             Whether shorter increments would not help.
         """
