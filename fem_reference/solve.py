@@ -10,7 +10,7 @@ profile that enters the layer where no contact was assumed, a missing equilibriu
 """
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -140,8 +140,8 @@ def problem_of(
 
 def control_of(problem: Problem, control: ControlKind, value: float) -> Control:
     """Return the dimensionless control; raises `InvalidProblemError` naming `control` or `value`."""
-    if control not in ("penetration", "total_displacement", "mean_pressure"):
-        raise InvalidProblemError("control", f"unknown control {control!r}")
+    if control not in get_args(ControlKind):
+        raise InvalidProblemError("control", f"must be one of {', '.join(get_args(ControlKind))}, got {control!r}")
     try:
         number = float(value)
     except (TypeError, ValueError):
