@@ -47,15 +47,17 @@ DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 CURVES = ("contact_fraction", "separation")  # against which --plot draws the mean pressure
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, program: str = "python -m bem") -> int:
     """Run a command; the exit code.
 
     Parameters
     ----------
     arguments : sequence of str, optional
         Those of the process by default.
+    program : str
+        What it is called in what it says of its usage.
     """
-    parser = argparse.ArgumentParser(prog="python -m bem", description="Adhesive line contact of a rough profile.")
+    parser = argparse.ArgumentParser(prog=program, description="Adhesive line contact of a rough profile.")
     add_commands(parser.add_subparsers(required=True, metavar="check|run"))
     return perform(parser.parse_args(arguments))
 

@@ -34,6 +34,19 @@ def test_version(capsys):
     assert capsys.readouterr().out == f"linecontact {bem.__version__}\n"
 
 
+@pytest.mark.parametrize(("command", "loaded"), [("check", False), ("--version", True)])
+def test_commands_of_a_scene_do_without_the_harness(command, loaded):
+    scene = str(ROOT / "validation/command_line/examples/one-wave.toml")
+    code = """if True:
+        import atexit, gc, sys
+        from validation.command_line import front_door
+        atexit.register(lambda: print(gc.isenabled(), "validation.__main__" in sys.modules))
+        front_door.main()
+    """
+    done = subprocess.run([sys.executable, "-c", code, command, scene], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == f"True {loaded}"
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_explains_itself(command, capsys):
     assert exit_code(command, "--help") == 0
