@@ -59,16 +59,16 @@ class Forecast:
     """Seconds that a run has still to go, by a clock of seconds: those predicted, by the pace so far."""
 
     def __init__(self, cost: Cost, clock: Callable[[], float] = time.monotonic) -> None:
-        self.cost, self.clock, self.begun = cost, clock, clock()
-        self.first: float | None = None  # share of the work behind a run that is resumed
+        self.cost, self.clock = cost, clock
+        self.first: tuple[float, float] | None = None  # share of the work done at the first report, and the time then
 
     def left(self, report: Progress) -> float:
         """Seconds to go at a report; the prediction counts as much as `TRUST` of the work done at its pace."""
         done = self.cost.done(report.target_index, report.value)
-        if self.first is None:
-            self.first = done
+        now = self.clock()
+        self.first = self.first or (done, now)
         predicted, trust = self.cost.seconds, TRUST * self.cost.seconds
-        pace = (self.clock() - self.begun + trust) / ((done - self.first) * predicted + trust) if trust else 1.0
+        pace = (now - self.first[1] + trust) / ((done - self.first[0]) * predicted + trust) if trust else 1.0
         return (1 - done) * predicted * pace
 
     def words(self, report: Progress) -> str:

@@ -146,3 +146,12 @@ def test_progress_corrects_itself_by_the_pace_seen(monkeypatch):
     assert told[-1] == pytest.approx(1.0)
     late = told[len(told) // 2 :]
     assert min(late) > 0.9
+
+
+def test_what_came_before_the_first_report_does_not_count():
+    predicted, now = cost_of(scene_with(loading=loading("separation", 7e-5))), [0.0]
+    forecast = Forecast(predicted, clock=lambda: now[0])
+    now[0] = 1e3 * predicted.seconds
+    first = []
+    bem.solve(scene_with(loading=loading("separation", 7e-5)), progress=lambda at: first.append(forecast.left(at)))
+    assert first[0] <= predicted.seconds
