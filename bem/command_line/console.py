@@ -60,7 +60,7 @@ class Forecast:
 
     def __init__(self, cost: Cost, clock: Callable[[], float] = time.monotonic) -> None:
         self.cost, self.clock = cost, clock
-        self.first: tuple[float, float] | None = None  # share of the work done at the first report, and the time then
+        self.first: tuple[float, float] | None = None  # share done at the first report, large if resumed; and when
 
     def left(self, report: Progress) -> float:
         """Seconds to go at a report; the prediction counts as much as `TRUST` of the work done at its pace."""

@@ -1,6 +1,6 @@
-"""The command `linecontact`: `check` and `run` at once, all others through commands.py.
+"""The command `linecontact`: `check` and `run` go straight to the solver, all others through commands.py.
 
-The two need the solver alone; loading the harness takes longer than a small scene.
+The two do without the harness, whose loading takes longer than a small scene.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ OF_A_SCENE = ("check", "run")
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command, by default that of `sys.argv`; its exit code."""
-    if arguments is None:
-        gc.disable()  # imports leave no garbage, and what they make lives until the end: a tenth of a small run
+    if arguments is None:  # imports leave no garbage, and what they make lives until the end: a tenth of a small run
+        gc.disable()
     words = sys.argv[1:] if arguments is None else arguments
     of_a_scene = bool(words) and words[0] in OF_A_SCENE
     commands = import_module("bem.__main__" if of_a_scene else "validation.command_line.commands")

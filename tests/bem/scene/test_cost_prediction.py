@@ -155,3 +155,18 @@ def test_what_came_before_the_first_report_does_not_count():
     first = []
     bem.solve(scene_with(loading=loading("separation", 7e-5)), progress=lambda at: first.append(forecast.left(at)))
     assert first[0] <= predicted.seconds
+
+
+def test_a_run_that_is_resumed_is_judged_by_its_own_work(monkeypatch):
+    monkeypatch.setattr(cost_prediction, "pace", lambda: 1.0)
+    scene = scene_with(loading=loading("separation", 7e-5, 4e-5))
+    predicted, reports, now = cost_of(scene), [], [0.0]
+    bem.solve(scene, progress=reports.append)
+    done = [predicted.done(report.target_index, report.value) for report in reports]
+    half, late = len(reports) // 2, 3 * len(reports) // 4
+    forecast = Forecast(predicted, clock=lambda: now[0])
+    forecast.left(reports[half])
+    now[0] = 10 * predicted.seconds * (done[late] - done[half])
+    expected = 10 * predicted.seconds * (1 - done[late])
+    assert 0.6 * expected < forecast.left(reports[late]) < expected
+    assert done[half] > 0.2
