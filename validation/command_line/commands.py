@@ -33,7 +33,7 @@ def main(arguments: Sequence[str], program: str) -> int:
 
 def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=program, description="Adhesive contact of rough profiles, verified.")
-    parser.add_argument("--version", action="version", version=f"linecontact {bem.__version__}")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {bem.__version__}")
     parser.add_argument("--print-completion", action=_PrintCompletion, choices=SHELLS, help="for the shell to read")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
