@@ -22,7 +22,7 @@ from bem.loading.path_events import PathEvent
 from bem.problem import Problem
 from bem.scene.effects import effects_of
 from bem.scene.plausibility import cautions_of, groups_of, pressure_groups
-from bem.scene.result import Caution, Effect, Event, Result, State
+from bem.scene.result import Caution, Effect, EnergyGainedError, Event, Result, State
 from bem.scene.result_file import provenance
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
@@ -99,8 +99,19 @@ class Recorder:
     on_state: Callable[[Result], None] | None
 
     def note(self, events: tuple[PathEvent, ...]) -> None:
-        """Keep events."""
-        self.record.events += [event_of(self.problem, event) for event in events]
+        """Keep events.
+
+        Raises
+        ------
+        EnergyGainedError
+            One of them releases less than no energy, beyond its error; it is kept.
+        """
+        for event in [event_of(self.problem, event) for event in events]:
+            self.record.events.append(event)
+            released, error = event.energy_released, event.error_estimate.energy_released
+            if released is not None and error is not None and released < -error:
+                at = f"{event.kind} at a penetration of {event.penetration:.9g} m"
+                raise EnergyGainedError(f"{at} releases {released:.3g} +- {error:.1g} J/m^2")
 
     def keep(self, point: AnyPoint, branch: str, target: bool, status: str | None = None) -> None:
         """Keep a refined point as a state: assessed and certified where it has edges."""

@@ -32,7 +32,7 @@ from bem.loading.path_point import Complete, Separated
 from bem.path_for import path_for
 from bem.problem import Problem, pose
 from bem.record import Record, Recorder
-from bem.scene.result import NotFiniteError, Progress, Result, State
+from bem.scene.result import UNPHYSICAL, Progress, Result, State
 from bem.scene.scene import Scene
 from bem.scene_objects import Described, Tables, scene_of
 from bem.states import flat_state
@@ -48,7 +48,7 @@ FAILURES = {
     "ill_conditioned": "the gaps are too narrow to resolve",
     "jumps_again": "the contact jumps again and again",
 }
-NUMERICAL_FAILURES = (IllConditionedSystemError, NotFiniteError, FloatingPointError, np.linalg.LinAlgError, MemoryError)
+NUMERICAL_FAILURES = (IllConditionedSystemError, *UNPHYSICAL, FloatingPointError, np.linalg.LinAlgError, MemoryError)
 
 
 @dataclass(frozen=True)

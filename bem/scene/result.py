@@ -21,6 +21,13 @@ class NotFiniteError(ArithmeticError):
     """A number of a state came out as NaN or infinite: such a state does not exist."""
 
 
+class EnergyGainedError(ArithmeticError):
+    """A jump leads up, by more than its error: an event before it was missed, or it ends in a state it cannot reach."""
+
+
+UNPHYSICAL = NotFiniteError, EnergyGainedError
+
+
 @dataclass(frozen=True)
 class Effect:
     """An effect of the vocabulary, whether a scene calls for it, why, and its predicted cost in s."""

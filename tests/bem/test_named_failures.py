@@ -48,6 +48,28 @@ def test_numerical_failures_end_the_path_by_name(failure, monkeypatch):
     assert result.events
 
 
+@pytest.mark.parametrize(("errors", "ends"), [(0.9, False), (1.1, True)], ids=["within its error", "beyond it"])
+def test_a_jump_that_gains_energy_ends_the_path_by_name(errors, ends, monkeypatch):
+    described, detachments = record.event_of, []
+
+    def gaining(problem, event):
+        found = described(problem, event)
+        if found.kind != "detachment" or detachments:
+            return found
+        detachments.append(replace(found, energy_released=-errors * found.error_estimate.energy_released))
+        return detachments[0]
+
+    monkeypatch.setattr(record, "event_of", gaining)
+    result = solve(rough_scene(TARGETS))
+    assert detachments[0] in result.events
+    if not ends:
+        assert result.status == "converged"
+        return
+    assert (result.status, result.events[-1]) == ("not_converged", detachments[0])
+    assert result.failure.startswith("EnergyGainedError: detachment at a penetration of ")
+    assert len(result.targets) == 2  # what lies behind the jump is not kept
+
+
 def test_a_fault_of_the_program_is_not_called_a_numerical_failure(monkeypatch):
     def faulty(*_):
         raise IndexError("a fault")
