@@ -66,6 +66,7 @@ class ErrorEstimate:
 class Certificate:
     """A-posteriori checks of a state; `min_gap` and `mean_gap_error` in m, the rest dimensionless.
 
+    `closure` is the largest |G/w - 1|, without adhesion |K| over that of a flat punch, with K recomputed by the audit.
     None: it has no meaning for the state, or its file is older.  `reasons` names each demand that is not met, with its
     limit and place.
     """
