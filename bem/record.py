@@ -30,9 +30,13 @@ from bem.states import Cost, Place, complete_state, equilibrium_state, event_of,
 
 if TYPE_CHECKING:
     from bem.continuation.points_with_edges import Point
+    from bem.elastic.collocation import Evaluation
+    from bem.geometry.arrays import FloatArray
     from bem.nonadhesive.convex_path import ConvexPoint
 
     AnyPoint = Point | ConvexPoint
+
+TENSION = "interior_tension"  # what a warning is about
 
 
 @dataclass
@@ -143,8 +147,23 @@ class Recorder:
             place = Place(branch, target, self._cost(0))
             return separated_state(self.problem, self._penetration_of(point), status or "separated", place)
         assessment = self.path.assess(point)
+        if assessment.work is not None:
+            self._warn_of_tension(point.state, assessment.work)
         place = Place(branch, target, self._cost(point.state.unknowns))
         return equilibrium_state(self.problem, point.state, assessment, self.scene.accuracy.tolerance, place)
+
+    def _warn_of_tension(self, state: Evaluation, work: FloatArray) -> None:
+        """Once, where the tension inside the contact would open it at a flaw of atomic size."""
+        tension, record, scales = import_module("bem.adhesive.interior_tension"), self.record, self.problem.scales
+        if any(caution.about == TENSION for caution in record.warnings):
+            return
+        flaw = tension.ATOMIC / scales.length
+        largest, opening = tension.largest_tension(state.pressure(), flaw), tension.opening_tension(work, flaw)
+        if largest > opening:
+            told = f"at a penetration of {state.penetration * scales.height:.4g} m the tension inside the contact is "
+            told += f"{largest * scales.stress:.3g} Pa; {opening * scales.stress:.3g} Pa open a flaw of "
+            told += f"{tension.ATOMIC:g} m, the distance of atoms. The path holds it closed: bem/README.md, section 10"
+            record.warnings = (*record.warnings, Caution(TENSION, told))
 
     def _cost(self, unknowns: int) -> Cost:
         """Evaluations and CPU seconds since the last state."""

@@ -161,7 +161,7 @@ class _Run:
                 self.done, last = self.done + 1, count
         if last == 0 or result.states[last - 1].events is None:  # which events came before it is not known
             return
-        record.states = list(result.states[:last])
+        record.states, record.warnings = list(result.states[:last]), result.warnings
         record.events = list(result.events[: record.states[-1].events])
         self.done = 0
         for state in record.states:
