@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from bem.elastic.collocation import Evaluation
     from bem.geometry.arrays import FloatArray
     from bem.nonadhesive.convex_path import ConvexPoint
+    from bem.nonadhesive.gap_series import GapEvaluation
 
     AnyPoint = Point | ConvexPoint
 
@@ -152,7 +153,7 @@ class Recorder:
         place = Place(branch, target, self._cost(point.state.unknowns))
         return equilibrium_state(self.problem, point.state, assessment, self.scene.accuracy.tolerance, place)
 
-    def _warn_of_tension(self, state: Evaluation, work: FloatArray) -> None:
+    def _warn_of_tension(self, state: Evaluation | GapEvaluation, work: FloatArray) -> None:
         """Once, where the tension inside the contact would open it at a flaw of atomic size."""
         tension, record, scales = import_module("bem.adhesive.interior_tension"), self.record, self.problem.scales
         if any(caution.about == TENSION for caution in record.warnings):

@@ -27,7 +27,7 @@ def largest_tension(pressure: PatchPressure, margin: float) -> float:
     Examples
     --------
     >>> pressure = PatchPressure(np.array([-1.0]), np.array([1.0]), (np.array([-2.0, 0.0, 0.5, 0.0, 0.0, 0.0]),))
-    >>> largest_tension(pressure, 0.5)
+    >>> largest_tension(pressure, 0.9)
     2.5
     """
     found = 0.0

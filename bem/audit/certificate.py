@@ -121,7 +121,7 @@ def certify(
     >>> pressure = PatchPressure(np.array([-np.pi / 2]), np.array([np.pi / 2]), (series,))
     >>> certify(wave, pressure, 0.5 * (1 + np.log(2)), None).ok
     True
-    >>> certify(wave, pressure, 0.85, None).reasons[0]
+    >>> certify(wave, pressure, 0.85, None).reasons[1]
     'contact residual 3.43e-03 exceeds 1e-08 on patch 0'
     """
     demands = Demands() if demands is None else demands
