@@ -121,7 +121,7 @@ def certify(
     >>> pressure = PatchPressure(np.array([-np.pi / 2]), np.array([np.pi / 2]), (series,))
     >>> certify(wave, pressure, 0.5 * (1 + np.log(2)), None).ok
     True
-    >>> certify(wave, pressure, 0.85, None).reasons[1]
+    >>> certify(wave, pressure, 0.85, None).reasons[0]
     'contact residual 3.43e-03 exceeds 1e-08 on patch 0'
     """
     demands = Demands() if demands is None else demands
@@ -211,15 +211,15 @@ class _Misfit:
     def lacking(self, field: DisplacementField) -> FloatArray:
         """What q lacks at the edges, (2 L,), for the displacement to be that of the contact.
 
-        By the logarithm of the patch itself: q = cos(k theta) moves it by cos(k theta)/k, a load by -log sin(r/2)
-        times q_0.  What other patches and a layer add is smooth: it leaves out some percent of this small change.
+        By the logarithm of the patch itself: q = k cos(k theta) moves it by cos(k theta).  What other patches and a
+        layer add is smooth, and leaves out some percent of this small change; a mean excess is an error of Delta, which
+        the mean gap shows.
         """
         lacking = np.empty((2, field.count))
         for who, rows in _by_size(field.pressure.charges):
             n = rows.shape[1]
             excess = self.excess[self.first[who, None] + np.arange(n + 1)]
-            per_unit = np.tile(np.append(np.arange(n), n / 2), (who.size, 1))  # the ends of a cosine series count half
-            per_unit[:, 0] = -0.5 / np.log(np.sin(field.radius[who] / 2))
+            per_unit = np.append(np.arange(n), n / 2)  # the ends of a cosine series count half
             lacked = -per_unit * np.fft.rfft(np.concatenate([excess, excess[:, -2:0:-1]], axis=1)).real / n
             even, odd = lacked[:, ::2].sum(axis=1), lacked[:, 1::2].sum(axis=1)
             lacking[:, who] = even - odd, even + odd
