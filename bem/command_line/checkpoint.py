@@ -17,8 +17,19 @@ from pathlib import Path
 from types import FrameType
 from typing import Protocol
 
+from bem.scene.atomic_file import remove_remains
 from bem.scene.result import FINAL_STATUSES, Entry, Result
-from bem.scene.result_file import CorruptResultError, Journal, digest, read_result, write_result, write_states
+from bem.scene.result_file import (
+    FIELDS_FILE,
+    JOURNAL_FILE,
+    RESULT_FILE,
+    CorruptResultError,
+    Journal,
+    digest,
+    read_result,
+    write_result,
+    write_states,
+)
 from bem.scene.scene import Scene
 
 PAUSE = 10.0  # times the duration of a write of result.json until the next
@@ -108,6 +119,8 @@ class Checkpoint:
         if not self.journal.path.exists():
             self.journal.begin(result, ())
         write_result(result, self.journal.folder)
+        for name in (RESULT_FILE, FIELDS_FILE, JOURNAL_FILE):
+            remove_remains(self.journal.folder / name)
 
 
 @contextmanager

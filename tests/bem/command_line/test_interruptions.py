@@ -34,9 +34,11 @@ phases = [0.0, 1.0]
 {adhesion}
 [loading]
 control = "separation"
-targets = [9e-6, 5e-6, 7e-6]
+targets = [9e-6, 6e-6]
+[accuracy]
+max_increment = 1.0
 [output]
-shapes = [9e-6, 7e-6]
+shapes = [9e-6, 6e-6]
 spectra = true
 """
 ADHESION = "[adhesion]\nwork_of_adhesion = 1e-4\n"
@@ -105,16 +107,19 @@ def assert_same(result, other):
         np.testing.assert_array_equal(values, other.fields[name], strict=True)
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # a file that was just being opened
 @pytest.mark.parametrize("happens", [interrupted, killed], ids=lambda happens: happens.__name__)
-@pytest.mark.parametrize("part", range(4))
-def test_a_run_disturbed_at_any_call_goes_on_to_the_same(happens, part, undisturbed, tmp_path):
+@pytest.mark.parametrize(
+    ("first", "step"),
+    [(5, 17), *(pytest.param(k, 8, marks=pytest.mark.slow) for k in range(1, 9))],
+    ids=lambda number: str(number),
+)
+def test_a_run_disturbed_at_any_call_goes_on_to_the_same(happens, first, step, undisturbed, tmp_path):
     scene, whole, calls = undisturbed
     assert calls > 100
-    import time; t=time.time()
-    for at in range(1 + part, calls + 1, 4):
+    for at in range(first, calls + 1, step):
         out = tmp_path / str(at)
         happens(scene, out, at)
         assert run(scene, out, "--resume") == 0
         assert_same(read_result(out), whole)
         assert sorted(path.name for path in Path(out).iterdir()) == ["fields.npz", "result.json"]
-    print(calls, time.time()-t)
