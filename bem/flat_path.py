@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from bem.flat import flat_states
@@ -9,7 +11,7 @@ from bem.missed import flat_apart, said_of, verdict
 from bem.record import Record
 from bem.scene.result import Result
 from bem.scene.scene import Scene
-from bem.states import Cost, Missed, Place, flat_state, missed_state
+from bem.states import flat_state
 
 
 def solve_flat(scene: Scene) -> Result:
@@ -21,8 +23,8 @@ def solve_flat(scene: Scene) -> Result:
         if flat.status == "unreachable":
             target = loading.targets[index]
             reason = said_of(flat_apart(), f"target {index + 1} of {len(loading.targets)}", loading.control, target)
-            missed = Missed(loading.control, target, flat.status, reason)
-            record.miss(missed_state(missed, Place(branch, True, Cost(0, 0, 0.0))))
+            state = flat_state(flat, -work, branch)
+            record.miss(replace(state, certificate=replace(state.certificate, reasons=(reason,))))
             continue
         record.add(flat_state(flat, -work, branch), {})
         last = flat.penetration

@@ -110,7 +110,7 @@ class Record:
     def result(self, status: str, failure: str | None = None) -> Result:
         """All of it."""
         kept = self.begun.with_entries(self.entries)
-        groups = kept.groups | pressure_groups(kept.groups, kept.states)
+        groups = kept.groups | pressure_groups(kept.groups, [state for state in kept.states if state.found])
         return replace(kept, status=status, failure=failure, groups=groups)
 
 
@@ -175,7 +175,12 @@ class Recorder:
 
     def miss(self, missed: Missed, branch: str) -> None:
         """Keep the row of a target that was not met."""
-        self.record.miss(missed_state(missed, Place(branch, True, self._cost(0))))
+        place = Place(branch, True, self._cost(0))
+        if missed.status == "unreachable" and missed.control == "mean_pressure":
+            apart = separated_state(self.problem, 0.0, missed.status, place)
+            self.record.miss(replace(apart, certificate=replace(apart.certificate, reasons=(missed.reason,))))
+        else:
+            self.record.miss(missed_state(missed, place))
         self._tell()
 
     def _tell(self) -> None:

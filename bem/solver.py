@@ -359,6 +359,8 @@ class _Run:
         """Whether a stored state is the next target of the path, not a pressure on the way."""
         if not state.target or self.done == len(self.goals):
             return False
+        if state.status == "unreachable":
+            return True
         target = self.goals[self.done].target
         value = getattr(state, self.control)
         scale = max(abs(target), self.problem.scales.height * 1e-3)

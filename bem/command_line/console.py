@@ -147,14 +147,18 @@ def reporter(stream: TextIO, quiet: bool, cost: Cost | None = None) -> Reporter:
 
 def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
     """What a run came to, as plain values; `targets` is the number of those in the scene."""
-    last = result.states[-1] if result.states else None
+    found = [state for state in result.states if state.found]
+    last = found[-1] if found else None
     return {
         "status": result.status,
         "failure": result.failure,
         "targets": targets,
-        "target_states": len(result.targets),
-        "states": len(result.states),
-        "certified": sum(state.certificate.ok for state in result.states),
+        "target_states": sum(state.target for state in found),
+        "missed_targets": [
+            reason for state in result.states if not state.found for reason in state.certificate.reasons
+        ],
+        "states": len(found),
+        "certified": sum(state.certificate.ok for state in found),
         "events": len(result.events),
         "mean_pressure": None if last is None or math.isnan(last.mean_pressure) else last.mean_pressure,
         "contact_fraction": None if last is None else last.contact_fraction,

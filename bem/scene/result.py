@@ -85,8 +85,9 @@ class State:
     layer.  `events` is the number of events up to this state; None in results that did not store it.  The status is
     `not_converged` where the certificate is not ok.
 
-    A target that was not met has its row too, `unreachable` or `not_converged`: where no state was found, only the
-    quantity under control is a number, all others are NaN (null in the file), and `certificate.reasons` says why.
+    A target that was not met has its row too, `unreachable` or `not_converged`, and `certificate.reasons` says why.  It
+    is that of surfaces apart where no contact carries a tension.  Where no state was found, only the quantity under
+    control is a number, and all others are NaN (null in the file).
 
     Raises
     ------
@@ -119,11 +120,12 @@ class State:
 
     @property
     def found(self) -> bool:
-        """Whether there is a state, not only the row of a target that was not met."""
-        return not math.isnan(self.contact_fraction)
+        """Whether the state was asked for, or passed on the way: not the row of a target that was not met."""
+        return self.status != "unreachable" and not math.isnan(self.contact_fraction)
 
     def __post_init__(self) -> None:
-        if not self.found and self.target and not self.edges and self.status in ("unreachable", "not_converged"):
+        unknown = math.isnan(self.contact_fraction) and self.target and not self.edges
+        if unknown and self.status in ("unreachable", "not_converged"):
             return
         numbers = {name: value for name, value in vars(self).items() if isinstance(value, float)}
         if self.status in ("complete_contact", "unreachable") and math.isnan(self.mean_pressure):

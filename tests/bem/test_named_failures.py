@@ -8,7 +8,8 @@ from rough_surfaces import rough_scene
 
 from bem import record, solver, states
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.solver import NUMERICAL_FAILURES, solve
+from bem.missed import NUMERICAL_FAILURES
+from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 60e-6]
 LAYER = {"thickness": 0.002}

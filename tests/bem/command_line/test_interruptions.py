@@ -1,11 +1,12 @@
-"""Nothing computed is lost: a run that is interrupted, or dies, at any call of what keeps its states goes on to the same.
+"""Nothing computed is lost: a run that is interrupted or dies at any call of what keeps its states goes on to the same.
 
-Every call of the files in `KEEPING`, of functions in Python and in C (writing, flushing, renaming), is counted; at one of
-them the run is sent SIGINT, or its process ends there and then, and `--resume` has to give every state, event and array
-of the run that nobody disturbed, bit for bit.
+Every call of the files in `KEEPING`, of functions in Python and in C (writing, flushing, renaming), is counted.  At one
+of them the run is sent SIGINT, or its process ends there and then, and `--resume` has to give every state, event and
+array of the run that nobody disturbed, bit for bit.
 """
 
 import os
+import re
 import signal
 import sys
 from dataclasses import replace
@@ -19,6 +20,8 @@ from bem import record
 from bem.command_line import checkpoint
 from bem.scene import atomic_file, result_file
 from bem.scene.result_file import read_result
+from bem.scene.scene import load_scene
+from bem.solver import solve
 
 KEEPING = {module.__file__ for module in (record, checkpoint, atomic_file, result_file)}
 SCENE = """
@@ -94,7 +97,7 @@ def killed(scene, out, at):
         Calls(at, lambda: os._exit(DIED)).run(scene, out)
         os._exit(0)
     _, status = os.waitpid(process, 0)
-    assert os.waitstatus_to_exitcode(status) == DIED
+    assert os.waitstatus_to_exitcode(status) in (0, DIED)  # how often result.json is written is a matter of time
 
 
 def assert_same(result, other):
@@ -116,10 +119,31 @@ def assert_same(result, other):
 )
 def test_a_run_disturbed_at_any_call_goes_on_to_the_same(happens, first, step, undisturbed, tmp_path):
     scene, whole, calls = undisturbed
-    assert calls > 100
+    assert calls > 200
     for at in range(first, calls + 1, step):
         out = tmp_path / str(at)
         happens(scene, out, at)
         assert run(scene, out, "--resume") == 0
         assert_same(read_result(out), whole)
         assert sorted(path.name for path in Path(out).iterdir()) == ["fields.npz", "result.json"]
+
+
+def test_what_a_state_costs_does_not_grow_with_those_before_it(tmp_path):
+    """Calls and bytes of a path of 400 targets over those of one of 100; 16 where every state is written again."""
+
+    def cost(count):
+        scene = tmp_path / f"{count}.toml"
+        targets = ", ".join(f"{9e-5 - 1e-7 * k:.9g}" for k in range(count))  # nothing touches
+        scene.write_text(re.sub(r"targets = .*\n(.*\n)*", f"targets = [{targets}]\n", SCENE.format(adhesion="")))
+        times = iter([0.0, 1.0])  # the first result.json takes a second, which none has passed since
+        keep = checkpoint.Checkpoint(tmp_path / str(count), clock=lambda: next(times, 1.0))
+        keep.journal.folder.mkdir()
+        calls = Calls()
+        sys.setprofile(calls)
+        try:
+            solve(load_scene(scene), on_state=keep.keep)
+        finally:
+            sys.setprofile(None)
+        return np.array([calls.count, keep.journal.path.stat().st_size])
+
+    assert np.all(cost(400) / cost(100) < 4.1)  # measured 3.9 and 4.0
