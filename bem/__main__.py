@@ -31,6 +31,7 @@ from bem.command_line.console import (
     scene_text,
     summary,
     summary_line,
+    usable_streams,
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
@@ -64,6 +65,7 @@ def main(arguments: Sequence[str] | None = None, program: str = "python -m bem")
 def perform(options: argparse.Namespace) -> int:
     """Run the command that was parsed; its exit code."""
     command: Callable[[argparse.Namespace], int] = options.command
+    usable_streams()
     try:
         with interruptible():
             code = command(options)

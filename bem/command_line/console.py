@@ -7,12 +7,14 @@ corrected by the pace seen.
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any, Protocol, TextIO
 
 from bem.compiled.kernels import IN_USE
@@ -28,6 +30,16 @@ TRUST = 0.05  # of the predicted work: until so much is done, the prediction out
 def discard_stdout() -> None:
     """Let what is still buffered for stdout go nowhere, once its reader has gone."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def usable_streams() -> None:
+    """Let everything be said: letters that a stream has not as escapes; to nobody where it is closed."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, Path(os.devnull).open("w"))  # noqa: SIM115  (until the end of the process)
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 class Reporter(Protocol):

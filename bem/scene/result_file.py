@@ -180,7 +180,8 @@ class Journal:
         OSError
             Disk full, folder not writable or gone.
         """
-        first = {"begun": _content(replace(begun, states=(), events=()), None), "fields": _text(packed(begun.fields))}
+        begun = replace(begun, states=(), events=(), status="interrupted", failure=None)
+        first = {"begun": _content(begun, None), "fields": _text(packed(begun.fields))}
         write_atomically(self.path, _line(first) + b"".join(map(_entry_line, entries)))
 
     def add(self, entry: Entry) -> None:

@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -435,3 +436,35 @@ def test_what_is_not_certified_ends_with_exit_code_1(scene, tmp_path, monkeypatc
     assert run(scene, tmp_path / "out") == 1
     assert capsys.readouterr().out.startswith("not_converged (")
     assert "not_converged" in {state.status for state in read_result(tmp_path / "out").states}
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", "2>&- >&-"])
+def test_a_closed_stream_stops_no_run(closed, scene, tmp_path):
+    command = f'"{sys.executable}" -m bem run "{scene}" --out "{tmp_path / "out"}" {closed}'
+    assert subprocess.run(command, shell=True, check=False, stdout=subprocess.DEVNULL).returncode == 0
+    assert read_result(tmp_path / "out").status == "converged"
+
+
+def test_a_title_that_the_terminal_has_no_letters_for_is_escaped(scene):
+    scene.write_text(scene.read_text().replace('"wave"', '"Контакт"'), "utf-8")
+    terminal = os.environ | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    process = subprocess.run([sys.executable, "-m", "bem", "check", str(scene)], env=terminal, capture_output=True)
+    assert process.returncode == 0
+    assert b"\\u041a" in process.stdout
+
+
+def test_a_folder_that_is_removed_while_a_run_writes_there_is_one_error(scene, tmp_path, solver, monkeypatch, capsys):
+    fake, out = solver(), tmp_path / "out"
+
+    def removing(scene, progress=None, on_state=None, resume=None):
+        def keep(record):
+            on_state(record)
+            shutil.rmtree(out)
+
+        return fake(scene, progress, keep, resume)
+
+    monkeypatch.setattr(command_line, "solve", removing)
+    assert run(scene, out, "--quiet") == 1
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "journal.jsonl" in said
