@@ -31,14 +31,14 @@ from bem.command_line.console import (
     scene_text,
     summary,
     summary_line,
+    usable_streams,
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
 from bem.scene.cost_prediction import cost_of
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.result import FINAL_STATUSES, Progress, Result
-from bem.scene.result_file import write_result
+from bem.scene.result import FINAL_STATUSES, Result
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene.scene_rules import Mistake
 from bem.solver import solve
@@ -65,6 +65,7 @@ def main(arguments: Sequence[str] | None = None, program: str = "python -m bem")
 def perform(options: argparse.Namespace) -> int:
     """Run the command that was parsed; its exit code."""
     command: Callable[[argparse.Namespace], int] = options.command
+    usable_streams()
     try:
         with interruptible():
             code = command(options)
@@ -160,22 +161,13 @@ def _keep_start(scene: Scene, options: argparse.Namespace) -> None:
 
 
 def _solved(scene: Scene, folder: Path, stored: Result | None, quiet: bool) -> Result:
-    """Solve, saving what converges as it does, and write the result."""
-    checkpoint = Checkpoint(scene, folder, stored)
+    """Solve, keeping what converges as it does, and write the result."""
+    checkpoint = Checkpoint(folder)
     report = reporter(sys.stderr, quiet, cost_of(scene))
-
-    def progress(state: Progress) -> None:
-        report(state)
-        checkpoint.save_when_due()
-
     try:
-        result = solve(scene, progress=progress, on_state=checkpoint.keep, resume=stored)
+        result = solve(scene, progress=report, on_state=checkpoint.keep, resume=stored)
         with uninterrupted():
-            write_result(result, folder)
-    except BaseException:
-        with uninterrupted():
-            checkpoint.save()
-        raise
+            checkpoint.finish(result)
     finally:
         report.close()
     return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -199,6 +199,50 @@ def complete_state(problem: Problem, complete: CompleteContact, load: float, pla
         left_out=complete.left_out * scales.energy_per_area,
     )
     return _bare_state(bare, place)
+
+
+@dataclass(frozen=True)
+class Missed:
+    """A target that was not met.
+
+    Attributes
+    ----------
+    control : str
+        The quantity under control.
+    target : float
+        What it should have been, SI.
+    status : {"unreachable", "not_converged"}
+    reason : str
+        Which target of how many, why, and what may help.
+    """
+
+    control: str
+    target: float
+    status: str
+    reason: str
+
+
+def missed_state(missed: Missed, place: Place) -> State:
+    """The row of a target at which no state was found: NaN but for what is under control."""
+    numbers = ("penetration", "separation", "mean_pressure", "contact_fraction")
+    energies = ("elastic_energy", "adhesion_energy", "total_energy")
+    unknown: dict[str, Any] = {**dict.fromkeys((*numbers, *energies), math.nan), "total_displacement": None}
+    return State(
+        branch=place.branch,
+        **unknown | {missed.control: missed.target},
+        n_patches=0,
+        edges=(),
+        stress_intensity_max=None,
+        contact_stiffness=None,
+        stable_at_fixed_load=None,
+        error_estimate=ErrorEstimate(),
+        certificate=Certificate(None, None, None, None, None, ok=False, reasons=(missed.reason,)),
+        unknowns=place.cost.unknowns,
+        evaluations=place.cost.evaluations,
+        cpu_seconds=place.cost.cpu_seconds,
+        status=missed.status,
+        target=True,
+    )
 
 
 def flat_state(flat: FlatState, adhesion_energy: float, branch: str) -> State:

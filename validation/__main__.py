@@ -17,7 +17,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from bem.command_line.console import discard_stdout
+from bem.command_line.console import discard_stdout, usable_streams
 from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result_file import RESULT_FILE, CorruptResultError
@@ -57,6 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def perform(options: argparse.Namespace) -> int:
     """Run the command that was parsed; its exit code."""
+    usable_streams()
     try:
         code = int(options.command(options))
         print(end="", flush=True)  # here, where it can fail by name

@@ -7,12 +7,14 @@ corrected by the pace seen.
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any, Protocol, TextIO
 
 from bem.compiled.kernels import IN_USE
@@ -28,6 +30,16 @@ TRUST = 0.05  # of the predicted work: until so much is done, the prediction out
 def discard_stdout() -> None:
     """Let what is still buffered for stdout go nowhere, once its reader has gone."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def usable_streams() -> None:
+    """Let everything be said: letters that a stream has not as escapes; to nobody where it is closed."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, Path(os.devnull).open("w"))  # noqa: SIM115  (until the end of the process)
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 class Reporter(Protocol):
@@ -147,14 +159,18 @@ def reporter(stream: TextIO, quiet: bool, cost: Cost | None = None) -> Reporter:
 
 def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
     """What a run came to, as plain values; `targets` is the number of those in the scene."""
-    last = result.states[-1] if result.states else None
+    found = [state for state in result.states if state.found]
+    last = found[-1] if found else None
     return {
         "status": result.status,
         "failure": result.failure,
         "targets": targets,
-        "target_states": len(result.targets),
-        "states": len(result.states),
-        "certified": sum(state.certificate.ok for state in result.states),
+        "target_states": sum(state.target for state in found),
+        "missed_targets": [
+            reason for state in result.states if not state.found for reason in state.certificate.reasons
+        ],
+        "states": len(found),
+        "certified": sum(state.certificate.ok for state in found),
         "events": len(result.events),
         "mean_pressure": None if last is None or math.isnan(last.mean_pressure) else last.mean_pressure,
         "contact_fraction": None if last is None else last.contact_fraction,

@@ -6,7 +6,8 @@ Units: m, Pa, J/m^2 of nominal area, Pa m^1/2, Pa/m, s.  The files that hold the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from numpy.typing import NDArray
@@ -92,6 +93,10 @@ class State:
     layer.  `events` is the number of events up to this state; None in results that did not store it.  The status is
     `not_converged` where the certificate is not ok.
 
+    A target that was not met has its row too, `unreachable` or `not_converged`, and `certificate.reasons` says why.  It
+    is that of surfaces apart where no contact carries a tension.  Where no state was found, only the quantity under
+    control is a number, and all others are NaN (null in the file).
+
     Raises
     ------
     NotFiniteError
@@ -121,7 +126,15 @@ class State:
     target: bool
     events: int | None = None
 
+    @property
+    def found(self) -> bool:
+        """Whether the state was asked for, or passed on the way: not the row of a target that was not met."""
+        return self.status != "unreachable" and not math.isnan(self.contact_fraction)
+
     def __post_init__(self) -> None:
+        unknown = math.isnan(self.contact_fraction) and self.target and not self.edges
+        if unknown and self.status in ("unreachable", "not_converged"):
+            return
         numbers = {name: value for name, value in vars(self).items() if isinstance(value, float)}
         if self.status in ("complete_contact", "unreachable") and math.isnan(self.mean_pressure):
             del numbers["mean_pressure"]
@@ -159,6 +172,16 @@ class Event:
     position: float | None
     energy_released: float | None
     error_estimate: EventError
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """What a path adds to a result at once: a state, events and warnings since the last one, and fields, if any."""
+
+    events: tuple[Event, ...]
+    state: State
+    fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    warnings: tuple[Caution, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -215,7 +238,18 @@ class Result(Views):
     warnings: tuple[Caution, ...] = ()
     profile_preparation: tuple[dict[str, Any], ...] = ()
 
+    def with_entries(self, entries: Iterable[Entry]) -> Result:
+        """The same with these states, their events and their fields beside its own."""
+        kept = tuple(entries)
+        return replace(
+            self,
+            states=tuple(entry.state for entry in kept),
+            events=tuple(event for entry in kept for event in entry.events),
+            fields=self.fields | {name: values for entry in kept for name, values in entry.fields.items()},
+            warnings=(*self.warnings, *(warning for entry in kept for warning in entry.warnings)),
+        )
+
     @property
     def targets(self) -> tuple[State, ...]:
-        """The states at targets."""
+        """The states at targets, one row each, whether it was met or not."""
         return tuple(state for state in self.states if state.target)

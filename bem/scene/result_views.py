@@ -89,8 +89,8 @@ class Views:
     def __repr__(self) -> str:
         words = [f"{len(self.states)} states", f"{sum(state.target for state in self.states)} at targets"]
         words.append(f"{len(self.events)} events")
-        if self.states:
-            last = self.states[-1]
+        if found := [state for state in self.states if state.found]:
+            last = found[-1]
             words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")
         return f"<Result {self.status}: {', '.join(words)}>"
 

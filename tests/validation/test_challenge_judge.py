@@ -410,3 +410,19 @@ def test_what_extrapolation_says_of_the_finest_grid():
     assert estimated(one, "contact_fraction", finest, limit) == pytest.approx(0.01 / scale, rel=1e-2)
     assert estimated(one, "gap_at", finest, limit) is None
     assert estimated(one, "separation", finest, limit) is None
+
+
+def test_a_time_limit_beyond_what_a_clock_can_wait_for_is_refused(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["challenge", "judge", "--time-limit", "1e300", "--solver", "a:b", "--out", "judged"])
+    assert ended.value.code == 2
+    assert "at most 9.22e+09 is needed" in capsys.readouterr().err
+
+
+def test_a_thread_that_a_solver_leaves_does_not_keep_its_answers(tmp_path, monkeypatch):
+    text = "import threading\nimport time\n\n\ndef solve(problem):\n"
+    text += "    threading.Thread(target=time.sleep, args=(600,)).start()\n    return {'a': 1.0}\n"
+    (tmp_path / "leaving.py").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    found = returned("leaving:solve", 'title = "any"', 60.0)
+    assert (found.status, found.answers) == ("answered", {"a": 1.0})

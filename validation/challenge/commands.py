@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import threading
 import tomllib
 from collections.abc import Callable
 from functools import partial
@@ -184,7 +185,7 @@ def _positive(most: float, needed: str, text: str) -> float:
 
 
 _digits = partial(_positive, MOST_DIGITS, f"a number of digits > 0 and <= {MOST_DIGITS:g}")
-_seconds = partial(_positive, sys.float_info.max, "a number of seconds > 0")
+_seconds = partial(_positive, threading.TIMEOUT_MAX, f"a number of seconds > 0, at most {threading.TIMEOUT_MAX:.3g}")
 
 
 def _count(text: str) -> int:

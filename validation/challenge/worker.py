@@ -33,6 +33,9 @@ def main(spec: str, file: Path) -> None:
     solver = solver_of(spec)
     found = called(solver, tomllib.loads(text)) if text else {"status": "found"}
     file.write_text(json.dumps(found), "utf-8")
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0)  # threads that the solver left do not keep its answers
 
 
 def solver_of(spec: str) -> Callable[[dict[str, Any]], Any]:

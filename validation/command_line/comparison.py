@@ -184,10 +184,12 @@ def compare_reports(a: Report, b: Report) -> Comparison:
 
 def _paired(a: Result, b: Result, control: str) -> tuple[list[tuple[State, State]], dict[str, list[str]]]:
     """States of A and B at the same targets, in the order of A; the places of those that have no counterpart."""
-    free = list(b.targets)
-    scale = max((abs(getattr(state, control)) for state in (*a.targets, *free)), default=0.0)
+    met, free = (
+        [state for state in result.targets if not math.isnan(getattr(state, control))] for result in (a, b)
+    )  # not a pressure on the way that was missed
+    scale = max((abs(getattr(state, control)) for state in (*met, *free)), default=0.0)
     pairs, alone = [], []
-    for state in a.targets:
+    for state in met:
         value = getattr(state, control)
         fit = (s for s in free if s.branch == state.branch and abs(getattr(s, control) - value) <= SAME * scale)
         match = next(fit, None)

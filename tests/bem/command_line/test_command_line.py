@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,9 +18,9 @@ import bem.__main__ as command_line
 from bem.audit import certificate
 from bem.command_line.checkpoint import Checkpoint
 from bem.command_line.console import LineReporter, reporter, summary, summary_line
-from bem.scene.effects import effects_of
+from bem.record import Record
 from bem.scene.result import Progress, Result
-from bem.scene.result_file import provenance, read_result, write_result
+from bem.scene.result_file import read_result, write_result
 from bem.scene.scene import load_scene
 
 SCENE = """
@@ -63,7 +64,9 @@ class FakeSolver:
         self.stop_at, self.how, self.visited = stop_at, how, []
 
     def __call__(self, scene, progress=None, on_state=None, resume=None):
-        states = [] if resume is None else list(resume.states)
+        record, states = Record(scene), [] if resume is None else list(resume.states)
+        for state in states:
+            record.add(state, {})
         targets = scene.loading.targets
         status = "converged"
         for index in range(len(states), len(targets)):
@@ -74,13 +77,11 @@ class FakeSolver:
                 break
             progress(replace(PROGRESS, target_index=index, n_targets=len(targets)))
             self.visited.append(targets[index])
-            states.append(fake_state(targets[index]))
-            resolved = scene.resolved()
-            on_state(Result(resolved, effects_of(scene), provenance(resolved), tuple(states), (), "interrupted"))
+            record.add(fake_state(targets[index]), {})
+            on_state(record)
         x = np.linspace(0, 0.01, 5)
         fields = {"x_0": x, "displacement_0": x, "gap_0": x, "pressure_0": x, "patch_0": np.zeros(5)}
-        resolved = scene.resolved()
-        return Result(resolved, effects_of(scene), provenance(resolved), tuple(states), (), status, fields)
+        return replace(record.result(status), fields=fields)
 
 
 @pytest.fixture
@@ -343,16 +344,17 @@ def test_plots_are_drawn_when_asked_for(scene, tmp_path, solver):
     assert all(content.startswith(b"\x89PNG") for content in drawn.values())
 
 
-def test_checkpoint_is_written_for_a_target_but_seldom_in_between(scene, tmp_path):
-    times = iter([0.0, 0.0, 0.1, 1.0, 1.5, 9.0, 9.0, 9.1])
-    checkpoint = Checkpoint(load_scene(scene), tmp_path / "out", None, clock=lambda: next(times))
-    between = replace(fake_state(5e-5), target=False)
-    stored = []
-    for state in (fake_state(6e-5), between, between, between):
-        kept = (*checkpoint.result.states, state)
-        checkpoint.keep(replace(checkpoint.result, states=kept))
-        stored.append(len(read_result(tmp_path / "out").states))
-    assert stored == [1, 1, 1, 4]
+def test_every_state_is_in_the_journal_and_now_and_then_in_the_result(scene, tmp_path):
+    """A write of result.json takes 0.1 s here, so that the next one comes a second later."""
+    times = iter([0.0, 0.1, 0.5, 1.0, 1.2, 1.3])
+    checkpoint, record = Checkpoint(tmp_path, clock=lambda: next(times)), Record(load_scene(scene))
+    kept, shown = [], []
+    for separation in (6e-5, 5.8e-5, 5.6e-5, 5.4e-5):
+        record.add(fake_state(separation), {})
+        checkpoint.keep(record)
+        kept.append(len(read_result(tmp_path).states))
+        shown.append(len(json.loads((tmp_path / "result.json").read_text())["states"]))
+    assert (kept, shown) == ([1, 2, 3, 4], [1, 1, 1, 4])
 
 
 def test_figures_bars_and_layer_are_not_imported_to_check(scene):
@@ -434,3 +436,35 @@ def test_what_is_not_certified_ends_with_exit_code_1(scene, tmp_path, monkeypatc
     assert run(scene, tmp_path / "out") == 1
     assert capsys.readouterr().out.startswith("not_converged (")
     assert "not_converged" in {state.status for state in read_result(tmp_path / "out").states}
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", "2>&- >&-"])
+def test_a_closed_stream_stops_no_run(closed, scene, tmp_path):
+    command = f'"{sys.executable}" -m bem run "{scene}" --out "{tmp_path / "out"}" {closed}'
+    assert subprocess.run(command, shell=True, check=False, stdout=subprocess.DEVNULL).returncode == 0
+    assert read_result(tmp_path / "out").status == "converged"
+
+
+def test_a_title_that_the_terminal_has_no_letters_for_is_escaped(scene):
+    scene.write_text(scene.read_text().replace('"wave"', '"Контакт"'), "utf-8")
+    terminal = os.environ | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    process = subprocess.run([sys.executable, "-m", "bem", "check", str(scene)], env=terminal, capture_output=True)
+    assert process.returncode == 0
+    assert b"\\u041a" in process.stdout
+
+
+def test_a_folder_that_is_removed_while_a_run_writes_there_is_one_error(scene, tmp_path, solver, monkeypatch, capsys):
+    fake, out = solver(), tmp_path / "out"
+
+    def removing(scene, progress=None, on_state=None, resume=None):
+        def keep(record):
+            on_state(record)
+            shutil.rmtree(out)
+
+        return fake(scene, progress, keep, resume)
+
+    monkeypatch.setattr(command_line, "solve", removing)
+    assert run(scene, out, "--quiet") == 1
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "journal.jsonl" in said
