@@ -33,7 +33,7 @@ from validation.harness.runner import Note, run_cases
 from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
 from validation.harness.verdict import counted, counts, fails
 from validation.report.pdf import write_pdf
-from validation.report.render import PAGE, ReportError, bibliography, failures, write_html
+from validation.report.render import PAGE, ReportError, bibliography, failures, refuse_unset, write_html
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.studies import IN_PROCESSES, OF_A_SCENE, ON_EXECUTORS, STUDIES, module_of
@@ -120,6 +120,7 @@ def _run(options: argparse.Namespace) -> int:
     every, kept_numbers, own = _cases_and_baselines(options)
     cases = select(every, options.level, options.only)
     bibliography(cases)  # an unknown source is reported now
+    refuse_unset(cases)
     expected = baseline.expected_seconds([case.id for case in cases], kept_numbers)  # and a malformed baseline
     facts = provenance() | own  # before the run: sources that change meanwhile are not those of the report
     folder: Path = options.out

@@ -21,6 +21,10 @@ Norm = Literal["absolute", "relative", "maximum over states", "ratio"]
 Level = Literal["quick", "standard", "full"]
 Text = Annotated[str, Field(min_length=1)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+ID = r"[A-Za-z0-9][A-Za-z0-9._-]*"
+Id = Annotated[str, Field(pattern=f"^{ID}$")]  # of elements of the page, and of files
+Beside = Annotated[str, Field(pattern=f"^{ID}(/{ID})*$")]  # the path of a file in the folder of the report
+Count = Annotated[int, Field(ge=-(2**63), lt=2**63)]
 
 
 class _Strict(BaseModel):
@@ -135,11 +139,11 @@ class Panel(_Strict):
 class Figure(_Strict):
     """A solution above, and its signed error below where there is one; `files` lie beside the report, by their path."""
 
-    id: Text
+    id: Id
     caption: Text
     solution: Panel
     error: Panel | None = None
-    files: list[str] = []
+    files: list[Beside] = []
 
 
 class Table(_Strict):
@@ -153,7 +157,7 @@ class Table(_Strict):
 class CaseRecord(_Strict):
     """All that is reported of a case; `drawn` names its figures, so that one that went missing is noticed."""
 
-    id: Text
+    id: Id
     group: Text
     level: Level
     question: Text
@@ -165,7 +169,7 @@ class CaseRecord(_Strict):
     figures: list[Figure] = []
     drawn: list[str] = []
     tables: list[Table] = []
-    counts: dict[str, int] = {}
+    counts: dict[str, Count] = {}
     seconds: float = 0.0
     status: Literal["run", "error", "not run"] = "run"
     message: str = ""
@@ -184,7 +188,7 @@ class Report(_Strict):
     schema_: Literal["linecontact-report/1"] = Field("linecontact-report/1", alias="schema")
     level: str
     command: str
-    planned: int
+    planned: Count
     provenance: dict[str, Any]
     cases: list[CaseRecord]
     changes: list[str] = []
