@@ -34,6 +34,7 @@ from bem.command_line.console import (
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
+from bem.path_for import check_path
 from bem.scene.cost_prediction import cost_of
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
@@ -106,6 +107,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def _check(options: argparse.Namespace) -> int:
     """Print what a scene amounts to."""
     scene = load_scene(options.scene)
+    check_path(scene)
     effects, groups = effects_of(scene), groups_of(scene)
     cautions = cautions_of(scene, groups)
     if options.json:

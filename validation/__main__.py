@@ -30,7 +30,7 @@ from validation.harness.executors import ExecutorError, opener_of
 from validation.harness.provenance import provenance
 from validation.harness.registry import CaseError, registry, select
 from validation.harness.runner import Note, run_cases
-from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
+from validation.harness.schema import SCHEMA, Report, is_intact, mistakes_in, with_checksum
 from validation.harness.verdict import counted, counts, fails
 from validation.report.pdf import write_pdf
 from validation.report.render import PAGE, ReportError, bibliography, failures, refuse_unset, write_html
@@ -93,7 +93,7 @@ def read_report(folder: Path) -> Report:
         content = json.loads(path.read_text("utf-8"))
     except FileNotFoundError as error:
         raise ReportError(f"{path}: no report there, and no result of a run") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ReportError(f"{path}: not JSON ({error})") from error
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
         found = content.get("schema") if isinstance(content, dict) else type(content).__name__
@@ -101,7 +101,7 @@ def read_report(folder: Path) -> Report:
     try:
         return Report.model_validate(content)
     except ValidationError as error:
-        raise ReportError(f"{path}: {error}") from error
+        raise ReportError(f"{path}: {mistakes_in(error)}") from error
 
 
 def _alone(command: Callable[[argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:

@@ -287,7 +287,7 @@ def test_crashed_case_is_shown_with_its_message():
 
 
 def test_provenance_that_the_page_needs_must_be_there():
-    with pytest.raises(Exception, match="commit"):
+    with pytest.raises(ReportError, match="no commit"):
         render(report(provenance={"date": "2026-11-21"}))
 
 

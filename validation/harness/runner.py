@@ -149,7 +149,7 @@ def _expected_seconds(case: Case, store: Path, expected: Mapping[str, float]) ->
     """What the case took here before, also with other code; else what is expected of it; else a guess by level."""
     try:
         before = json.loads((store / f"{case.id}.json").read_text("utf-8"))["answer"]["seconds"]
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         before = None
     if isinstance(before, float) and before > 0:
         return before

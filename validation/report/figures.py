@@ -170,7 +170,9 @@ def _draw(axes: Axes, panel: Panel) -> None:
     for index, series in enumerate(panel.series):
         hue = (index if series.hue is None else series.hue) % len(COLOURS)
         _draw_series(axes, series, COLOURS[hue], MARKERS[hue])
-    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, xscale=panel.xscale, yscale=panel.yscale)
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel)
+    axes.set(xscale=_scale(panel.xscale, [x for series in panel.series for x in series.x]))
+    axes.set(yscale=_scale(panel.yscale, [y for series in panel.series for y in (*series.y, *(series.upper or ()))]))
     label_plainly(axes.xaxis, axes.yaxis)
     if not axes.get_legend_handles_labels()[1]:
         return
@@ -178,6 +180,11 @@ def _draw(axes: Axes, panel: Panel) -> None:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=8.0)
     elif axes.get_legend_handles_labels()[1]:
         axes.legend()
+
+
+def _scale(asked: str, values: list[float | None]) -> str:
+    """The scale asked for, but a linear one where nothing is positive that a logarithmic one could show."""
+    return "linear" if asked == "log" and not any(value is not None and 0 < value < np.inf for value in values) else asked
 
 
 def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:

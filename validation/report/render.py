@@ -83,7 +83,13 @@ def write_html(report: Report, folder: Path) -> None:
 
 
 def render(report: Report) -> str:
-    """The page as text; ReportError where a case cites a source that is not in the bibliography."""
+    """The page as text.
+
+    ReportError where a case cites a source that is not in the bibliography, or the provenance has no date or commit.
+    """
+    absent = [name for name in ("date", "commit") if name not in report.provenance]
+    if absent:
+        raise ReportError(f"the provenance of the report has no {' and no '.join(absent)}")
     lines = {case.id: [_line(row) for row in case.rows] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
     return filled(

@@ -407,3 +407,25 @@ def test_error_survives_the_way_between_processes():
         parse_scene({})
     again = pickle.loads(pickle.dumps(caught.value))
     assert (str(again), again.mistakes) == (str(caught.value), caught.value.mistakes)
+
+
+@pytest.mark.parametrize("nested", ["[" * 100_000 + "]" * 100_000, "{a=" * 100_000 + "1" + "}" * 100_000])
+def test_a_scene_that_is_nested_too_deeply_is_one_mistake(nested, tmp_path):
+    (tmp_path / "scene.toml").write_text(f"[output]\nshapes = {nested}\n")
+    with pytest.raises(SceneError, match=r"1 mistake in the scene:\n.*is not TOML"):
+        load_scene(tmp_path / "scene.toml")
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("profile.seed", 10**399),
+        ("solid.youngs_modulus", 10**399),
+        ("profile", {"kind": "samples", "file": "a\0b.csv", **METRES}),
+        ("loading.initial", {"result": "a\0b", "state": 0}),
+        ("loading.targets", [10**399]),
+    ],
+)
+def test_a_value_that_no_number_or_file_can_be_is_one_mistake(path, value):
+    (mistake,) = mistakes_of(scene_with(path, value))
+    assert mistake.path.startswith(path)
