@@ -18,10 +18,12 @@ positive definite at a minimum; symmetric for the exact solution.
 Units: as in `problem` (dimensionless).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from fem_reference.contact import KeptFactors, UnitStates, solve_unit_states
 from fem_reference.crests import crest_patches, scaled_patches
@@ -135,31 +137,50 @@ def start_edges(
 ) -> FloatArray:
     """Edges (n_patches, 2) of the family of `crests` where the closure is nearest to being met, stably.
 
-    Raises
-    ------
-    InvalidProblemError
-        Naming `value` when every contact of the family opens at every edge: nothing stays in contact.
+    Where every contact tried opens at every edge, as near pull-off, where closing ones are few or none, it is the one
+    that opens least: whether an equilibrium is there, the closure says.
     """
     grid = np.linspace(0.0, 1.0, 256 * problem.highest_order)
     total = problem.highest - float(problem.height(grid).min())
+
+    def at(share: float) -> FloatArray:
+        return crest_patches(problem, crests, share * total)
+
+    def opening(edges: FloatArray) -> FloatArray:
+        mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
+        return residual(problem, evaluate(problem, mesh, resolution, control))
+
+    tried: list[tuple[float, float]] = []  # share of the depth, mean residual
     for shares in (SCAN, SHALLOW):
-        family = [crest_patches(problem, crests, float(share * total)) for share in shares]
-        family = [edges for edges in family if np.diff(edges).min() > 2.0 * NARROWEST]
-        residuals = []
-        for edges in family:
-            mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
-            residuals.append(residual(problem, evaluate(problem, mesh, resolution, control)))
+        family = [(share, at(float(share))) for share in shares]
+        kept = [(float(share), edges) for share, edges in family if np.diff(edges).min() > 2.0 * NARROWEST]
+        residuals = [opening(edges) for _, edges in kept]
+        mean = np.array([opened.mean() for opened in residuals])
+        tried += [(share, float(value)) for (share, _), value in zip(kept, mean, strict=True)]
         if not all(np.all(opened > 0.0) for opened in residuals):
             break
     else:
-        raise InvalidProblemError("value", "detaches everything: every edge of every contact tried opens")
-    mean = np.array([opened.mean() for opened in residuals])
+        return scaled_patches(at(_least(sorted(tried), lambda share: float(opening(at(share)).mean()))), factor)
+    members = [edges for _, edges in kept]
     stable = np.flatnonzero((mean[:-1] < 0.0) & (mean[1:] >= 0.0))
     if stable.size:
         k = int(stable[-1])
         share = mean[k] / (mean[k] - mean[k + 1])
-        return scaled_patches((1.0 - share) * family[k] + share * family[k + 1], factor)
-    return scaled_patches(family[int(np.argmin(np.abs(mean)))], factor)
+        return scaled_patches((1.0 - share) * members[k] + share * members[k + 1], factor)
+    return scaled_patches(members[int(np.argmin(np.abs(mean)))], factor)
+
+
+def _least(tried: list[tuple[float, float]], mean: Callable[[float], float]) -> float:
+    """The depth near the one with the least mean residual of those tried, between its neighbours, that has the least."""
+    k = int(np.argmin([value for _, value in tried]))
+    below, above = tried[max(k - 1, 0)][0], tried[min(k + 1, len(tried) - 1)][0]
+    found = minimize_scalar(
+        lambda power: mean(float(np.exp(power))),
+        bounds=(np.log(below), np.log(above)),
+        method="bounded",
+        options={"xatol": 1e-2},
+    )
+    return float(np.exp(found.x))
 
 
 def difference_jacobian(

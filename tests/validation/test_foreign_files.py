@@ -65,7 +65,7 @@ def test_a_report_with_anything_in_it_is_one_error(kind, tmp_path, capsys):
     assert not (tmp_path / "report.html").exists()
 
 
-@pytest.mark.parametrize("x", [[-1.0, -2.0, -3.0], [0.0, float("inf"), float("nan")], [1e-12, 1e12, -1e12]])
+@pytest.mark.parametrize("x", [[-1.0, -2.0, -3.0], [0.0, 0.0, float("nan")], [1e-12, 1e12, -1e12]])
 @pytest.mark.parametrize("scale", ["linear", "log"])
 def test_any_finite_figure_is_drawn(x, scale):
     content = figure("a").model_dump()

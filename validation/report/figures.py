@@ -184,7 +184,9 @@ def _draw(axes: Axes, panel: Panel) -> None:
 
 def _scale(asked: str, values: list[float | None]) -> str:
     """The scale asked for, but a linear one where nothing is positive that a logarithmic one could show."""
-    return "linear" if asked == "log" and not any(value is not None and 0 < value < np.inf for value in values) else asked
+    return (
+        "linear" if asked == "log" and not any(value is not None and 0 < value < np.inf for value in values) else asked
+    )
 
 
 def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:

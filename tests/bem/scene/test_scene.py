@@ -429,3 +429,15 @@ def test_a_scene_that_is_nested_too_deeply_is_one_mistake(nested, tmp_path):
 def test_a_value_that_no_number_or_file_can_be_is_one_mistake(path, value):
     (mistake,) = mistakes_of(scene_with(path, value))
     assert mistake.path.startswith(path)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.99, 1e-7 / (6e-5 * 0.01)])
+def test_the_thinnest_layer_that_is_said_to_be_allowed_is(share):
+    thickness = share * 6e-7
+    data = scene_with("layer", {"thickness": thickness})
+    if share == 1.0:
+        assert parse_scene(data).layer.thickness == 6e-7
+        return
+    (mistake,) = mistakes_of(data)
+    assert mistake.found == f"= {thickness!r}"
+    assert mistake.allowed.startswith("a number from 6e-07 to ")
