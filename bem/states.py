@@ -172,8 +172,8 @@ def _error_estimate(problem: Problem, assessment: Assessment, separation: float 
     )
 
 
-def _margin(correction: float) -> float:
-    return SAFETY * abs(correction) + ROUNDING
+def _margin(correction: float, value: float = 0.0) -> float:
+    return SAFETY * abs(correction) + ROUNDING * max(1.0, abs(value))
 
 
 def separated_state(problem: Problem, penetration: float, status: str, place: Place) -> State:
@@ -225,9 +225,9 @@ def event_of(problem: Problem, event: PathEvent) -> Event:
         position=event.position * problem.scales.length if math.isfinite(event.position) else None,
         energy_released=float(event.energy_released * energy) if known else None,
         error_estimate=EventError(
-            penetration=float(_margin(error.penetration) * height),
-            mean_pressure=float(problem.mean_pressure(_margin(error.load))) if bounded else None,
-            energy_released=float(_margin(event.energy_error) * energy)
+            penetration=float(_margin(error.penetration, at.penetration) * height),
+            mean_pressure=float(problem.mean_pressure(_margin(error.load, at.load))) if bounded else None,
+            energy_released=float(_margin(event.energy_error, event.energy_released) * energy)
             if known and math.isfinite(event.energy_error)
             else None,
         ),

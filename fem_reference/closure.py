@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 from fem_reference.contact import KeptFactors, UnitStates, solve_unit_states
 from fem_reference.crests import crest_patches, scaled_patches
@@ -137,8 +137,13 @@ def start_edges(
 ) -> FloatArray:
     """Edges (n_patches, 2) of the family of `crests` where the closure is nearest to being met, stably.
 
-    Where every contact tried opens at every edge, as near pull-off, where closing ones are few or none, it is the one
-    that opens least: whether an equilibrium is there, the closure says.
+    Near pull-off few contacts of the family close: where all that are tried open at every edge, those that close are
+    looked for between them.
+
+    Raises
+    ------
+    InvalidProblemError
+        Naming `value` when there are none: nothing stays in contact.
     """
     grid = np.linspace(0.0, 1.0, 256 * problem.highest_order)
     total = problem.highest - float(problem.height(grid).min())
@@ -160,7 +165,10 @@ def start_edges(
         if not all(np.all(opened > 0.0) for opened in residuals):
             break
     else:
-        return scaled_patches(at(_least(sorted(tried), lambda share: float(opening(at(share)).mean()))), factor)
+        share = _stable(sorted(tried), lambda share: float(opening(at(share)).mean()))
+        if share is None:
+            raise InvalidProblemError("value", "detaches everything: every edge of every contact tried opens")
+        return scaled_patches(at(share), factor)
     members = [edges for _, edges in kept]
     stable = np.flatnonzero((mean[:-1] < 0.0) & (mean[1:] >= 0.0))
     if stable.size:
@@ -170,8 +178,11 @@ def start_edges(
     return scaled_patches(members[int(np.argmin(np.abs(mean)))], factor)
 
 
-def _least(tried: list[tuple[float, float]], mean: Callable[[float], float]) -> float:
-    """The depth near the one with the least mean residual of those tried, between its neighbours, that has the least."""
+def _stable(tried: list[tuple[float, float]], mean: Callable[[float], float]) -> float | None:
+    """The depth beyond the least mean residual at which it rises through zero; None where the least is not negative.
+
+    The least lies between the neighbours of the best of those tried (depth, mean residual).
+    """
     k = int(np.argmin([value for _, value in tried]))
     below, above = tried[max(k - 1, 0)][0], tried[min(k + 1, len(tried) - 1)][0]
     found = minimize_scalar(
@@ -180,7 +191,10 @@ def _least(tried: list[tuple[float, float]], mean: Callable[[float], float]) -> 
         method="bounded",
         options={"xatol": 1e-2},
     )
-    return float(np.exp(found.x))
+    least = float(np.exp(found.x))
+    if mean(least) >= 0.0:
+        return None
+    return float(brentq(mean, least, above, rtol=1e-2))
 
 
 def difference_jacobian(

@@ -42,7 +42,8 @@ class Range:
         """Whether a value is a number (no truth value, no text) in the range."""
         if isinstance(value, bool) or not isinstance(value, numbers.Integral if self.whole else numbers.Real):
             return False
-        return bool(-math.inf < value < math.inf and self.ge <= value <= self.le and self.gt < value < self.lt)
+        number: Any = value  # as it is: an integer may be too large for a double
+        return bool(-math.inf < number < math.inf and self.ge <= number <= self.le and self.gt < number < self.lt)
 
 
 RANGES = {
