@@ -180,8 +180,8 @@ def test_a_folder_that_holds_neither_is_told(tmp_path, monkeypatch, capsys, name
 
 
 def test_numbers_that_differ_by_rounding_are_equal():
-    one = stored_state(mean_pressure=2e6, error_estimate=ErrorEstimate(mean_pressure=7e-11))
-    other = stored_state(mean_pressure=np.nextafter(2e6, 3e6), error_estimate=ErrorEstimate(mean_pressure=7e-11))
+    one = stored_state(mean_pressure=2e6, error_estimate=ErrorEstimate(mean_pressure=7e-12))
+    other = stored_state(mean_pressure=np.nextafter(2e6, 3e6), error_estimate=ErrorEstimate(mean_pressure=7e-12))
     (number,) = _numbers(one, other, ErrorEstimate, "here")
     assert number.a != number.b
     assert not number.differs
