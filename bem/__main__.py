@@ -35,7 +35,8 @@ from bem.command_line.console import (
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
-from bem.scene.cost_prediction import cost_of
+from bem.path_for import check_path
+from bem.scene.cost_prediction import cost_of, warning_of
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Result
@@ -107,6 +108,8 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def _check(options: argparse.Namespace) -> int:
     """Print what a scene amounts to."""
     scene = load_scene(options.scene)
+    _warn_of_cost(scene)
+    check_path(scene)
     effects, groups = effects_of(scene), groups_of(scene)
     cautions = cautions_of(scene, groups)
     if options.json:
@@ -129,9 +132,17 @@ def _run(options: argparse.Namespace) -> int:
         return _run_alone(scene, options, new)
 
 
+def _warn_of_cost(scene: Scene) -> None:
+    """Say before anything is computed that it will take hours, or more memory than many machines have."""
+    said = warning_of(cost_of(scene))
+    if said:
+        print(f"warning: cost: {said}", file=sys.stderr)
+
+
 def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     """Solve a scene into a folder that is ours alone; `new` says whether it was made for this."""
     if not options.quiet:
+        _warn_of_cost(scene)
         for caution in cautions_of(scene, groups_of(scene)):
             print(f"warning: {caution.about}: {caution.message}", file=sys.stderr)
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)

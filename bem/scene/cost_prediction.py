@@ -37,6 +37,10 @@ FINE = 6.5  # rms slope over rms height and least wavenumber, from which the are
 OPENS = 0.2  # of E* h'_rms: complete contact has opened before its mean pressure falls to this
 LAYER_UNKNOWNS = 10.0  # for each thickness of contact
 EQUAL = 9  # digits to which crests that touch at once are of one height
+LAYER_GIGABYTES = 0.25  # by square of thousands of unknowns
+HARMONIC_GIGABYTES = 4e-6
+LONG_SECONDS, MANY_GIGABYTES = 3600.0, 8.0  # of which a run warns before it begins
+CLOCKS = (("years", 3.156e7), ("days", 86400.0), ("hours", 3600.0))
 KERNEL_SECONDS, KERNEL_RUNS = 0.7e-3, 7  # of the reference kernel; the least of so many runs counts
 MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cube of thousands of unknowns; bare ones
     "compiled": ((0.51, 0.0052, 4e-5, 0.19, 34.0), (2.1, 0.0043)),
@@ -69,6 +73,7 @@ class Cost:
     evaluations: float
     milliseconds: float  # of one evaluation, on the machine of the constants
     layer_share: float  # of these, what the layer adds
+    gigabytes: float = 0.0  # of memory
 
     @property
     def seconds(self) -> float:
@@ -112,15 +117,36 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
     least, by_crest, by_harmonic, layer, by_cube = of_patches
     above = crests.size - int(np.searchsorted(crests, lowest, side="right"))
     area = 1 - float(np.searchsorted(levels, lowest, side="right")) / levels.size
-    extra = 0.0
+    extra, gigabytes = 0.0, HARMONIC_GIGABYTES * surface.max_order
     if scene.layer is not None:
         unknowns = LAYER_UNKNOWNS * area * surface.period / scene.layer.thickness
         extra = layer + by_cube * (unknowns / 1000) ** 3
+        gigabytes += LAYER_GIGABYTES * (unknowns / 1000) ** 2
     if scene.adhesion is None:
         plain = of_bare[0] + of_bare[1] * surface.max_order
-        return Cost(legs, bare, bare, plain + extra, extra / (plain + extra))
+        return Cost(legs, bare, bare, plain + extra, extra / (plain + extra), gigabytes)
     plain = least + by_crest * above + by_harmonic * surface.max_order
-    return Cost(legs, bare, sum(leg.evaluations for leg in legs), plain + extra, extra / (plain + extra))
+    evaluations = sum(leg.evaluations for leg in legs)
+    return Cost(legs, bare, evaluations, plain + extra, extra / (plain + extra), gigabytes)
+
+
+def warning_of(cost: Cost) -> str:
+    """What has to be said before hours are spent or memory is filled; empty where neither is predicted.
+
+    Examples
+    --------
+    >>> warning_of(Cost((), 0.0, 1e6, 2.7e6, 0.9, 12.0)).partition(" of one core")[2]
+    ' and 12 GB of memory are predicted: a thicker layer, fewer harmonics or targets, or a larger max_increment'
+    >>> warning_of(Cost((), 0.0, 100.0, 1.0, 0.0, 0.1))
+    ''
+    """
+    if cost.seconds < LONG_SECONDS and cost.gigabytes < MANY_GIGABYTES:
+        return ""
+    unit, size = next(((unit, size) for unit, size in CLOCKS if cost.seconds >= size), ("s", 1.0))
+    return (
+        f"{cost.seconds / size:.2g} {unit} of one core and {cost.gigabytes:.2g} GB of memory are predicted: "
+        "a thicker layer, fewer harmonics or targets, or a larger max_increment"
+    )
 
 
 def _legs(scene: Scene, surface: Profile, levels: FloatArray, crests: FloatArray) -> tuple[Leg, ...]:

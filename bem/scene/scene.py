@@ -142,7 +142,7 @@ def load_scene(path: Path | str) -> Scene:
         data = tomllib.loads(path.read_text("utf-8"))
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
     return parse_scene(data, path.parent)
 

@@ -15,6 +15,7 @@ Number = Annotated[float, Field(ge=-MOST, le=MOST)]
 Numbers = Annotated[tuple[Number, ...], Field(strict=False)]
 Order = Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
 Length = Annotated[float, Field(ge=LEAST, le=MOST)]
+FileName = Annotated[str, Field(pattern=r"^[^\x00]+$")]
 Unit = Literal["m", "mm", "um", "nm"]
 Columns = Annotated[tuple[Annotated[int, Field(ge=1)], ...], Field(strict=False, min_length=1, max_length=2)]
 UNITS = '"m", "mm", "um" or "nm"'
@@ -59,7 +60,7 @@ class ProfileTable(Table):
     )
     amplitudes: Numbers | None = Field(None, description=_words("profile.amplitudes"))
     phases: Numbers | None = Field(None, description=_words("profile.phases"))
-    file: str | None = Field(None, min_length=1, description="the name of a text file or of an instrument's file")
+    file: FileName | None = Field(None, description="the name of a text file or of an instrument's file")
     unit_x: Unit | None = Field(None, description=UNITS)
     unit_h: Unit | None = Field(None, description=UNITS)
     decimal: Literal[".", ","] | None = Field(None, description='"." or ","')
@@ -92,7 +93,7 @@ class AdhesionTable(Table):
 class StoredStart(Table):
     """State `state` (counted from 0) of the result in the folder `result`."""
 
-    result: str = Field(min_length=1)
+    result: FileName
     state: int = Field(ge=0)
 
 

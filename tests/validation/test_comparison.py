@@ -4,12 +4,15 @@ import json
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from report_parts import row
+from stored_states import stored_state
 
 import bem
+from bem.scene.result import ErrorEstimate
 from bem.scene.result_file import write_result
-from validation.command_line.comparison import LIMIT, Difference, compare_reports, compare_results
+from validation.command_line.comparison import LIMIT, Difference, _numbers, compare_reports, compare_results
 from validation.command_line.front_door import main
 from validation.harness.schema import CaseRecord, Report, with_checksum
 from validation.report.render import ReportError
@@ -174,3 +177,11 @@ def test_a_folder_that_holds_neither_is_told(tmp_path, monkeypatch, capsys, name
     monkeypatch.chdir(tmp_path)
     assert main(["compare", name, name]) == 2
     assert "neither result.json nor report.json there" in capsys.readouterr().err
+
+
+def test_numbers_that_differ_by_rounding_are_equal():
+    one = stored_state(mean_pressure=2e6, error_estimate=ErrorEstimate(mean_pressure=7e-12))
+    other = stored_state(mean_pressure=np.nextafter(2e6, 3e6), error_estimate=ErrorEstimate(mean_pressure=7e-12))
+    (number,) = _numbers(one, other, ErrorEstimate, "here")
+    assert number.a != number.b
+    assert not number.differs

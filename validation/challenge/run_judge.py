@@ -147,12 +147,16 @@ def earlier(baseline: Path, problems: Sequence[Problem]) -> tuple[Judged, ...]:
     """
     try:
         content = json.loads(baseline.read_text("utf-8"))
-        if content["schema"] != SCHEMA:
-            raise ChallengeError(f"baseline {baseline}: schema {content['schema']!r} is not {SCHEMA!r}")
-        before = TypeAdapter(tuple[Judged, ...]).validate_python(content["problems"])
+        schema = content["schema"]
     except FileNotFoundError as error:
         raise ChallengeError(f"baseline {baseline}: no such file") from error
-    except (json.JSONDecodeError, UnicodeDecodeError, KeyError, TypeError, ValidationError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
+    if schema != SCHEMA:
+        raise ChallengeError(f"baseline {baseline}: schema {schema!r} is not {SCHEMA!r}")
+    try:
+        before = TypeAdapter(tuple[Judged, ...]).validate_python(content["problems"])
+    except (KeyError, ValidationError) as error:
         raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
     held = ", ".join(one.problem for one in before)
     if not {one.name for one in problems} & {one.problem for one in before}:

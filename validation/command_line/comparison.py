@@ -1,7 +1,8 @@
 """Two results, or two verification reports, number by number: differences in units of their combined uncertainty.
 
 Results meet at targets (same control, branch and value) and at events (same sequence of kinds).  There the combined
-uncertainty is the sum u_a + u_b of the estimated errors, and numbers differ beyond 2 (u_a + u_b), as for the verdicts.
+uncertainty is the sum u_a + u_b of the estimated errors, never below rounding, and numbers differ beyond twice that, as
+for the verdicts.
 Reports meet at the quantities of their cases; there it is what a baseline would let the number move (baseline.py).
 Counts and words differ where they are not the same.
 
@@ -18,6 +19,7 @@ from typing import Any
 
 from bem.scene.result import ErrorEstimate, Event, EventError, Result, State
 from bem.scene.result_file import RESULT_FILE, read_result
+from bem.states import ROUNDING
 from validation.__main__ import REPORT_FILE, read_report
 from validation.harness.baseline import quantities_of
 from validation.harness.schema import Report, is_intact
@@ -211,7 +213,8 @@ def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) ->
         errors = [getattr(side.error_estimate, name) for side in (a, b)]
         values = [getattr(side, name) for side in (a, b)]
         if None not in errors and None not in values:
-            yield Difference(name.replace("_", " "), where, values[0], values[1], sum(errors))
+            apart = max(sum(errors), ROUNDING * max(map(abs, values)))  # older results know no floor
+            yield Difference(name.replace("_", " "), where, values[0], values[1], apart)
 
 
 def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:

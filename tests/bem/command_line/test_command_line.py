@@ -468,3 +468,35 @@ def test_a_folder_that_is_removed_while_a_run_writes_there_is_one_error(scene, t
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert "journal.jsonl" in said
+
+
+@pytest.mark.parametrize("words", [["check"], ["run", "--out", "out"]])
+def test_hours_and_gigabytes_are_said_before_anything_is_computed(words, tmp_path, monkeypatch, capsys):
+    scene = SCENE.format(harmonics=1000, targets="60e-6") + "[layer]\nthickness = 1e-6\n"
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(scene)
+    monkeypatch.setattr(command_line, "solve", FakeSolver())
+    command_line.main([words[0], "scene.toml", *words[1:]])
+    (said,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: cost: ")]
+    assert " hours of one core and " in said or " days of one core and " in said
+    assert " GB of memory are predicted" in said
+
+
+def test_nothing_is_said_of_a_cost_that_is_none(tmp_path, monkeypatch, capsys):
+    (tmp_path / "scene.toml").write_text(SCENE.format(harmonics=20, targets="60e-6"))
+    command_line.main(["check", str(tmp_path / "scene.toml")])
+    assert "warning: cost" not in capsys.readouterr().err
+
+
+def test_check_and_run_refuse_the_same_flaw(tmp_path, capsys):
+    scene = SCENE.format(harmonics=20, targets="60e-6").replace("50e-6\n", "3.1e-7\nseed = 1192680793\n", 1)
+    scene = scene.replace("[output]\nshapes = [50e-6]\n", "").replace("0.7", "0.3206928286489916")
+    scene = scene.replace("1.0e6", "503989810615.0363").replace("0.5\n", "0.49\n").replace("0.01\n", "1.678e-5\n")
+    scene = scene.replace("0.03", "5.7555e-19").replace('"separation"', '"mean_pressure"').replace("60e-6", "2.1e7")
+    (tmp_path / "scene.toml").write_text(scene + 'initial = "complete_contact"\nflaw = 2.6827e-08\n')
+    said = []
+    for words in (["check"], ["run", "--out", str(tmp_path / "out")]):
+        assert command_line.main([words[0], str(tmp_path / "scene.toml"), *words[1:]]) == 2
+        said.append(capsys.readouterr().err.splitlines()[-1])
+    assert said[0] == said[1]
+    assert "where it would open the pressure shuts a part of it" in said[0]
