@@ -68,7 +68,7 @@ def test_undefined_heights_are_missing(topography, tmp_path):
         ("um", {"row": 0, "decimal": "."}, "decimal", "text files"),
         ("um", {"row": 0, "spacing": 1.0}, "spacing", "is in the file"),
         (None, {"row": 0}, "unit_x", "does not state it"),
-        ("inch", {"row": 0, **UNITS}, "unit_x", "'inch'"),
+        ("ft", {"row": 0, **UNITS}, "unit_x", "'ft'"),
     ],
 )
 def test_what_is_not_clear_is_refused(unit, values, key, said, topography, tmp_path):
@@ -100,7 +100,9 @@ def test_one_of_several_channels_has_to_be_named(monkeypatch, tmp_path):
             name=name, unit="µm", is_height_channel=True, physical_sizes=(8.0,), topography=lambda: surface
         )
 
-    reader = SimpleNamespace(channels=[channel("trace"), channel("retrace")], format=lambda: "made up")
+    reader = SimpleNamespace(
+        channels=[channel("trace"), channel("retrace")], format=lambda: "made up", close=lambda: None
+    )
     library = SimpleNamespace(open_topography=lambda path: reader)
     monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library)
     (tmp_path / "scan.bin").write_bytes(b"\x00")
