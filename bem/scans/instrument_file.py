@@ -23,9 +23,10 @@ from bem.scans.scan_units import unit_of
 from bem.scans.scan_words import label, words_of
 
 LIBRARY = "SurfaceTopography"
-RASTER_TEXT = (  # SDF (ISO 25178-71), BCR-STM, WSxM, Wyko
-    *(b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"fileformat = bcr", b"WSxM file copyright", b"Wyko ASCII Data File"),
+RASTER_TEXT = (  # SDF (ISO 25178-71), BCR-STM, Wyko
+    *(b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"fileformat = bcr", b"Wyko ASCII Data File"),
 )
+TEXT_FORMATS = ("xyz", "asc")  # as the library reads them; what is text to it and not here has lost lines
 UNREAD_TEXT = {  # text formats of integers whose factor stands in a header that nobody reads here
     b"Zygo ASCII Data File": "Zygo ASCII",
     b"'ISO 5436": "SMD (ISO 5436-2)",
@@ -60,8 +61,8 @@ def is_instrument_file(content: bytes) -> bool:
     return content.startswith(RASTER_TEXT) or text_of(content) is None
 
 
-def read_instrument(path: Path, channel: int | None) -> InstrumentScan:
-    """Read a channel of heights, counted from 0 among these, from a file.
+def read_instrument(path: Path, content: bytes, channel: int | None) -> InstrumentScan:
+    """Read a channel of heights, counted from 0 among these, from a file and its bytes.
 
     ScanFileError where the library is not installed, knows no such format, or finds no channel of heights, or more than
     one and none is given.
@@ -69,12 +70,15 @@ def read_instrument(path: Path, channel: int | None) -> InstrumentScan:
     try:
         library = import_module(LIBRARY)
     except ImportError as error:
-        refusal = Refusal("file", f"is no text, and {LIBRARY} is not installed", f"text, or {NEEDED}")
+        what = _no_text(content) if text_of(content) is None else "is the file of an instrument"
+        refusal = Refusal("file", f"{what}, and {LIBRARY} is not installed", f"text, or {NEEDED}")
         raise ScanFileError([refusal]) from error
     with warnings.catch_warnings(), ExitStack() as opened:
         warnings.simplefilter("ignore")
         try:
             reader = opened.enter_context(closing(library.open_topography(str(path))))
+            if reader.format() in TEXT_FORMATS and not content.startswith(RASTER_TEXT):
+                raise ScanFileError([Refusal("file", _no_text(content), "text, without the zero byte")])
             channels = [each for each in reader.channels if each.is_height_channel is not False]
             channels = [
                 each for each in channels if not words_of(str(each.name)) & label("no_heights")
@@ -87,6 +91,7 @@ def read_instrument(path: Path, channel: int | None) -> InstrumentScan:
         except Exception as error:  # of each of its readers in its own way
             allowed = f"text, or a format that {LIBRARY} reads"
             found = f"cannot be read by {LIBRARY}: {_reason(error)}"
+            found += "" if content.startswith(RASTER_TEXT) else f"; {_no_text(content)}"
             raise ScanFileError([Refusal("file", found, allowed)]) from error
     facts = {"format": reader.format(), "channel": str(chosen.name), "points": list(heights.shape)}
     word = chosen.unit
@@ -97,6 +102,13 @@ def read_instrument(path: Path, channel: int | None) -> InstrumentScan:
     length = chosen.physical_sizes
     x = None if length is None else np.arange(heights.shape[0]) * (float(length[0]) / heights.shape[0])
     return InstrumentScan(x, heights.T, unit, facts)
+
+
+def _no_text(content: bytes) -> str:
+    """Why the bytes of a file are no text."""
+    before, zero, _ = content.partition(b"\x00")
+    line = before.count(b"\n") + 1
+    return f"is no text: a zero byte in line {line}" if zero else "is no text"
 
 
 def _reason(error: Exception) -> str:

@@ -27,15 +27,16 @@ TEXT_OR_INSTRUMENT = "a text file, or one of an instrument"
 def content_of(path: Path) -> bytes:
     """The bytes of a file; ScanFileError for one that cannot be read, is none of its own, or is compressed."""
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            found = "is a folder" if path.is_dir() else "is a device or a pipe"
-            raise ScanFileError([Refusal("file", found, TEXT_OR_INSTRUMENT)])
-        content = path.read_bytes()
+        mode = path.stat().st_mode
+        content = path.read_bytes() if stat.S_ISREG(mode) else b""
     except OSError as error:
         found = f"cannot be read: {error.strerror or error}"
         raise ScanFileError([Refusal("file", found, TEXT_OR_INSTRUMENT)]) from error
     except ValueError as error:  # a zero byte in the name
         raise ScanFileError([Refusal("file", f"is no name of a file: {error}", TEXT_OR_INSTRUMENT)]) from error
+    if not stat.S_ISREG(mode):
+        found = "is a folder" if stat.S_ISDIR(mode) else "is a device or a pipe"
+        raise ScanFileError([Refusal("file", found, TEXT_OR_INSTRUMENT)])
     for first, packed in PACKED.items():
         if content.startswith(first):
             raise ScanFileError([Refusal("file", f"is compressed ({packed})", "the file in it: unpack it")])

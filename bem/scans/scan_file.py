@@ -40,6 +40,7 @@ class RawScan:
     facts: dict[str, Any]  # how it was read: plain values
     sha256: str  # of the file's bytes
     half_digits: Callable[[], FloatArray] | None = None  # half a unit of the last digit of each position, m
+    used: tuple[int, int] | None = None  # the columns of positions and heights, from 1
 
     def place(self, sample: int) -> str:
         """Where a sample (from 0) is to be found."""
@@ -72,7 +73,7 @@ def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
     """
     content = content_of(path)
     if is_instrument_file(content):
-        raw = _from_instrument(read_instrument(path, values.get("channel")), values)
+        raw = _from_instrument(read_instrument(path, content, values.get("channel")), values)
     else:
         raw = _from_text(read_table(content, values.get("decimal")), values)
     return replace(raw, sha256=hashlib.sha256(content).hexdigest())
@@ -251,7 +252,8 @@ def _in_metres(columns: _Columns, header: Header, facts: dict[str, Any], values:
     facts |= {"unit_x": units["x"], "unit_h": units["h"]}
     facts |= {f"unit_{axis}_from": "scene" if f"unit_{axis}" in values else "file" for axis in "xh"}
     facts |= {key: values[key] for key in ("row", "spacing", "columns") if key in values}
-    return RawScan(x, columns.h * METRES[units["h"]], columns.lines, facts, "", half_digits)
+    used = None if columns.used is None or columns.used[0] is None else (columns.used[0] + 1, columns.used[1] + 1)
+    return RawScan(x, columns.h * METRES[units["h"]], columns.lines, facts, "", half_digits, used)
 
 
 def _scaled(digits: Callable[[], FloatArray], metres: float) -> FloatArray:

@@ -30,7 +30,7 @@ from bem.scans.scan_units import Statement, is_unit, stated_unit, unit_of
 from bem.scans.scan_words import folded, label, table, words_of
 
 LONGEST = 1000  # characters of a line that states something
-SIGNS = " \t\"'#%!;/*"
+SIGNS = " \t\"'#%!;/\\*"
 SETTING = re.compile(r"([^:=]*)[:=](.*)")
 BRACKETS = re.compile(r"([^\[\](){}<>]*)[\[({<]([^\[\](){}<>]*)[\])}>]")
 STROKES = re.compile(r"/\s*([^\s/;,]+)|\bin\s+([^\s;,]+)")
@@ -91,12 +91,16 @@ def header_of(text: TextTable, columns: tuple[int | None, int] | None) -> Header
         if len(line) > LONGEST:
             continue
         cells = _cells(line, text.reading)
+        units = _row_of_units(cells, text.values.shape[1]) if columns is not None else None
+        if units is None and columns is not None and text.header and number == text.header[-1][0]:
+            found.units += _placed(number, _of_columns(line, text.reading, text.values.shape[1]), columns)
+        elif units is None or columns is None:
+            found.units += _marked(number, cells, axes)
+        else:
+            found.units += _placed(number, units, columns)
+            continue
         for name, value in _pairs(cells):
             _take(found, number, line, name, value, axes)
-        if columns is not None and text.header and number == text.header[-1][0]:
-            found.units += _headed(number, line, text, columns)
-        else:
-            found.units += _marked(number, cells, axes)
     return found
 
 
@@ -115,7 +119,9 @@ def half_digit(text: str) -> float:
 def _cells(line: str, reading: Reading) -> list[str]:
     """The cells of a header line, which may be parted otherwise than the numbers."""
     if reading.delimiter == "," or '","' in line:
-        return [cell.strip(SIGNS) for cell in next(csv.reader([line], skipinitialspace=True), [])]
+        cells = next(csv.reader([line], skipinitialspace=True), [])
+        if len(cells) > 1:
+            return [cell.strip(SIGNS) for cell in cells]
     return [cell.strip(SIGNS) for cell in re.split(r"[\t;|]|[ ]{2,}", line)]
 
 
@@ -204,26 +210,35 @@ def _length(number: int, line: str, name: str, value: str) -> Length | None:
     return Length(kind, size * METRES[unit], half_digit(match[1]) * METRES[unit], unit, number, line)
 
 
-def _headed(number: int, line: str, text: TextTable, columns: tuple[int | None, int]) -> list[Statement]:
-    """The units of the columns used, by the heading."""
-    units = _of_columns(line, text.reading, text.values.shape[1])
+def _placed(number: int, units: Sequence[str | None], columns: tuple[int | None, int]) -> list[Statement]:
+    """The units of the columns used, of those of all columns; enough if all used have one."""
     used = [(axis, column) for axis, column in zip("xh", columns, strict=True) if column is not None]
     named = {axis: unit for axis, column in used if (unit := units[column])}
     return [Statement(axis, unit, number, len(named) == len(used)) for axis, unit in named.items()]
 
 
+def _row_of_units(cells: Sequence[str], width: int) -> list[str | None] | None:
+    """The units of all columns behind the word unit (`Unit;mm;um`, `Unit: mm;um`); None for other lines."""
+    name, value = cells[0], ""
+    if (setting := SETTING.fullmatch(name)) is not None:
+        name, value = setting[1], setting[2].strip(SIGNS)
+    row = [value, *cells[1:]] if value else cells[1:]
+    return _units(row) if words_of(name) and words_of(name) <= label("unit") and len(row) == width > 1 else None
+
+
+def _units(cells: Sequence[str]) -> list[str | None]:
+    """Cells that are units."""
+    return [unit_of(cell) or cell or None for cell in (cell.strip("[](){}<>") for cell in cells)]
+
+
 def _of_columns(line: str, reading: Reading, width: int) -> Sequence[str | None]:
     """The unit of each column that a heading names."""
     cells = reading.cells(line)
-    if len(cells) == width + 1 and words_of(cells[0]) <= label("unit"):
-        cells = cells[1:]
-    elif words_of(line) & label("unit") or "=" in line or ":" in line or any(map(SHAPE.fullmatch, cells)):
+    if words_of(line) & label("unit") or "=" in line or ":" in line or any(map(SHAPE.fullmatch, cells)):
         return [None] * width
     if len(cells) == width:
-        bare = [cell.strip("[](){}<>") for cell in cells]
-        if any(map(unit_of, bare)):  # a line of units
-            return [unit_of(cell) or cell or None for cell in bare]
-        return [_of_cell(cell) for cell in cells]
+        units = _units(cells)  # of a line of units alone
+        return units if any(unit in METRES for unit in units) else [_of_cell(cell) for cell in cells]
     marked = [stated_unit(unit) for _, unit in BRACKETS.findall(line)]
     marked = marked or [stated_unit(next(filter(None, pair))) for pair in STROKES.findall(line)]
     return marked if len(marked) == width else [None] * width
@@ -237,5 +252,6 @@ def _of_cell(cell: str) -> str | None:
         return known[0] if len(known) == 1 else None if known else " ".join(marked)
     words = [next(filter(None, pair)) for pair in STROKES.findall(cell)]
     last = re.split(r"[\s_]", cell)[-1]
-    words += [last] if len(last) > 1 and last != cell and folded(last) != "in" else []  # "x m", "h_m" may be names
+    by_name = last == cell or folded(last) == "in" or (len(last) == 1 and unit_of(last) in (None, "m"))
+    words += [] if by_name else [last]  # "x m", "h_m" may be names
     return next((unit_of(word) or word for word in words if is_unit(word)), None)

@@ -8,7 +8,7 @@ import unicodedata
 from functools import cache
 from pathlib import Path
 
-PARTING = re.compile(r"[\s_\-./()\[\]{}<>,'\"]+")
+PARTING = re.compile(r"[\s_\-./\\()\[\]{}<>,'\"]+")
 OF_AXIS = {f"{axis}{unit}": (axis, "unit") for axis in "xyzh" for unit in ("unit", "units")}
 OF_AXIS |= {f"unit{axis}": (axis, "unit") for axis in "xyzh"}
 
