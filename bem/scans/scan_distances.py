@@ -47,7 +47,7 @@ def refuse_other_distance(spacing: float, unit: str, lengths: Sequence[Length], 
         if length.kind == "width":
             found += f": {count} samples are {spacing * count:g} {unit}"
         right = length.metres / METRES[unit] / (1 if length.kind == "spacing" else count)
-        raise ScanFileError([Refusal("spacing", found, f"{right:.9g} {unit}, or correct the file")])
+        raise ScanFileError([Refusal("spacing", found, f"spacing = {right:.9g}, or correct the file")])
 
 
 def unlike_positions(x: FloatArray, unit: str, lengths: Sequence[Length]) -> str:
@@ -58,7 +58,7 @@ def unlike_positions(x: FloatArray, unit: str, lengths: Sequence[Length]) -> str
             continue
         if _agree(dx * METRES[length.unit] / METRES[unit], length, x.size):
             found = f'= "{unit}" contradicts {length}: the positions are that in "{length.unit}"'
-            raise ScanFileError([Refusal("unit_x", found, f'"{length.unit}", or correct the file')])
+            raise ScanFileError([Refusal("unit_x", found, f'unit_x = "{length.unit}", or correct the file')])
         return str(length)
     return ""
 

@@ -82,7 +82,9 @@ def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
 def _from_text(table: TextTable, values: Mapping[str, Any]) -> RawScan:
     """A line of a text file."""
     if "channel" in values:
-        raise ScanFileError([Refusal("channel", f"= {values['channel']} is for instrument files", "text has none")])
+        raise ScanFileError(
+            [Refusal("channel", f"= {values['channel']} is for instrument files", "leave it out: text has none")]
+        )
     lines = scan_lines(table.values)
     if lines is not None:
         columns = _scan_line(table, lines, values)
@@ -138,7 +140,7 @@ def _map_row(table: TextTable, values: Mapping[str, Any]) -> _Columns:
     """One row of a map of heights, or the mean of all."""
     if table.values.shape[1] <= 2:
         found = f"= {values['row']!r} of a file with {table.values.shape[1]} columns"
-        raise ScanFileError([Refusal("row", found, "a map of heights, one row a line; a line has no rows")])
+        raise ScanFileError([Refusal("row", found, "leave it out: a line has no rows, and a map one row a line")])
     return _Columns(None, _row_of(table.values, values["row"]), None, None)
 
 
@@ -170,14 +172,14 @@ def _scan_line(table: TextTable, found: tuple[int, list[slice]], values: Mapping
     """One scan line of points x y h, or the mean of all."""
     along, lines = found
     across = 1 - along
-    allowed = f'row = 0 to {len(lines) - 1} in the order of the file, or "mean"'
+    allowed = f'row = 0 to {len(lines) - 1} in the order of the file, or row = "mean"'
     if "row" not in values:
         first, last = (table.values[lines[k].start, across] for k in (0, -1))
         said = f"is needed: the file has {len(lines)} scan lines, {'xy'[across]} = {first:g} to {last:g}"
         raise ScanFileError([Refusal("row", said, allowed)])
     used = values.get("columns", [along + 1, 3])
     if len(used) != 2 or used[0] != along + 1 or not 3 <= used[1] <= table.values.shape[1]:
-        expected = f"[{along + 1}, 3], position along the line and height, or none"
+        expected = f"columns = [{along + 1}, 3]: positions along the lines, and heights"
         raise ScanFileError([Refusal("columns", f"= {used} of points x y h", expected)])
     if "spacing" in values:
         told = f"= {values['spacing']:g} beside the positions of {len(lines)} scan lines x y h"
@@ -199,7 +201,7 @@ def _row_of(heights: FloatArray, row: int | str) -> FloatArray:
     if isinstance(row, str):
         return np.asarray(heights.mean(axis=0))
     if row >= heights.shape[0]:
-        allowed = f'an integer from 0 to {heights.shape[0] - 1}, or "mean"'
+        allowed = f'row = 0 to {heights.shape[0] - 1}, or row = "mean"'
         raise ScanFileError([Refusal("row", f"= {row}", allowed)])
     return np.asarray(heights[row])
 

@@ -30,11 +30,12 @@ def refuse_disorder(raw: RawScan) -> None:
         "falls": "positions that increase: turn round the order of the lines",
         "repeats values": "one height at each position: of the lines with the same remove all but one",
     }.get(order, "positions that increase from line to line")
-    if order == "goes to and fro" and raw.x[k] <= raw.x[:k].min() and (steps > 0).sum() > (steps <= 0).sum():
+    other = _order(raw.h)
+    if order == other == "goes to and fro" and raw.x[k] <= raw.x[:k].min() and (steps > 0).sum() > (steps <= 0).sum():
         order, allowed = "begins again", "one scan line: remove the others"
     found = f"is not increasing in x: {raw.place(k)} at {raw.x[k]:g} m follows {raw.x[k - 1]:g} m, it {order}"
-    used, other = raw.used, _order(raw.h)
-    if used is not None and order == "goes to and fro" and other != order:
+    used = raw.used
+    if used is not None and order == "goes to and fro" != other:
         found += f"; column {used[1]}, taken for heights, {other}: are these the positions?"
         allowed += f"; columns = [{used[1]}, {used[0]}] if that is so"
     raise ScanFileError([Refusal("file", found, allowed)])

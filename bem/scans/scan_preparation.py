@@ -260,7 +260,7 @@ def _missing(raw: RawScan, line: Line, method: str, dropouts: Step) -> tuple[Lin
         return line, facts
     if method == "refuse":
         found = f'= "refuse", and {gone.size} of {h.size} heights are missing'
-        allowed = '"interpolate" fills gaps along straight lines'
+        allowed = 'missing = "interpolate" fills gaps along straight lines'
         if dropouts["count"] and dropouts["method"] == "missing":
             found += f" or dropouts: {dropouts['values']} in {dropouts['places']}"
             allowed += '; dropouts = "keep" takes these for heights'

@@ -84,7 +84,7 @@ def resolved(
             refusals.append(Refusal(key, found, f"a file in one of {UNITS}: convert it, and name the unit there"))
         elif clash is not None and given:
             found = f'= "{given}" contradicts the file, which says "{clash.unit}" in {_place(clash)}'
-            refusals.append(Refusal(key, found, "one that agrees with the file; correct whichever is wrong"))
+            refusals.append(Refusal(key, found, f'{key} = "{clash.unit}", or correct the file'))
         elif clash is not None:
             said = ", ".join(f'"{item.unit}" in {_place(item)}' for item in own)
             refusals.append(Refusal(key, f"has more than one value in the file: {said}", "correct the file"))
@@ -111,4 +111,8 @@ def _unplaced(units: Mapping[str, str], stated: Sequence[Statement], axes: str) 
     for item in stated:
         if not item.axis and len(units) == len(axes) and item.unit not in units.values():
             found = f'contradict the file, which says "{item.unit}" in {_place(item)}'
-            yield Refusal(f"unit_{axes[-1]}", found, "units that agree with the file; correct whichever is wrong")
+            right = " or ".join(f'unit_{axis} = "{item.unit}"' for axis in axes)
+            allowed = (
+                f"{right}, or correct the file" if item.unit in METRES else f"a file in one of {UNITS}: convert it"
+            )
+            yield Refusal(f"unit_{axes[-1]}", found, allowed)

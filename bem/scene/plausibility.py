@@ -195,7 +195,7 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
         cut = (
             f"profile.harmonics = {scene.profile.harmonics} of {scan.max_harmonics} keeps {share:.0%} of the rms slope"
         )
-        yield "profile.harmonics", f'{cut}: contact areas depend on it; more of them, or "all"'
+        yield "profile.harmonics", f'{cut}: contact areas depend on it; more of them, or harmonics = "all"'
     if jump > LARGEST_JUMP:
         told = f"the step at the end of the period is {jump:.3g} times the rms step"
         yield "profile.periodic", f'{told}: periodic = "mirror" or periodic = "window" joins the ends'
