@@ -54,10 +54,11 @@ def text_of(content: bytes) -> tuple[str, str] | None:
     for mark, encoding in MARKS:
         if content.startswith(mark):
             return _read(content[len(mark) :], encoding)
+    bare = content.rstrip(b"\x00")
     for first, encoding in enumerate(("utf-16-be", "utf-16-le")):
-        half, other = content[first::2], content[1 - first :: 2]
-        if 2 * half.count(0) > len(half) and other and not other.rstrip(b"\x00").count(0):
-            found = _read(content, encoding)
+        half, other = bare[first::2], bare[1 - first :: 2]
+        if 2 * half.count(0) > len(half) and 0 not in other:
+            found = _read(content if len(content) % 2 == 0 else content.removesuffix(b"\x00"), encoding)
             return found if found is not None and _printed(found[0]) else None
     return _read(content, "utf-8") or _read(content, "latin-1")
 

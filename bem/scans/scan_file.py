@@ -193,7 +193,7 @@ def _scan_line(table: TextTable, found: tuple[int, list[slice]], values: Mapping
     positions, heights = ([table.values[line, column] for line in lines] for column in (along, used[1] - 1))
     if any(not np.array_equal(each, positions[0]) for each in positions):
         raise ScanFileError([Refusal("row", '= "mean" of scan lines with different positions', allowed.split(",")[0])])
-    return one._replace(h=np.mean(heights, axis=0), lines=None)
+    return one._replace(h=np.asarray(np.mean(heights, axis=0)), lines=None)
 
 
 def _row_of(heights: FloatArray, row: int | str) -> FloatArray:

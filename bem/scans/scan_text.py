@@ -232,7 +232,7 @@ def _ordinary(
 ) -> tuple[FloatArray, NDArray[np.int64], tuple[str, ...]]:
     """Rows with their lines and texts; ScanFileError for numbers beyond all magnitudes."""
     beyond = [f"line {body[k][0]} ({body[k][1][:40]!r}) holds a number beyond {MOST:g}"
-              for k in np.flatnonzero((np.abs(table) > MOST).any(axis=1))]  # fmt: skip
+              for k in np.flatnonzero((np.abs(table) > MOST).any(axis=1)).tolist()]  # fmt: skip
     if beyond:
         allowed = f"numbers up to {MOST:g}, or a word for a missing one such as NaN"
         raise ScanFileError([Refusal("file", text, allowed) for text in _shortened(beyond)])
