@@ -51,7 +51,7 @@ def is_instrument_file(content: bytes) -> bool:
 
     Examples
     --------
-    >>> is_instrument_file(b"GWYP\\x00"), is_instrument_file(b"0 1\\n"), is_instrument_file("0 1".encode("utf-16"))
+    >>> is_instrument_file(b"GWYP\\x00\\x01"), is_instrument_file(b"0 1\\n"), is_instrument_file("0 1".encode("utf-16"))
     (True, False, False)
     """
     for first, name in UNREAD_TEXT.items():

@@ -239,7 +239,7 @@ def _in_metres(columns: _Columns, header: Header, facts: dict[str, Any], values:
         raise ScanFileError(refusals)
     half_digits = None
     if stated:
-        x = dx * np.arange(count)
+        x = np.arange(count) * np.float64(dx)
         units = {"x": values.get("unit_x", length.unit)} | units
         facts |= {"spacing_from": str(length)}
     elif columns.x is None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bem.geometry.profile import Profile
-from bem.scans.scan_file import RawScan
+from bem.scans.scan_file import RawScan, read_scan
 from bem.scans.scan_preparation import DRAWN, prepare
 from bem.scans.scan_text import ScanFileError
 
@@ -249,3 +249,25 @@ def test_what_is_drawn_is_short_and_keeps_the_extremes():
     assert np.nanmax(drawn["scan_h"]) == 30.0
     assert np.nanmin(drawn["scan_h"]) == np.nanmin(h)
     assert (np.diff(drawn["profile_x"]) >= 0).all()
+
+
+def test_trace_of_a_stylus_is_prepared_as_it_was_ground(tmp_path):
+    """8000 points with noise, tilt, gaps and a spike, as a file: what is left is the line, but where it was not seen."""
+    count, touched = 8000, [1200, 1201, 1202, 3000, 4555, 6001]
+    x, rng = np.arange(count) * 5e-4, np.random.default_rng(3)
+    ground = 1e6 * Profile.self_affine(count * 5e-7, 0.8, 5e-7, 2000, 1).height(x * 1e-3)
+    h = ground + 0.35 + 1.8 * x + 0.004 * rng.standard_normal(count)
+    lines = [f"{a:.4f}\t{b:.4f}" for a, b in zip(x, h, strict=True)]
+    for k in touched:
+        lines[k] = f"{x[k]:.4f}\t" + ("99.9" if k == 3000 else "")
+    (tmp_path / "steel.txt").write_text("Profilometer\nDate: 2024-05-02\nX [mm]\tZ [um]\n" + "\n".join(lines) + "\n")
+    values = {"missing": "interpolate", "outliers": "replace", "detrend": "line"}
+    scan = prepare(read_scan(tmp_path / "steel.txt", values), values)
+    counts = [step_of(scan, name)["count"] for name in ("dropouts", "outliers", "missing")]
+    assert (counts, step_of(scan, "outliers")["first"]) == ([0, 1, 5], "line 3004")
+    expected = prepare(raw(x * 1e-3, h * 1e-6), {"detrend": "line"})
+    assert scan.spacing == pytest.approx(5e-7, rel=1e-12)
+    np.testing.assert_allclose(
+        np.delete(scan.h, touched), np.delete(expected.h, touched), rtol=0, atol=6e-11
+    )  # a digit
+    assert np.abs(scan.h - expected.h).max() < 5e-8  # measured 2e-8, at the samples filled
