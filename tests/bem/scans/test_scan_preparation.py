@@ -194,8 +194,8 @@ def test_dropouts_count_as_missing():
 @pytest.mark.parametrize("tilt", [0.0, 0.01, -0.3])
 def test_tilt_is_looked_for(tilt):
     found = step_of(prepare(raw(h=tilt * X + np.cos(16 * np.pi * X / (COUNT * SPACING)) * 1e-6), {}), "detrend")
-    assert found["tilt"] == pytest.approx(tilt, abs=2e-5)  # measured 1e-5, of the wave
-    assert found["rms_without_tilt"] == pytest.approx(1e-6 / np.sqrt(2), rel=1e-2)
+    assert found["tilt"] == pytest.approx(tilt, abs=4e-5)  # measured 1.5e-5, of the wave
+    assert found["rms_without_tilt"] == pytest.approx(1e-6 / np.sqrt(2), rel=2e-4)  # measured 7.5e-5
 
 
 def test_unequal_spacing_is_refused():
@@ -252,7 +252,7 @@ def test_what_is_drawn_is_short_and_keeps_the_extremes():
 
 
 def test_trace_of_a_stylus_is_prepared_as_it_was_ground(tmp_path):
-    """8000 points with noise, tilt, gaps and a spike, as a file: what is left is the line, but where it was not seen."""
+    """8000 points with noise, tilt, gaps and a spike: what is left is the line, but where it was not seen."""
     count, touched = 8000, [1200, 1201, 1202, 3000, 4555, 6001]
     x, rng = np.arange(count) * 5e-4, np.random.default_rng(3)
     ground = 1e6 * Profile.self_affine(count * 5e-7, 0.8, 5e-7, 2000, 1).height(x * 1e-3)
@@ -268,6 +268,6 @@ def test_trace_of_a_stylus_is_prepared_as_it_was_ground(tmp_path):
     expected = prepare(raw(x * 1e-3, h * 1e-6), {"detrend": "line"})
     assert scan.spacing == pytest.approx(5e-7, rel=1e-12)
     np.testing.assert_allclose(
-        np.delete(scan.h, touched), np.delete(expected.h, touched), rtol=0, atol=6e-11
-    )  # a digit
-    assert np.abs(scan.h - expected.h).max() < 5e-8  # measured 2e-8, at the samples filled
+        np.delete(scan.h, touched), np.delete(expected.h, touched), rtol=0, atol=1.2e-10
+    )  # measured 5.4e-11, half a digit
+    assert np.abs(scan.h - expected.h).max() < 4e-8  # measured 1.4e-8, at the samples filled
