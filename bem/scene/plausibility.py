@@ -37,6 +37,7 @@ MODULI = (1e2, 1e13)  # Pa: weakest gel to beyond diamond
 LARGEST_WORK = 10.0  # J/m^2
 LEAST_SHARE = 0.9  # of the rms slope that the cut keeps
 LARGEST_JUMP = 3.0  # rms steps
+TILTED = 2.0  # rms heights without the tilt; a wave of one period has 1.6
 HEIGHTS = (0.01, 20.0)  # rms heights: separations at which surfaces touch, but not all over
 PRESSURES = (1e-7, 10.0)  # of E* h'_rms
 LARGEST_ADHESION = 10.0  # of the elastic energy of complete contact
@@ -127,6 +128,8 @@ def _slope_in_other_units(scene: Scene, slope: float) -> str:
     for key in ("unit_h", "unit_x"):
         own = str(getattr(scene.profile, key))
         for unit, metres in METRES.items():
+            if unit not in ("m", "mm", "um", "nm", own):
+                continue
             ratio = metres / METRES[own]
             other = slope * (ratio if key == "unit_h" else 1 / ratio)
             if 1e-3 <= other <= LARGEST_SLOPE:
@@ -184,14 +187,33 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
         told = "the last height equals the first: is the end of the period, which is its beginning, in the file?"
         yield "profile.file", f"{told} Then remove the last line"
     share, jump = groups["slope_share_kept"], groups["end_jump_over_step"]
-    if share < LEAST_SHARE:
+    if share < LEAST_SHARE and scene.profile.harmonics == scan.max_harmonics:
+        told = f"{share:.2g} of the rms slope is kept by all {scan.max_harmonics} harmonics"
+        cause = "heights alternate from sample to sample: two scans in turn, or noise?"
+        yield "profile.file", f"{told}; the rest is of half as many waves as samples: {cause}"
+    elif share < LEAST_SHARE:
         cut = (
             f"profile.harmonics = {scene.profile.harmonics} of {scan.max_harmonics} keeps {share:.0%} of the rms slope"
         )
-        yield "profile.harmonics", f'{cut}: contact areas depend on it; more of them, or "all"'
+        yield "profile.harmonics", f'{cut}: contact areas depend on it; more of them, or harmonics = "all"'
     if jump > LARGEST_JUMP:
-        remedy = 'detrend = "line", periodic = "mirror" or "window"?'
-        yield "profile.periodic", f"the step at the end of the period is {jump:.3g} times the rms step: {remedy}"
+        told = f"the step at the end of the period is {jump:.3g} times the rms step"
+        yield "profile.periodic", f'{told}: periodic = "mirror" or periodic = "window" joins the ends'
+    leaning, level = steps["detrend"]["rms_height"][1], steps["detrend"]["rms_without_tilt"]
+    if leaning > TILTED * level:
+        told = (
+            f"a tilt of {steps['detrend']['tilt']:.3g} is most of the rms height {leaning:.3g} m, {level:.3g} m without"
+        )
+        yield "profile.detrend", f'{told}: detrend = "line" takes it away'
+    if "printed_to" in steps["spacing"]:
+        told = f"positions are printed to {steps['spacing']['printed_to']:.3g} m and taken at equal steps"
+        yield "profile.unequal_spacing", f"{told} of {scan.spacing:.6g} m, as that allows: is no line lost?"
+    if "unlike_positions" in steps["read"]:
+        yield "profile.file", f"{steps['read']['unlike_positions']} is not what the positions say: unit_x?"
+    dropped = steps["dropouts"]
+    if dropped["count"] and dropped["method"] == "keep":
+        told = f"{dropped['count']} samples may be dropouts, {dropped['values']} in {dropped['places']}"
+        yield "profile.dropouts", f'{told}: dropouts = "missing" takes them for missing heights'
     spikes, gaps, count = steps["outliers"], steps["missing"], steps["read"]["samples"]
     if spikes["count"] and spikes["method"] == "keep":
         told = f"{spikes['count']} of {count} samples are spikes, the first at {spikes['first']}"

@@ -139,7 +139,7 @@ def load_scene(path: Path | str) -> Scene:
     """
     path = Path(path)
     try:
-        data = tomllib.loads(path.read_text("utf-8"))
+        data = tomllib.loads(path.read_text("utf-8-sig"))
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
     except (ValueError, RecursionError) as error:
@@ -246,7 +246,7 @@ def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[
         return None, []
     from bem.scans.scan_file import read_scan
     from bem.scans.scan_preparation import prepare
-    from bem.scans.scan_text import ScanFileError
+    from bem.scans.scan_refusal import ScanFileError
 
     name = profile["file"]
     try:

@@ -10,15 +10,15 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from bem.geometry.ranges import LEAST, MOST, MOST_HARMONICS, POSITIVE, RANGES
+from bem.scans.scan_keys import UNITS
 
 Number = Annotated[float, Field(ge=-MOST, le=MOST)]
 Numbers = Annotated[tuple[Number, ...], Field(strict=False)]
 Order = Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
 Length = Annotated[float, Field(ge=LEAST, le=MOST)]
 FileName = Annotated[str, Field(pattern=r"^[^\x00]+$")]
-Unit = Literal["m", "mm", "um", "nm"]
+Unit = Literal["m", "cm", "mm", "um", "nm", "angstrom", "pm", "in", "mil", "uin"]
 Columns = Annotated[tuple[Annotated[int, Field(ge=1)], ...], Field(strict=False, min_length=1, max_length=2)]
-UNITS = '"m", "mm", "um" or "nm"'
 
 
 def _range(path: str) -> Any:
@@ -61,13 +61,14 @@ class ProfileTable(Table):
     amplitudes: Numbers | None = Field(None, description=_words("profile.amplitudes"))
     phases: Numbers | None = Field(None, description=_words("profile.phases"))
     file: FileName | None = Field(None, description="the name of a text file or of an instrument's file")
-    unit_x: Unit | None = Field(None, description=UNITS)
-    unit_h: Unit | None = Field(None, description=UNITS)
+    unit_x: Unit | None = Field(None, description=f"one of {UNITS}")
+    unit_h: Unit | None = Field(None, description=f"one of {UNITS}")
     decimal: Literal[".", ","] | None = Field(None, description='"." or ","')
     columns: Columns | None = Field(None, description="[x, h], or [h] with spacing: columns of the file from 1")
     spacing: Length | None = Field(None, description=f"{POSITIVE}, in unit_x")
     row: Annotated[int, Field(ge=0)] | Literal["mean"] | None = Field(None, description='an integer >= 0 or "mean"')
     channel: int | None = Field(None, ge=0, description="an integer >= 0")
+    dropouts: Literal["missing", "keep"] | None = Field(None, description='"missing" or "keep"')
     missing: Literal["refuse", "interpolate"] | None = Field(None, description='"refuse" or "interpolate"')
     outliers: Literal["keep", "replace"] | None = Field(None, description='"keep" or "replace"')
     unequal_spacing: Literal["refuse", "resample"] | None = Field(None, description='"refuse" or "resample"')

@@ -192,6 +192,59 @@ def test_period_with_its_end_point_is_named(count, periodic, told, tmp_path):
     assert ("the last height equals the first" in found.get("profile.file", "")) == told
 
 
+OWN_TILT = float(np.polyfit(X, ROUGH.height(X), 1)[0])
+TILTS = [(0.06, "mean", True), (0.06, "none", True), (0.06, "line", False), (0.0, "mean", False)]
+
+
+@pytest.mark.parametrize("periodic", ["as_is", "mirror", "window"])
+@pytest.mark.parametrize(("tilt", "detrend", "told"), TILTS)
+def test_tilt_that_dominates_is_named_with_its_remedy(tilt, detrend, told, periodic, tmp_path):
+    """A tilt of 0.06 over 10 mm is 0.17 mm rms, beside 0.05 mm of roughness with a tilt of its own."""
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X) + (tilt - OWN_TILT) * X]), delimiter=",")
+    message = said(scan_scene(tmp_path, periodic=periodic, detrend=detrend, harmonics="all")).get("profile.detrend", "")
+    assert ('detrend = "line" takes it away' in message, "a tilt of 0.06 is" in message) == (told, told)
+
+
+@pytest.mark.parametrize("phase", np.linspace(0, np.pi, 7))
+def test_wave_of_one_period_is_no_tilt(phase, tmp_path):
+    """A line takes at most 6 / pi^2 of its mean square: the rms height falls by 1.6 at most."""
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, RMS * np.sin(2 * np.pi * X / LENGTH + phase)]), delimiter=",")
+    assert "profile.detrend" not in said(scan_scene(tmp_path, harmonics="all"))
+
+
+def test_heights_that_alternate_are_named(tmp_path):
+    """Two scans in turn: all harmonics keep little of the slope, so more of them is no remedy."""
+    h = ROUGH.height(X) + 0.01 * np.cos(np.pi * np.arange(COUNT))
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, h]), delimiter=",", fmt="%.12g")
+    found = said(scan_scene(tmp_path, harmonics="all"))
+    assert "alternate from sample to sample" in found["profile.file"]
+    assert "profile.harmonics" not in found
+
+
+def test_rounded_positions_are_told(tmp_path):
+    (tmp_path / "scan.csv").write_text(
+        "\n".join(f"{a:.1f},{b:.6g}" for a, b in zip(X * 6.6, ROUGH.height(X), strict=True))
+    )
+    message = said(scan_scene(tmp_path))["profile.unequal_spacing"]
+    assert "positions are printed to 0.0001 m and taken at equal steps of 0.000165 m" in message
+
+
+def test_dropouts_that_are_kept_are_named(tmp_path):
+    h = ROUGH.height(X)
+    h[30:35] = -99.0
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, h]), delimiter=",", fmt="%.12g")
+    assert (
+        "5 samples may be dropouts, -99 mm in lines 31 to 35"
+        in said(scan_scene(tmp_path, dropouts="keep"))["profile.dropouts"]
+    )
+    assert "profile.dropouts" not in said(scan_scene(tmp_path, missing="interpolate"))
+
+
+def test_length_that_the_positions_have_not_is_named(tmp_path):
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X)]), delimiter=",", header="Scan length: 12 mm")
+    assert "'Scan length: 12 mm') is not what the positions say" in said(scan_scene(tmp_path))["profile.file"]
+
+
 def test_spikes_that_are_kept_are_named(tmp_path):
     h = ROUGH.height(X)
     h[30] += 1.0
