@@ -95,13 +95,16 @@ def certify(
     penetration: float,
     adhesion: AdhesiveEdges | None,
     *,
+    intensity_rounding: FloatArray | None = None,
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
     """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
-    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to
-    1. ValueError where there is no patch, or patches overlap.
+    Without adhesion K is asked for to three times `intensity_rounding`, its accuracy in double precision, (2 L,), if
+    that is more than the demand: it grows with the slopes, and small patches carry little.  The ratio is that of the
+    compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.  ValueError where
+    there is no patch, or patches overlap.
 
     Examples
     --------
@@ -129,8 +132,9 @@ def certify(
     verdict = Verdict(left.size)
     place, eigenvalue, asymmetry = "at an edge of patch", None, None
     if adhesion is None:
-        closure = verdict.judge("closure", _closure(pressure, None), demands.closure, place)
-        verdict.judge("tension without adhesion", _tension(pressure), demands.closure, "on patch")
+        attainable = _attainable(pressure, demands.closure, intensity_rounding)
+        closure = verdict.judge("closure", _closure(pressure, None), attainable.ravel(), place)
+        verdict.judge("tension without adhesion", _tension(pressure), attainable.max(axis=0), "on patch")
     else:
         limit = adhesion.attainable(demands.closure)
         closure = verdict.judge("closure", _closure(pressure, adhesion.work), limit, place)
@@ -181,10 +185,23 @@ def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> Fl
     even, odd = np.array([(math.fsum(q[0::2].tolist()), math.fsum(q[1::2].tolist())) for q in pressure.charges]).T
     regular = np.concatenate([even - odd, even + odd])
     if work_of_adhesion is None:
-        loads = np.array([max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges])
-        return np.asarray(np.abs(regular) / np.tile(loads, 2))
+        return np.asarray(np.abs(regular) / np.tile(_least_charges(pressure), 2))
     radius = np.tile((pressure.right - pressure.left) / 2, 2)
     return np.asarray(np.abs(-regular * np.abs(regular) * np.pi / radius / (4 * work_of_adhesion) - 1))
+
+
+def _attainable(pressure: PatchPressure, closure: float, rounding: FloatArray | None) -> FloatArray:
+    """The closure without adhesion that is demanded at the edges, or more where rounding of K leaves more, (2, L)."""
+    limits = np.full((2, pressure.left.size), closure)
+    if rounding is None:
+        return limits
+    regular = rounding.reshape(2, -1) * np.sqrt((pressure.right - pressure.left) / (2 * np.pi))
+    return np.asarray(np.maximum(limits, 3 * regular / _least_charges(pressure)))
+
+
+def _least_charges(pressure: PatchPressure) -> FloatArray:
+    """|Q_0| of the patches, or what is the least that is told from rounding, (L,)."""
+    return np.array([max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges])
 
 
 def _tension(pressure: PatchPressure) -> FloatArray:
