@@ -30,6 +30,7 @@ from bem.geometry.profile import Profile
 SMALLEST_VARIATION = 1e-5  # rms heights; rounding of u (5e-14, measured with 155 patches) over 1e-8, margin 2
 SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
 RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
+POSITION_ROUNDING = 4e-15  # of positions up to 2 pi, half a last digit is 4.4e-16
 ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
 ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
 
@@ -142,8 +143,9 @@ def certify(
         eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
     truncation = verdict.judge("truncation", _truncation(pressure), demands.truncation, "on patch")
     magnitude = max(1.0, float(np.max(np.abs(np.concatenate(pressure.charges)))))
-    misfit, least = _contact_residuals(profile, displacement, penetration), ROUNDING * magnitude
-    residual = verdict.judge("contact residual", misfit, max(demands.contact_residual, least), "on patch")
+    misfit, rounded = _contact_residuals(profile, displacement, penetration)
+    limits = np.maximum(np.maximum(demands.contact_residual, ROUNDING * magnitude), rounded)
+    residual = verdict.judge("contact residual", misfit, limits, "on patch")
     depth, gap_integrals, unresolved = gap_depths(profile, displacement, penetration, behind, RESOLVED * magnitude)
     min_gap = -verdict.judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
@@ -243,14 +245,21 @@ def _by_size(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArray
     return [(who, np.stack([charges[i] for i in who])) for who in members]
 
 
-def _contact_residuals(profile: Profile, field: DisplacementField, penetration: float) -> FloatArray:
-    """max|u - (h - h_max + Delta)| over the variation of h, (L,): at extrema between the nodes, edges included."""
+def _contact_residuals(
+    profile: Profile, field: DisplacementField, penetration: float
+) -> tuple[FloatArray, FloatArray]:
+    """max|u - (h - h_max + Delta)| over the variation of h, (L,): at extrema between the nodes, edges included.
+
+    And what rounding of positions leaves of it, where the profile is steep and the patch small.
+    """
     sizes = np.array([charge.size for charge in field.pressure.charges])
     owner = np.repeat(np.arange(field.count), sizes + 1)
     first = np.cumsum(sizes + 1) - (sizes + 1)
     angle = (np.arange(owner.size) - first[owner]) * (np.pi / sizes)[owner]
     x = field.center[owner] + field.radius[owner] * np.cos(angle)
-    height = profile.height(x)
+    height, slope, _ = profile.height_slope_curvature(x)
     miss = np.abs(field.in_contact(x, owner) - (height - profile.max_height + penetration))
     variation = np.maximum.reduceat(height, first) - np.minimum.reduceat(height, first)
-    return np.asarray(np.maximum.reduceat(miss, first) / np.maximum(variation, SMALLEST_VARIATION))
+    variation = np.maximum(variation, SMALLEST_VARIATION)
+    steepest = np.maximum.reduceat(np.abs(slope), first)
+    return np.maximum.reduceat(miss, first) / variation, POSITION_ROUNDING * steepest / variation

@@ -22,7 +22,6 @@ from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import if_solvable
 from bem.elastic.sensitivities import own_sensitivity
-from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
@@ -43,7 +42,7 @@ ROUNDINGS = 3.0  # of K, as the certificate allows; measured 1.8
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
-MOST_MODES = 1000  # of a patch beside a narrow gap: what costs more here costs least where gaps are the unknown
+MOST_MODES = 4000  # of a patch: a gap beside it that asks for more at the accuracy of targets counts as closed
 DOUBTFUL = 1e-9  # of the mean pressure of a patch: the accuracy at which a dip may be a gap too narrow to be seen here
 
 ContactStatus = Literal["converged", "separated", "complete_contact", "narrow_gaps", "not_converged", "ill_conditioned"]
@@ -128,8 +127,6 @@ def solve_contact(
     search = _Search(elastic, control, target, accuracy, patches, penetration)
     rounded = ROUNDED * elastic.profile.max_height
     for count in range(1, ITERATIONS + 1):
-        if _modes_beside_gaps(search.patches, search.tolerance) > MOST_MODES:
-            return Contact("narrow_gaps", None, search.measure, count - 1, search.patches)
         state = if_solvable(search.evaluated)
         if state is None:
             return Contact("ill_conditioned", None, search.measure, count)
@@ -195,7 +192,7 @@ class _Search:
 
     def mended(self, state: Evaluation, pressure: PatchPressure) -> tuple[Patches | None, bool]:
         """Patches with gaps and contacts that are missing (None: nothing is), and whether gaps may be left over."""
-        opened, doubtful = _gaps_under_tension(self.elastic, pressure)
+        opened, doubtful = _gaps_under_tension(self.elastic, pressure, self.accuracy.tolerance)
         touching = _overlapping_crests(self.elastic, state, self.accuracy.allowed)
         if opened.size == 0 and touching.size == 0:
             return None, doubtful
@@ -218,7 +215,7 @@ class _Search:
             self.damping = np.where(sign * self.last_sign < 0, self.damping / 2, np.minimum(1.0, self.damping * 1.5))
         self.last_sign = sign
         moved = self.patches.moved(self.damping * _edge_steps(state, self.elastic.profile.max_order))
-        changed = _joined(self.elastic, _split(self.patches, moved, pressure, tensile), self.closed_gap)
+        changed = _joined(self.elastic, _split(self.patches, moved, pressure, tensile), self.closed_gap, self.accuracy.tolerance)
         if not tensile and self.coarseness > COARSE and _is_small(state, self.control, NEAR):
             return changed, COARSE
         wanted = self.accuracy.tolerance
@@ -250,10 +247,9 @@ def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:
     return np.asarray(np.clip(newton, -INWARD * width, outward))
 
 
-def _joined(elastic: Elastic, patches: Patches, closed_gap: float) -> Patches | None:
+def _joined(elastic: Elastic, patches: Patches, closed_gap: float, tolerance: float) -> Patches | None:
     """Patches whose gaps are used up become one; None when nothing of the last gap is left."""
-    following = np.roll(patches.width, -1)
-    closed = patches.gap_after < _least_gap(elastic, np.minimum(patches.width, following), closed_gap)
+    closed = patches.gap_after < _least_gap(elastic, patches.width, np.roll(patches.width, -1), closed_gap, tolerance)
     if np.all(closed):
         closed[np.argmax(patches.gap_after)] = False
         patches = patches.merged_at(closed)
@@ -261,18 +257,16 @@ def _joined(elastic: Elastic, patches: Patches, closed_gap: float) -> Patches | 
     return patches.merged_at(closed)
 
 
-def _least_gap(elastic: Elastic, width: FloatArray, closed_gap: float) -> FloatArray:
-    """Gaps that count as closed beside patches of these widths."""
-    return closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * width)
+def _least_gap(
+    elastic: Elastic, before: FloatArray, behind: FloatArray, closed_gap: float, tolerance: float
+) -> FloatArray:
+    """Gaps that count as closed between patches of these widths; the modes beside them are `coupling_modes`."""
+    narrower, wider = np.minimum(before, behind), np.maximum(before, behind)
+    resolved = wider * (np.log(tolerance) / (2 * MOST_MODES)) ** 2
+    return np.maximum(closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * narrower), resolved)
 
 
-def _modes_beside_gaps(patches: Patches, tolerance: float) -> float:
-    """Modes of the patch with the narrowest gap beside it."""
-    clearance = np.minimum(patches.gap_before, patches.gap_after)
-    return float(np.max(chebyshev.coupling_modes(patches.width, clearance, tolerance)))
-
-
-def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure) -> tuple[FloatArray, bool]:
+def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure, tolerance: float) -> tuple[FloatArray, bool]:
     """Gaps where the pressure inside patches dips below zero, (n, 2); whether there may be others, too narrow to open.
 
     A gap 2g wide that is taken for contact leaves a parabola of tension sqrt 2 g wide (Galin, chapter 2).
@@ -287,7 +281,8 @@ def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure) -> tuple[Floa
             middle = (first + last) / 2 + (last - first) / 2 * at
             half = (last - first) / 2 * float(np.sqrt(max(-4 * value / bend, 0.0)))
             room = min([middle - first, last - middle, *(max(a - middle, middle - b) for a, b in found)])
-            if 2 * half > OPENING_GAP * float(_least_gap(elastic, np.array(room), CLOSED_GAP)) and half < 0.5 * room:
+            least = _least_gap(elastic, middle - first, last - middle, CLOSED_GAP, tolerance)
+            if 2 * half > OPENING_GAP * least and half < 0.5 * room:
                 found.append((middle - half, middle + half))
             else:
                 doubtful = True
