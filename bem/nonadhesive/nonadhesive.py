@@ -133,7 +133,7 @@ def solve_contact(
         pressure = state.pressure()
         tensile = under_tension(pressure, rounded)
         changed: Patches | None = None
-        coarseness = COARSE
+        coarseness = search.coarseness
         if not tensile and search.is_closed(state):
             changed, doubtful = search.mended(state, pressure)
             if changed is None and search.is_at_rest(state):
