@@ -127,8 +127,8 @@ def _judged(
             compliance_ratio=problem.compliance_ratio,
         )
     adhesion: certificate.AdhesiveEdges | None = None
+    rounding = state.rounding(problem.control.penetration_rate(state))
     if assessment.work is not None:
-        rounding = state.rounding(problem.control.penetration_rate(state))
         stability = assessment.min_eigenvalue, assessment.hessian_asymmetry
         adhesion = certificate.AdhesiveEdges(assessment.work, *stability, rounding)
     return certificate.certify(
@@ -136,6 +136,7 @@ def _judged(
         state.pressure(),
         state.penetration,
         adhesion,
+        intensity_rounding=rounding,
         compliance_ratio=problem.compliance_ratio,
         demands=certificate.Demands(
             closure=RESIDUAL, intensity=max(3 * RESIDUAL, tolerance), interpenetration=max(1e-10, 1e-3 * tolerance)

@@ -30,6 +30,8 @@ from bem.geometry.profile import Profile
 SMALLEST_VARIATION = 1e-5  # rms heights; rounding of u (5e-14, measured with 155 patches) over 1e-8, margin 2
 SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
 RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
+POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them is 4.4e-16
+LOAD_ROUNDING = 1.5e-14  # of displacements over the load, sums over all patches; measured 6.1e-15 at 3028 patches
 ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
 ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
 
@@ -99,13 +101,16 @@ def certify(
     penetration: float,
     adhesion: AdhesiveEdges | None,
     *,
+    intensity_rounding: FloatArray | None = None,
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
     """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
-    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to
-    1. ValueError where there is no patch, or patches overlap.
+    Without adhesion K is asked for to three times `intensity_rounding`, its accuracy in double precision, (2 L,), if
+    that is more than the demand: it grows with the slopes, and small patches carry little.  The ratio is that of the
+    compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.  ValueError where
+    there is no patch, or patches overlap.
 
     Examples
     --------
@@ -134,19 +139,23 @@ def certify(
     place, eigenvalue, asymmetry = "at an edge of patch", None, None
     misfit = _Misfit.of(profile, displacement, penetration)
     series, own, punch = _closures(pressure, misfit.lacking(displacement), None if adhesion is None else adhesion.work)
-    asked = demands.closure, demands.intensity
-    solved, evaluated = asked if adhesion is None else (adhesion.attainable(limit) for limit in asked)
+    solved, evaluated = (
+        _attainable(pressure, limit, intensity_rounding).ravel() if adhesion is None else adhesion.attainable(limit)
+        for limit in (demands.closure, demands.intensity)
+    )
+    least = np.maximum(demands.intensity, np.tile(misfit.rounded * misfit.nodes / _least_charges(pressure), 2))
     verdict.judge("closure of the series", series, solved, place)
-    closure = verdict.judge("closure", own, np.maximum(evaluated, demands.intensity * punch), place)
+    closure = verdict.judge("closure", own, np.maximum(evaluated, least * punch), place)
     if adhesion is None:
-        verdict.judge("tension without adhesion", _tension(pressure), demands.closure, "on patch")
+        attainable = _attainable(pressure, demands.closure, intensity_rounding)
+        verdict.judge("tension without adhesion", _tension(pressure), attainable.max(axis=0), "on patch")
     else:
         verdict.reasons.extend(adhesion.objections(demands.hessian_asymmetry))
         eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
     truncation = verdict.judge("truncation", _truncation(pressure), demands.truncation, "on patch")
     magnitude = max(1.0, float(np.max(np.abs(np.concatenate(pressure.charges)))))
-    allowed = max(demands.contact_residual, ROUNDING * magnitude)
-    residual = verdict.judge("contact residual", misfit.over_variation, allowed, "on patch")
+    allowed = np.maximum(max(demands.contact_residual, ROUNDING * magnitude), misfit.rounded / misfit.variation)
+    residual = verdict.judge("contact residual", misfit.largest / misfit.variation, allowed, "on patch")
     depth, gap_integrals, unresolved = gap_depths(profile, displacement, penetration, behind, RESOLVED * magnitude)
     min_gap = -verdict.judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
@@ -192,7 +201,10 @@ class _Misfit:
 
     excess: FloatArray
     first: IntArray
-    over_variation: FloatArray  # the largest over the variation of h on the patch, (L,)
+    nodes: IntArray  # of each patch, (L,)
+    largest: FloatArray  # of each patch, (L,)
+    variation: FloatArray  # of h on each patch, (L,)
+    rounded: FloatArray  # what rounding leaves: of positions where the patch is steep, of all that is summed, (L,)
 
     @classmethod
     def of(cls, profile: Profile, field: DisplacementField, penetration: float) -> _Misfit:
@@ -202,11 +214,13 @@ class _Misfit:
         first = np.cumsum(sizes + 1) - (sizes + 1)
         angle = (np.arange(owner.size) - first[owner]) * (np.pi / sizes)[owner]
         x = field.center[owner] + field.radius[owner] * np.cos(angle)
-        height = profile.height(x)
+        height, slope, _ = profile.height_slope_curvature(x)
         excess = field.in_contact(x, owner) - (height - profile.max_height + penetration)
         variation = np.maximum.reduceat(height, first) - np.minimum.reduceat(height, first)
+        rounded = POSITION_ROUNDING * np.maximum.reduceat(np.abs(slope), first)
+        rounded += LOAD_ROUNDING * abs(field.pressure.load)
         largest = np.maximum.reduceat(np.abs(excess), first)
-        return cls(excess, first, np.asarray(largest / np.maximum(variation, SMALLEST_VARIATION)))
+        return cls(excess, first, sizes, largest, np.maximum(variation, SMALLEST_VARIATION), rounded)
 
     def lacking(self, field: DisplacementField) -> FloatArray:
         """What q lacks at the edges, (2 L,), for the displacement to be that of the contact.
@@ -235,12 +249,26 @@ def _closures(
     """
     even, odd = np.array([(math.fsum(q[0::2].tolist()), math.fsum(q[1::2].tolist())) for q in pressure.charges]).T
     handed = np.concatenate([even - odd, even + odd])  # q, which is -K sqrt(r/pi)
-    loads = np.tile([max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges], 2)
+    loads = np.tile(_least_charges(pressure), 2)
     if work is None:
         return np.abs(handed) / loads, np.abs(handed + lacking) / loads, np.ones(handed.size)
     critical = 2 * np.sqrt(work * np.tile((pressure.right - pressure.left) / 2, 2) / np.pi)
     series, own = (np.abs(-q * np.abs(q) / critical**2 - 1) for q in (handed, handed + lacking))
     return series, own, loads / critical
+
+
+def _attainable(pressure: PatchPressure, closure: float, rounding: FloatArray | None) -> FloatArray:
+    """The closure without adhesion that is demanded at the edges, or more where rounding of K leaves more, (2, L)."""
+    limits = np.full((2, pressure.left.size), closure)
+    if rounding is None:
+        return limits
+    regular = rounding.reshape(2, -1) * np.sqrt((pressure.right - pressure.left) / (2 * np.pi))
+    return np.asarray(np.maximum(limits, 3 * regular / _least_charges(pressure)))
+
+
+def _least_charges(pressure: PatchPressure) -> FloatArray:
+    """|Q_0| of the patches, or what is the least that is told from rounding, (L,)."""
+    return np.array([max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges])
 
 
 def _tension(pressure: PatchPressure) -> FloatArray:
