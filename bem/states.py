@@ -136,10 +136,12 @@ def _judged(
         state.pressure(),
         state.penetration,
         adhesion,
-        intensity_rounding=rounding,
         compliance_ratio=problem.compliance_ratio,
         demands=certificate.Demands(
-            closure=RESIDUAL, intensity=max(3 * RESIDUAL, tolerance), interpenetration=max(1e-10, 1e-3 * tolerance)
+            closure=RESIDUAL,
+            intensity=max(3 * RESIDUAL, tolerance),
+            interpenetration=max(1e-10, 1e-3 * tolerance),
+            intensity_rounding=rounding,
         ),
     )
 

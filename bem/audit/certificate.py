@@ -36,7 +36,7 @@ ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the l
 ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Demands:
     """What a state must reach to be ok."""
 
@@ -52,6 +52,8 @@ class Demands:
     truncation: float = 1e-8  # last three coefficients of a patch over its largest
     hessian_asymmetry: float = 1e-8  # max|H - H^T| over max|H|
     mean_gap_error: float = 1e-10  # |mean gap - separation| in rms heights
+    # accuracy of K in double precision, (2 L,): without adhesion no edge is asked for more than three times that
+    intensity_rounding: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -101,16 +103,13 @@ def certify(
     penetration: float,
     adhesion: AdhesiveEdges | None,
     *,
-    intensity_rounding: FloatArray | None = None,
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
     """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
-    Without adhesion K is asked for to three times `intensity_rounding`, its accuracy in double precision, (2 L,), if
-    that is more than the demand: it grows with the slopes, and small patches carry little.  The ratio is that of the
-    compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.  ValueError where
-    there is no patch, or patches overlap.
+    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to
+    1. ValueError where there is no patch, or patches overlap.
 
     Examples
     --------
@@ -136,20 +135,9 @@ def certify(
         raise ValueError("pressure: at least one patch, positive widths and gaps, in order on the circle")
     displacement = DisplacementField(pressure, compliance_ratio)
     verdict = Verdict(left.size)
-    place, eigenvalue, asymmetry = "at an edge of patch", None, None
-    misfit = _Misfit.of(profile, displacement, penetration)
-    series, own, punch = _closures(pressure, misfit.lacking(displacement), None if adhesion is None else adhesion.work)
-    solved, evaluated = (
-        _attainable(pressure, limit, intensity_rounding).ravel() if adhesion is None else adhesion.attainable(limit)
-        for limit in (demands.closure, demands.intensity)
-    )
-    least = np.maximum(demands.intensity, np.tile(misfit.rounded * misfit.nodes / _least_charges(pressure), 2))
-    verdict.judge("closure of the series", series, solved, place)
-    closure = verdict.judge("closure", own, np.maximum(evaluated, least * punch), place)
-    if adhesion is None:
-        attainable = _attainable(pressure, demands.closure, intensity_rounding)
-        verdict.judge("tension without adhesion", _tension(pressure), attainable.max(axis=0), "on patch")
-    else:
+    misfit, eigenvalue, asymmetry = _Misfit.of(profile, displacement, penetration), None, None
+    closure = _judged_closure(verdict, pressure, misfit.lacking(displacement), adhesion, demands)
+    if adhesion is not None:
         verdict.reasons.extend(adhesion.objections(demands.hessian_asymmetry))
         eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
     truncation = verdict.judge("truncation", _truncation(pressure), demands.truncation, "on patch")
@@ -192,6 +180,9 @@ class Verdict:
         return float(array[worst])
 
 
+Lacking = tuple[FloatArray, FloatArray]
+
+
 @dataclass(frozen=True, eq=False)
 class _Misfit:
     """What the displacement exceeds h - h_max + Delta by, at the extrema between the nodes and the edges of patches.
@@ -222,8 +213,8 @@ class _Misfit:
         largest = np.maximum.reduceat(np.abs(excess), first)
         return cls(excess, first, sizes, largest, np.maximum(variation, SMALLEST_VARIATION), rounded)
 
-    def lacking(self, field: DisplacementField) -> FloatArray:
-        """What q lacks at the edges, (2 L,), for the displacement to be that of the contact.
+    def lacking(self, field: DisplacementField) -> Lacking:
+        """What q lacks at the edges, (2 L,), for the displacement to be that of the contact; what rounding makes of it.
 
         By the logarithm of the patch itself: q = k cos(k theta) moves it by cos(k theta).  What other patches and a
         layer add is smooth, and leaves out some percent of this small change; a mean excess is an error of Delta, which
@@ -237,7 +228,25 @@ class _Misfit:
             lacked = -per_unit * np.fft.rfft(np.concatenate([excess, excess[:, -2:0:-1]], axis=1)).real / n
             even, odd = lacked[:, ::2].sum(axis=1), lacked[:, 1::2].sum(axis=1)
             lacking[:, who] = even - odd, even + odd
-        return lacking.ravel()
+        return lacking.ravel(), np.tile(self.rounded * self.nodes, 2)
+
+
+def _judged_closure(
+    verdict: Verdict, pressure: PatchPressure, lacking: Lacking, adhesion: AdhesiveEdges | None, demands: Demands
+) -> float:
+    """The closure with K as the displacement of the audit has it; that of the series, and tension, are judged too."""
+    place, work = "at an edge of patch", None if adhesion is None else adhesion.work
+    series, own, punch = _closures(pressure, lacking[0], work)
+    solved, evaluated = (
+        adhesion.attainable(limit) if adhesion is not None else _attainable(pressure, limit, demands.intensity_rounding)
+        for limit in (demands.closure, demands.intensity)
+    )
+    least = np.maximum(demands.intensity, lacking[1] / np.tile(_least_charges(pressure), 2))
+    verdict.judge("closure of the series", series, solved, place)
+    if adhesion is None:
+        tension = np.max(np.reshape(solved, (2, -1)), axis=0)
+        verdict.judge("tension without adhesion", _tension(pressure), tension, "on patch")
+    return verdict.judge("closure", own, np.maximum(evaluated, least * punch), place)
 
 
 def _closures(
@@ -258,12 +267,11 @@ def _closures(
 
 
 def _attainable(pressure: PatchPressure, closure: float, rounding: FloatArray | None) -> FloatArray:
-    """The closure without adhesion that is demanded at the edges, or more where rounding of K leaves more, (2, L)."""
-    limits = np.full((2, pressure.left.size), closure)
+    """The closure without adhesion that is demanded at the edges, or more where rounding of K leaves more, (2 L,)."""
     if rounding is None:
-        return limits
-    regular = rounding.reshape(2, -1) * np.sqrt((pressure.right - pressure.left) / (2 * np.pi))
-    return np.asarray(np.maximum(limits, 3 * regular / _least_charges(pressure)))
+        return np.full(2 * pressure.left.size, closure)
+    regular = rounding * np.sqrt(np.tile(pressure.right - pressure.left, 2) / (2 * np.pi))
+    return np.asarray(np.maximum(closure, 3 * regular / np.tile(_least_charges(pressure), 2)))
 
 
 def _least_charges(pressure: PatchPressure) -> FloatArray:

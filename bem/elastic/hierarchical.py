@@ -112,9 +112,9 @@ class Skeleton:
     modes: IntArray
     x: FloatArray
     columns: FloatArray
-    addition: FloatArray | None
-    edge_columns: int = 2
+    addition: FloatArray | None = None
     waves: Waves | None = None
+    edge_columns: int = 2
 
     @cached_property
     def coupled(self) -> BySize:
@@ -234,7 +234,7 @@ def _with_waves(without: Solution, signs: FloatArray) -> Solution | None:
     """
     count = without.gram.shape[0] - signs.size
     gram, adding = without.gram[count:, count:], signs > 0
-    factor, info = lapack.dpotrf(np.eye(int(adding.sum())) - gram[adding][:, adding])
+    _, info = lapack.dpotrf(np.eye(int(adding.sum())) - gram[adding][:, adding])
     if info != 0:
         return None
     seen = np.concatenate([without.gram[count:, :count], without.at_edges[count:]], axis=1)

@@ -215,7 +215,9 @@ class _Search:
             self.damping = np.where(sign * self.last_sign < 0, self.damping / 2, np.minimum(1.0, self.damping * 1.5))
         self.last_sign = sign
         moved = self.patches.moved(self.damping * _edge_steps(state, self.elastic.profile.max_order))
-        changed = _joined(self.elastic, _split(self.patches, moved, pressure, tensile), self.closed_gap, self.accuracy.tolerance)
+        changed = _joined(
+            self.elastic, _split(self.patches, moved, pressure, tensile), self.closed_gap, self.accuracy.tolerance
+        )
         if not tensile and self.coarseness > COARSE and _is_small(state, self.control, NEAR):
             return changed, COARSE
         wanted = self.accuracy.tolerance
@@ -263,7 +265,8 @@ def _least_gap(
     """Gaps that count as closed between patches of these widths; the modes beside them are `coupling_modes`."""
     narrower, wider = np.minimum(before, behind), np.maximum(before, behind)
     resolved = wider * (np.log(tolerance) / (2 * MOST_MODES)) ** 2
-    return np.maximum(closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * narrower), resolved)
+    closed = closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * narrower)
+    return np.asarray(np.maximum(closed, resolved))
 
 
 def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure, tolerance: float) -> tuple[FloatArray, bool]:
