@@ -234,7 +234,7 @@ def _with_waves(without: Solution, signs: FloatArray) -> Solution | None:
     """
     count = without.gram.shape[0] - signs.size
     gram, adding = without.gram[count:, count:], signs > 0
-    factor, info = lapack.dpotrf(np.eye(int(adding.sum())) - gram[adding][:, adding])
+    _, info = lapack.dpotrf(np.eye(int(adding.sum())) - gram[adding][:, adding])
     if info != 0:
         return None
     seen = np.concatenate([without.gram[count:, :count], without.at_edges[count:]], axis=1)
@@ -429,7 +429,7 @@ def _middle(first: FloatArray, second: FloatArray, core: FloatArray) -> FloatArr
     root = np.zeros((size, rank))
     root[pivots - 1] = np.tril(factor)[:, :rank]
     turned = core @ second @ core
-    factor, info = lapack.dpotrf(np.eye(rank) - root.T @ turned @ root, lower=1)
+    _, info = lapack.dpotrf(np.eye(rank) - root.T @ turned @ root, lower=1)
     if info != 0:
         return None
     scaled, _ = lapack.dtrtrs(factor, root.T, lower=1)
