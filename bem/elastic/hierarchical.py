@@ -429,7 +429,7 @@ def _middle(first: FloatArray, second: FloatArray, core: FloatArray) -> FloatArr
     root = np.zeros((size, rank))
     root[pivots - 1] = np.tril(factor)[:, :rank]
     turned = core @ second @ core
-    _, info = lapack.dpotrf(np.eye(rank) - root.T @ turned @ root, lower=1)
+    factor, info = lapack.dpotrf(np.eye(rank) - root.T @ turned @ root, lower=1)
     if info != 0:
         return None
     scaled, _ = lapack.dtrtrs(factor, root.T, lower=1)
