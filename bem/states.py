@@ -130,16 +130,18 @@ def _judged(
     rounding = state.rounding(problem.control.penetration_rate(state))
     if assessment.work is not None:
         stability = assessment.min_eigenvalue, assessment.hessian_asymmetry
-        adhesion = certificate.AdhesiveEdges(assessment.work, *stability, rounding)
+        adhesion = certificate.AdhesiveEdges(assessment.work, *stability)
     return certificate.certify(
         problem.profile,
         state.pressure(),
         state.penetration,
         adhesion,
-        intensity_rounding=rounding,
         compliance_ratio=problem.compliance_ratio,
         demands=certificate.Demands(
-            closure=RESIDUAL, intensity=max(3 * RESIDUAL, tolerance), interpenetration=max(1e-10, 1e-3 * tolerance)
+            closure=RESIDUAL,
+            intensity=max(3 * RESIDUAL, tolerance),
+            interpenetration=max(1e-10, 1e-3 * tolerance),
+            intensity_rounding=rounding,
         ),
     )
 

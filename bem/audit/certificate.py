@@ -52,6 +52,8 @@ class Demands:
     truncation: float = 1e-8  # last three coefficients of a patch over its largest
     hessian_asymmetry: float = 1e-8  # max|H - H^T| over max|H|
     mean_gap_error: float = 1e-10  # |mean gap - separation| in rms heights
+    # accuracy of K in double precision, (2 L,): an edge is not asked for more than three times that
+    intensity_rounding: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -78,14 +80,6 @@ class AdhesiveEdges:
     min_eigenvalue: float | None = None
     # of the Hessian of the energy at fixed penetration; a state without it is not ok
     hessian_asymmetry: float | None = None
-    # accuracy of K in double precision, (2 L,): an edge is not asked for more than three times that
-    intensity_rounding: FloatArray | None = None
-
-    def attainable(self, closure: float) -> FloatArray | float:
-        """The closure that is demanded, or more where rounding leaves more."""
-        if self.intensity_rounding is None:
-            return closure
-        return np.asarray(np.maximum(closure, 3 * self.intensity_rounding / np.sqrt(self.work)))
 
     def objections(self, asymmetry: float) -> Iterator[str]:
         """Reasons against the stability of the state, and the symmetry of its Hessian."""
@@ -101,16 +95,13 @@ def certify(
     penetration: float,
     adhesion: AdhesiveEdges | None,
     *,
-    intensity_rounding: FloatArray | None = None,
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
 ) -> Certificate:
     """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
-    Without adhesion K is asked for to three times `intensity_rounding`, its accuracy in double precision, (2 L,), if
-    that is more than the demand: it grows with the slopes, and small patches carry little.  The ratio is that of the
-    compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to 1.  ValueError where
-    there is no patch, or patches overlap.
+    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending
+    to 1.  ValueError where there is no patch, or patches overlap.
 
     Examples
     --------
@@ -134,21 +125,18 @@ def certify(
     behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
     if left.size == 0 or not (np.all(right > left) and np.all(behind > 0)):
         raise ValueError("pressure: at least one patch, positive widths and gaps, in order on the circle")
-    displacement = DisplacementField(pressure, compliance_ratio)
-    verdict = Verdict(left.size)
+    displacement, verdict = DisplacementField(pressure, compliance_ratio), Verdict(left.size)
     place, eigenvalue, asymmetry = "at an edge of patch", None, None
-    misfit = _Misfit.of(profile, displacement, penetration)
-    series, own, punch = _closures(pressure, misfit.lacking(displacement), None if adhesion is None else adhesion.work)
-    solved, evaluated = (
-        _attainable(pressure, limit, intensity_rounding).ravel() if adhesion is None else adhesion.attainable(limit)
-        for limit in (demands.closure, demands.intensity)
-    )
+    misfit, work = _Misfit.of(profile, displacement, penetration), None if adhesion is None else adhesion.work
+    series, own, punch = _closures(pressure, misfit.lacking(displacement), work)
+    reached = _attainable(pressure, demands.intensity_rounding, work)
+    solved, evaluated = np.maximum(reached, demands.closure), np.maximum(reached, demands.intensity)
     least = np.maximum(demands.intensity, np.tile(misfit.rounded * misfit.nodes / _least_charges(pressure), 2))
     verdict.judge("closure of the series", series, solved, place)
     closure = verdict.judge("closure", own, np.maximum(evaluated, least * punch), place)
     if adhesion is None:
-        attainable = _attainable(pressure, demands.closure, intensity_rounding)
-        verdict.judge("tension without adhesion", _tension(pressure), attainable.max(axis=0), "on patch")
+        least_tension = solved.reshape(2, -1).max(axis=0)
+        verdict.judge("tension without adhesion", _tension(pressure), least_tension, "on patch")
     else:
         verdict.reasons.extend(adhesion.objections(demands.hessian_asymmetry))
         eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
@@ -257,13 +245,14 @@ def _closures(
     return series, own, loads / critical
 
 
-def _attainable(pressure: PatchPressure, closure: float, rounding: FloatArray | None) -> FloatArray:
-    """The closure without adhesion that is demanded at the edges, or more where rounding of K leaves more, (2, L)."""
-    limits = np.full((2, pressure.left.size), closure)
+def _attainable(pressure: PatchPressure, rounding: FloatArray | None, work: FloatArray | None) -> FloatArray:
+    """The closure that three times what rounding leaves of K allows, with adhesion or (None) without, (2 L,)."""
     if rounding is None:
-        return limits
-    regular = rounding.reshape(2, -1) * np.sqrt((pressure.right - pressure.left) / (2 * np.pi))
-    return np.asarray(np.maximum(limits, 3 * regular / _least_charges(pressure)))
+        return np.zeros(2 * pressure.left.size)
+    if work is not None:
+        return np.asarray(3 * rounding / np.sqrt(work))
+    regular = rounding * np.tile(np.sqrt((pressure.right - pressure.left) / (2 * np.pi)), 2)
+    return np.asarray(3 * regular / np.tile(_least_charges(pressure), 2))
 
 
 def _least_charges(pressure: PatchPressure) -> FloatArray:

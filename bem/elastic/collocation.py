@@ -248,11 +248,7 @@ def evaluate(
     """
     resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
     modes, kernel, profile = resolution.modes, elastic.kernel, elastic.profile
-    most, unknowns = int(modes.max()), int(modes.sum())
-    few_waves = kernel is not None and kernel.columns <= FEW_WAVES * unknowns
-    largest = most if kernel is None or few_waves else unknowns
-    if largest > MOST_UNKNOWNS or most > MOST_MODES:
-        raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
+    few_waves = _has_few_waves(elastic, modes)
     level = profile.max_height - penetration
     series, x, columns, tail, tail_energy = right_hand_sides(profile, patches, level, resolution)
     for background in elastic.backgrounds:
@@ -290,6 +286,16 @@ def evaluate(
         intensity_by_probes=intensity[2:],
         load_by_probes=-gram[2:, 1],
     )
+
+
+def _has_few_waves(elastic: Elastic, modes: IntArray) -> bool:
+    """Whether what a layer adds is solved by its waves; refuses more unknowns than fit."""
+    most, unknowns = int(modes.max()), int(modes.sum())
+    few = elastic.kernel is not None and elastic.kernel.columns <= FEW_WAVES * unknowns
+    largest = most if elastic.kernel is None or few else unknowns
+    if largest > MOST_UNKNOWNS or most > MOST_MODES:
+        raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
+    return few
 
 
 @mirrored
