@@ -129,7 +129,7 @@ def test_a_run_disturbed_at_any_call_goes_on_to_the_same(happens, first, step, u
 
 
 def test_what_a_state_costs_does_not_grow_with_those_before_it(tmp_path):
-    """Calls and bytes of a path of 400 targets over those of one of 100; 15 times the calls where all are written again."""
+    """Calls and bytes of a path of 400 targets over those of one of 100; 15 for calls where all are written again."""
 
     def cost(count):
         scene = tmp_path / f"{count}.toml"
