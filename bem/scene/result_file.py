@@ -216,9 +216,9 @@ class Journal:
             first = _verified(_loaded(lines[0], place[0]), place[0])
             begun, _ = _result(first["begun"], place[0])
             begun = replace(begun, fields=unpacked(_bytes(first["fields"]), place[0]))
-            kept = begun.with_entries(map(_entry, lines[1:], place[1:]))
-            _whole(kept.fields, "fields")
-            return kept
+            held = begun.with_entries(map(_entry, lines[1:], place[1:]))
+            _whole(held.fields, "fields")
+            return held
         except (IndexError, KeyError, TypeError, ValueError) as error:
             kept = "what stands before it is continued from once it and what follows are removed"
             raise CorruptResultError(f"{self.path}: corrupt ({error}); {kept}") from error

@@ -307,7 +307,7 @@ def test_a_journal_is_the_result_of_its_folder_but_for_a_line_cut_off(tmp_path):
     journal.add(Entry(RESULT.events, replace(STATE, events=2), {}))
     kept = read_result(tmp_path)
     assert (kept.status, len(kept.states), kept.events) == ("interrupted", 2, RESULT.events)
-    assert set(kept.fields) == {*RESULT.fields}
+    assert set(kept.fields) == {*RESULT.fields, "C_u_0"}
     journal.path.write_bytes(journal.path.read_bytes()[:-9])
     assert len(read_result(tmp_path).states) == 1
 
