@@ -130,7 +130,7 @@ def _judged(
     rounding = state.rounding(problem.control.penetration_rate(state))
     if assessment.work is not None:
         stability = assessment.min_eigenvalue, assessment.hessian_asymmetry
-        adhesion = certificate.AdhesiveEdges(assessment.work, *stability, rounding)
+        adhesion = certificate.AdhesiveEdges(assessment.work, *stability)
     return certificate.certify(
         problem.profile,
         state.pressure(),

@@ -36,7 +36,7 @@ ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the l
 ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Demands:
     """What a state must reach to be ok."""
 
@@ -52,7 +52,7 @@ class Demands:
     truncation: float = 1e-8  # last three coefficients of a patch over its largest
     hessian_asymmetry: float = 1e-8  # max|H - H^T| over max|H|
     mean_gap_error: float = 1e-10  # |mean gap - separation| in rms heights
-    # accuracy of K in double precision, (2 L,): without adhesion no edge is asked for more than three times that
+    # accuracy of K in double precision, (2 L,): an edge is not asked for more than three times that
     intensity_rounding: FloatArray | None = None
 
 
@@ -80,14 +80,6 @@ class AdhesiveEdges:
     min_eigenvalue: float | None = None
     # of the Hessian of the energy at fixed penetration; a state without it is not ok
     hessian_asymmetry: float | None = None
-    # accuracy of K in double precision, (2 L,): an edge is not asked for more than three times that
-    intensity_rounding: FloatArray | None = None
-
-    def attainable(self, closure: float) -> FloatArray | float:
-        """The closure that is demanded, or more where rounding leaves more."""
-        if self.intensity_rounding is None:
-            return closure
-        return np.asarray(np.maximum(closure, 3 * self.intensity_rounding / np.sqrt(self.work)))
 
     def objections(self, asymmetry: float) -> Iterator[str]:
         """Reasons against the stability of the state, and the symmetry of its Hessian."""
@@ -108,8 +100,8 @@ def certify(
 ) -> Certificate:
     """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
-    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to
-    1. ValueError where there is no patch, or patches overlap.
+    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending
+    to 1.  ValueError where there is no patch, or patches overlap.
 
     Examples
     --------
@@ -133,11 +125,19 @@ def certify(
     behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
     if left.size == 0 or not (np.all(right > left) and np.all(behind > 0)):
         raise ValueError("pressure: at least one patch, positive widths and gaps, in order on the circle")
-    displacement = DisplacementField(pressure, compliance_ratio)
-    verdict = Verdict(left.size)
-    misfit, eigenvalue, asymmetry = _Misfit.of(profile, displacement, penetration), None, None
-    closure = _judged_closure(verdict, pressure, misfit.lacking(displacement), adhesion, demands)
-    if adhesion is not None:
+    displacement, verdict = DisplacementField(pressure, compliance_ratio), Verdict(left.size)
+    place, eigenvalue, asymmetry = "at an edge of patch", None, None
+    misfit, work = _Misfit.of(profile, displacement, penetration), None if adhesion is None else adhesion.work
+    series, own, punch = _closures(pressure, misfit.lacking(displacement), work)
+    reached = _attainable(pressure, demands.intensity_rounding, work)
+    solved, evaluated = np.maximum(reached, demands.closure), np.maximum(reached, demands.intensity)
+    least = np.maximum(demands.intensity, np.tile(misfit.rounded * misfit.nodes / _least_charges(pressure), 2))
+    verdict.judge("closure of the series", series, solved, place)
+    closure = verdict.judge("closure", own, np.maximum(evaluated, least * punch), place)
+    if adhesion is None:
+        least_tension = solved.reshape(2, -1).max(axis=0)
+        verdict.judge("tension without adhesion", _tension(pressure), least_tension, "on patch")
+    else:
         verdict.reasons.extend(adhesion.objections(demands.hessian_asymmetry))
         eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
     truncation = verdict.judge("truncation", _truncation(pressure), demands.truncation, "on patch")
@@ -180,9 +180,6 @@ class Verdict:
         return float(array[worst])
 
 
-Lacking = tuple[FloatArray, FloatArray]
-
-
 @dataclass(frozen=True, eq=False)
 class _Misfit:
     """What the displacement exceeds h - h_max + Delta by, at the extrema between the nodes and the edges of patches.
@@ -213,8 +210,8 @@ class _Misfit:
         largest = np.maximum.reduceat(np.abs(excess), first)
         return cls(excess, first, sizes, largest, np.maximum(variation, SMALLEST_VARIATION), rounded)
 
-    def lacking(self, field: DisplacementField) -> Lacking:
-        """What q lacks at the edges, (2 L,), for the displacement to be that of the contact; what rounding makes of it.
+    def lacking(self, field: DisplacementField) -> FloatArray:
+        """What q lacks at the edges, (2 L,), for the displacement to be that of the contact.
 
         By the logarithm of the patch itself: q = k cos(k theta) moves it by cos(k theta).  What other patches and a
         layer add is smooth, and leaves out some percent of this small change; a mean excess is an error of Delta, which
@@ -228,25 +225,7 @@ class _Misfit:
             lacked = -per_unit * np.fft.rfft(np.concatenate([excess, excess[:, -2:0:-1]], axis=1)).real / n
             even, odd = lacked[:, ::2].sum(axis=1), lacked[:, 1::2].sum(axis=1)
             lacking[:, who] = even - odd, even + odd
-        return lacking.ravel(), np.tile(self.rounded * self.nodes, 2)
-
-
-def _judged_closure(
-    verdict: Verdict, pressure: PatchPressure, lacking: Lacking, adhesion: AdhesiveEdges | None, demands: Demands
-) -> float:
-    """The closure with K as the displacement of the audit has it; that of the series, and tension, are judged too."""
-    place, work = "at an edge of patch", None if adhesion is None else adhesion.work
-    series, own, punch = _closures(pressure, lacking[0], work)
-    solved, evaluated = (
-        adhesion.attainable(limit) if adhesion is not None else _attainable(pressure, limit, demands.intensity_rounding)
-        for limit in (demands.closure, demands.intensity)
-    )
-    least = np.maximum(demands.intensity, lacking[1] / np.tile(_least_charges(pressure), 2))
-    verdict.judge("closure of the series", series, solved, place)
-    if adhesion is None:
-        tension = np.max(np.reshape(solved, (2, -1)), axis=0)
-        verdict.judge("tension without adhesion", _tension(pressure), tension, "on patch")
-    return verdict.judge("closure", own, np.maximum(evaluated, least * punch), place)
+        return lacking.ravel()
 
 
 def _closures(
@@ -266,12 +245,14 @@ def _closures(
     return series, own, loads / critical
 
 
-def _attainable(pressure: PatchPressure, closure: float, rounding: FloatArray | None) -> FloatArray:
-    """The closure without adhesion that is demanded at the edges, or more where rounding of K leaves more, (2 L,)."""
+def _attainable(pressure: PatchPressure, rounding: FloatArray | None, work: FloatArray | None) -> FloatArray:
+    """The closure that three times what rounding leaves of K allows, with adhesion or (None) without, (2 L,)."""
     if rounding is None:
-        return np.full(2 * pressure.left.size, closure)
-    regular = rounding * np.sqrt(np.tile(pressure.right - pressure.left, 2) / (2 * np.pi))
-    return np.asarray(np.maximum(closure, 3 * regular / np.tile(_least_charges(pressure), 2)))
+        return np.zeros(2 * pressure.left.size)
+    if work is not None:
+        return np.asarray(3 * rounding / np.sqrt(work))
+    regular = rounding * np.tile(np.sqrt((pressure.right - pressure.left) / (2 * np.pi)), 2)
+    return np.asarray(3 * regular / np.tile(_least_charges(pressure), 2))
 
 
 def _least_charges(pressure: PatchPressure) -> FloatArray:

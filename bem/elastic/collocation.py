@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bem.compiled.kernels import mirrored
-from bem.elastic.hierarchical import IllConditionedSystemError, Skeleton, Waves, solve
+from bem.elastic.hierarchical import IllConditionedSystemError, Skeleton, solve
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
@@ -248,23 +248,21 @@ def evaluate(
     """
     resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
     modes, kernel, profile = resolution.modes, elastic.kernel, elastic.profile
-    most, unknowns = int(modes.max()), int(modes.sum())
-    few = kernel is None or kernel.columns <= FEW_WAVES * unknowns
-    largest = most if few else unknowns
-    if largest > MOST_UNKNOWNS or most > MOST_MODES:
-        raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
+    few_waves = _has_few_waves(elastic, modes)
     level = profile.max_height - penetration
     series, x, columns, tail, tail_energy = right_hand_sides(profile, patches, level, resolution)
     for background in elastic.backgrounds:
         columns[0] -= background(x)
-    fields = [elastic.field_of_charges(np.array([probe]), np.ones(1))(x) for probe in elastic.probes]
-    columns = np.concatenate([columns, fields]) if fields else columns
+    if elastic.probes:
+        fields = [elastic.field_of_charges(np.array([probe]), np.ones(1))(x) for probe in elastic.probes]
+        columns = np.concatenate([columns, fields])
     edge_columns = 4 if elastic.slopes else 2 * with_compliance
-    waves, addition = (None, None) if kernel is None else _added(kernel, x, few)
+    waves = kernel.waves(x) if kernel is not None and few_waves else None
+    addition = kernel.matrix(x) if kernel is not None and not few_waves else None
     skeleton = Skeleton(patches, modes, x, columns, addition, waves, edge_columns)
     solution = solve(skeleton, max(FAR_SHARE * tolerance, FINEST_FAR))
     gram, charges = solution.gram, solution.charges
-    radius = np.tile(patches.half_width, 2)
+    radius = np.concatenate([patches.half_width, patches.half_width])
     to_intensity = np.sqrt(np.pi / radius)
     intensity, slope = solution.at_edges * to_intensity, solution.slopes / radius
     return Evaluation(
@@ -290,9 +288,14 @@ def evaluate(
     )
 
 
-def _added(kernel: KernelSeries, x: FloatArray, few: bool) -> tuple[Waves | None, FloatArray | None]:
-    """What is added to the logarithm at the nodes: as few waves, or as a matrix."""
-    return (kernel.waves(x), None) if few else (None, kernel.matrix(x))
+def _has_few_waves(elastic: Elastic, modes: IntArray) -> bool:
+    """Whether what a layer adds is solved by its waves; refuses more unknowns than fit."""
+    most, unknowns = int(modes.max()), int(modes.sum())
+    few = elastic.kernel is not None and elastic.kernel.columns <= FEW_WAVES * unknowns
+    largest = most if elastic.kernel is None or few else unknowns
+    if largest > MOST_UNKNOWNS or most > MOST_MODES:
+        raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
+    return few
 
 
 @mirrored

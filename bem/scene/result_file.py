@@ -24,7 +24,7 @@ from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +33,11 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.result import Caution, Entry, Event, Result, State
 from bem.scene.result_content import CorruptResultError as CorruptResultError
 from bem.scene.result_content import packed, plain, typed, unpacked
+from bem.scene.scene_tables import TABLES
 
 SCHEMA = "linecontact-result/1"
 RESULT_FILE, FIELDS_FILE, JOURNAL_FILE = "result.json", "fields.npz", "journal.jsonl"
+SHAPE = ("x", "displacement", "gap", "pressure", "patch")  # arrays of a stored shape, each with its index
 
 
 def digest(content: Mapping[str, Any]) -> str:
@@ -120,8 +122,8 @@ def read_result(folder: Path | str) -> Result:
     FileNotFoundError
         No result there.
     CorruptResultError
-        Not JSON, another schema, wrong checksum, a value of another type, fields.npz missing or not the one written
-        with it.
+        Not JSON, another schema, wrong checksum, a value of another type, a scene of an unknown kind, fields.npz
+        missing, not the one written with it, or with a part of a shape.
 
     Examples
     --------
@@ -147,7 +149,9 @@ def read_result(folder: Path | str) -> Result:
     if content.get("schema") != SCHEMA:
         raise CorruptResultError(f"{path}: schema {content.get('schema')!r} is not {SCHEMA!r}")
     result, fields_sha256 = _result(_verified(content, str(path)), str(path))
-    return replace(result, fields=_fields(folder / FIELDS_FILE, fields_sha256))
+    fields = _fields(folder / FIELDS_FILE, fields_sha256)
+    _whole(fields, str(folder / FIELDS_FILE))
+    return replace(result, fields=fields)
 
 
 @dataclass(frozen=True)
@@ -212,7 +216,9 @@ class Journal:
             first = _verified(_loaded(lines[0], place[0]), place[0])
             begun, _ = _result(first["begun"], place[0])
             begun = replace(begun, fields=unpacked(_bytes(first["fields"]), place[0]))
-            return begun.with_entries(map(_entry, lines[1:], place[1:]))
+            held = begun.with_entries(map(_entry, lines[1:], place[1:]))
+            _whole(held.fields, "fields")
+            return held
         except (IndexError, KeyError, TypeError, ValueError) as error:
             kept = "what stands before it is continued from once it and what follows are removed"
             raise CorruptResultError(f"{self.path}: corrupt ({error}); {kept}") from error
@@ -272,7 +278,29 @@ def _result(content: Any, place: str) -> tuple[Result, str | None]:
         sha256 = facts.pop("fields_sha256")
     except (KeyError, AttributeError, CorruptResultError) as error:
         raise CorruptResultError(f"{place}: incomplete ({error})") from error
+    for name, table in result.scene.items():
+        _known(name, table, place)
     return replace(result, provenance=facts), sha256
+
+
+def _known(name: str, table: Any, place: str) -> None:
+    """Refuse a table of a scene with a word that is none of those of its key."""
+    if name not in TABLES or not isinstance(table, dict):
+        return
+    keys = TABLES[name].model_fields
+    for key in keys.keys() & table.keys():
+        words = get_args(keys[key].annotation) if get_origin(keys[key].annotation) is Literal else None
+        if words is not None and table[key] not in words:
+            raise CorruptResultError(f"{place}: scene.{name}.{key} is {table[key]!r}, not one of {', '.join(words)}")
+
+
+def _whole(fields: Mapping[str, NDArray[Any]], place: str) -> None:
+    """Refuse a shape of which an array is missing."""
+    for name in fields:
+        kind, _, index = name.rpartition("_")
+        for other in SHAPE if kind in SHAPE and index.isdigit() else ():
+            if f"{other}_{index}" not in fields:
+                raise CorruptResultError(f"{place}: corrupt, it holds {name} without {other}_{index}")
 
 
 def _fields(path: Path, sha256: str | None) -> dict[str, NDArray[Any]]:

@@ -113,9 +113,9 @@ def test_what_is_not_certified_is_not_called_converged(monkeypatch):
     judged = states.certificate.certify
 
     def strict(profile, pressure, penetration, adhesion, **options):
-        demands = replace(options.pop("demands"), closure=1e-30 if pressure.left.size == 3 else 1e-8)
-        exact = replace(adhesion, intensity_rounding=None)
-        return judged(profile, pressure, penetration, exact, **options, demands=demands)
+        closure = 1e-30 if pressure.left.size == 3 else 1e-8
+        demands = replace(options.pop("demands"), closure=closure, intensity_rounding=None)
+        return judged(profile, pressure, penetration, adhesion, **options, demands=demands)
 
     monkeypatch.setattr(states.certificate, "certify", strict)
     result = solve(rough_scene(TARGETS))

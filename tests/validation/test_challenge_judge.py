@@ -19,6 +19,7 @@ from validation.challenge.judging import judged, lost
 from validation.challenge.problem import FOLDER, names, problem
 from validation.challenge.record_standings import estimated
 from validation.challenge.solver_process import Returned, returned
+from validation.challenge.worker import LONGEST, plain
 from validation.report.challenge import challenge_page
 
 SOLVERS = """
@@ -65,6 +66,27 @@ def hangs(problem):
     child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
     Path("child").write_text(str(child.pid))
     time.sleep(60)
+
+def flees(problem):
+    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"], start_new_session=True)
+    Path("child").write_text(str(child.pid))
+    if problem["name"] == "steep":
+        time.sleep(60)
+    return exact(problem)
+
+def talks(problem):
+    raise RuntimeError("ah" * 10**6)
+
+def talks_of_it(problem):
+    raise NotImplementedError("ah" * 10**6)
+
+def fills(problem):
+    held = []
+    while True:
+        held.append(bytearray(10**6))
+
+def asks_too_much(problem):
+    np.ones(10**12)
 
 def declines(problem):
     raise NotImplementedError("lines only")
@@ -185,6 +207,30 @@ def _runs(process):
         return False
 
 
+@pytest.mark.parametrize(("name", "limit", "status"), [("westergaard", 60.0, "answered"), ("steep", 3.0, "timed out")])
+def test_a_child_in_a_session_of_its_own_ends_with_its_solver(solvers, name, limit, status):
+    assert returned("mine:flees", problem(name).text, limit).status == status
+    _ends(int((solvers / "child").read_text()))
+
+
+def test_texts_of_exceptions_are_cut(solvers):
+    text = problem("westergaard").text
+    for name, begin in (("talks", "RuntimeError: ahah"), ("talks_of_it", "ahah")):
+        message = returned(f"mine:{name}", text, 60.0).message
+        assert message.startswith(begin) and "ah..." in message and len(message) < LONGEST + 40
+    assert plain("a" * 10**6) == "a" * LONGEST + "..."
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limits of memory on this system")
+@pytest.mark.parametrize("name", ["fills", "asks_too_much"])
+def test_a_solver_that_meets_its_memory_limit_is_named(solvers, undrawn, name):
+    assert run("--solver", f"mine:{name}", "--only", "westergaard", "--memory-limit", "1.5") == 1
+    (found,) = json.loads((solvers / "out" / "challenge.json").read_text())["problems"]
+    assert {row["status"] for row in found["rows"]} == {"out of memory"}
+    assert found["message"].startswith("more than 1.5 GB; ") and "mine.py:" in found["message"]
+    assert run("--solver", "mine:exact", "--only", "westergaard", "--memory-limit", "1.5") == 0
+
+
 @pytest.mark.parametrize(
     ("name", "statuses"),
     [
@@ -249,6 +295,7 @@ def test_a_solver_of_an_installed_package_goes_by_its_name(solvers, undrawn, mon
     [
         *(("--executor", "slurm"), ("--jobs", "0"), ("--only", "st*,deep"), ("--baseline", "none.json")),
         *(("--digits", digits) for digits in ("nan", "-1", "16")),
+        *(("--memory-limit", memory) for memory in ("nan", "-1", "0", "1e7", "all")),
     ],
 )
 def test_options_that_cannot_be_are_bad_input_before_a_problem_runs(solvers, capsys, given):

@@ -36,7 +36,11 @@ RESULT = Result(
         Event("pull_off", 0.0, -1.0, None, None, EventError(1e-15, None, None)),
     ),
     status="converged",
-    fields={"x_0": np.linspace(0, 1, 5), "pressure_0": np.array([np.nan, 1.0]), "patch_0": np.array([0, 1])},
+    fields={
+        **{name: np.linspace(0, 1, 5) for name in ("x_0", "displacement_0", "gap_0")},
+        "pressure_0": np.array([np.nan, 1.0]),
+        "patch_0": np.array([0, 1]),
+    },
 )
 
 
@@ -228,6 +232,8 @@ WRONG = {
     "states[0].certificate is None, not a table": lambda c: c["states"][0].update(certificate=None),
     "events[0].kind is None, not a text": lambda c: c["events"][0].update(kind=None),
     "scene is [], not a table": lambda c: c.update(scene=[]),
+    "scene.loading.control is 'time', not one of separation": lambda c: c["scene"].update(loading={"control": "time"}),
+    "scene.profile.kind is 5, not one of self_affine": lambda c: c["scene"].update(profile={"kind": 5}),
     "provenance is 3, not a table": lambda c: c.update(provenance=3),
     "groups.a is 'b', not a number": lambda c: c.update(groups={"a": "b"}),
     "status is None, not a text": lambda c: c.update(status=None),
@@ -247,6 +253,14 @@ def test_a_value_of_another_type_is_named_whatever_the_checksum(said, tmp_path):
 def test_deep_nesting_is_corruption(text, tmp_path):
     (tmp_path / "result.json").write_text(text)
     with pytest.raises(CorruptResultError):
+        read_result(tmp_path)
+
+
+@pytest.mark.parametrize("lacking", ["x_0", "displacement_0", "gap_0", "pressure_0", "patch_0"])
+def test_a_shape_that_lacks_an_array_is_named(lacking, tmp_path):
+    fields = {name: values for name, values in RESULT.fields.items() if name != lacking}
+    write_result(replace(RESULT, fields=fields), tmp_path)
+    with pytest.raises(CorruptResultError, match=f"without {lacking}"):
         read_result(tmp_path)
 
 
@@ -289,11 +303,11 @@ def test_fields_are_looked_at_before_they_are_unpacked(kind, tmp_path):
 
 def test_a_journal_is_the_result_of_its_folder_but_for_a_line_cut_off(tmp_path):
     journal = Journal(tmp_path)
-    journal.begin(RESULT, [Entry((), replace(STATE, events=0), {"x_0": np.arange(2.0)})])
+    journal.begin(RESULT, [Entry((), replace(STATE, events=0), {"C_u_0": np.arange(2.0)})])
     journal.add(Entry(RESULT.events, replace(STATE, events=2), {}))
     kept = read_result(tmp_path)
     assert (kept.status, len(kept.states), kept.events) == ("interrupted", 2, RESULT.events)
-    assert set(kept.fields) == {*RESULT.fields}
+    assert set(kept.fields) == {*RESULT.fields, "C_u_0"}
     journal.path.write_bytes(journal.path.read_bytes()[:-9])
     assert len(read_result(tmp_path).states) == 1
 
