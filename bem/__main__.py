@@ -1,4 +1,4 @@
-"""Command line: `python -m bem check SCENE` and `python -m bem run SCENE --out DIR`.
+"""Command line: `python -m bem check SCENE`, `run SCENE --out DIR`, `keys [SECTION]` and `schema`.
 
 Exit codes: 0 done, 1 a failure named in the output (converged states are kept), 2 bad input (nothing is written),
 130 interrupted with everything converged saved.  Progress on stderr, results in files, one summary line on stdout.
@@ -34,6 +34,7 @@ from bem.command_line.console import (
     usable_streams,
 )
 from bem.command_line.folder_lock import FolderError, locked
+from bem.command_line.keys import UnknownSectionError, json_schema, keys_text
 from bem.compiled.kernels import IN_USE
 from bem.path_for import check_path
 from bem.scene.cost_prediction import cost_of, warning_of
@@ -42,6 +43,7 @@ from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Result
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene.scene_rules import Mistake
+from bem.scene.scene_tables import TABLES
 from bem.solver import solve
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -59,7 +61,7 @@ def main(arguments: Sequence[str] | None = None, program: str = "python -m bem")
         What it is called in what it says of its usage.
     """
     parser = argparse.ArgumentParser(prog=program, description="Adhesive line contact of a rough profile.")
-    add_commands(parser.add_subparsers(required=True, metavar="check|run"))
+    add_commands(parser.add_subparsers(required=True, metavar="check|run|keys|schema"))
     return perform(parser.parse_args(arguments))
 
 
@@ -72,7 +74,7 @@ def perform(options: argparse.Namespace) -> int:
             code = command(options)
         print(end="", flush=True)  # here, where it can fail by name
         return code
-    except (SceneError, OutputFolderError, FolderError) as error:
+    except (SceneError, OutputFolderError, FolderError, UnknownSectionError) as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
@@ -104,6 +106,12 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
     run.set_defaults(command=_run, perform=perform)
 
+    keys = commands.add_parser("keys", help="print what every key of a scene is, or those of one section")
+    keys.add_argument("section", nargs="?", metavar="SECTION", help=", ".join(TABLES))
+    keys.set_defaults(command=_keys, perform=perform)
+    schema = commands.add_parser("schema", help="print the JSON Schema of a scene, by which editors complete its keys")
+    schema.set_defaults(command=_schema, perform=perform)
+
 
 def _check(options: argparse.Namespace) -> int:
     """Print what a scene amounts to."""
@@ -120,6 +128,18 @@ def _check(options: argparse.Namespace) -> int:
     else:
         parts = (scene_text(scene.resolved()), preparation_text(scene.preparation()), groups_text(groups, cautions))
         print("\n\n".join(part for part in (*parts, effects_text(effects)) if part))
+    return DONE
+
+
+def _keys(options: argparse.Namespace) -> int:
+    """Print the reference of keys."""
+    print(keys_text(options.section))
+    return DONE
+
+
+def _schema(options: argparse.Namespace) -> int:
+    """Print the JSON Schema of a scene."""
+    print(json.dumps(json_schema(), indent=1, ensure_ascii=False))
     return DONE
 
 

@@ -50,6 +50,7 @@ from bem.scene.scene_tables import (
     SolidTable,
     StoredStart,
     Table,
+    said_of,
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.targets import expanded, found, merged, origin
@@ -229,7 +230,7 @@ def _split(
         if key not in model.model_fields:
             mistakes.append(Mistake(path, f"= {shown(raw[key])} is unknown", unknown_key(key, model.model_fields)))
             continue
-        allowed = str(model.model_fields[key].description)
+        allowed = str(said_of(model, key)["allowed"])
         if key not in raw:
             mistakes.append(Mistake(path, "is missing", allowed))
         elif wrong:
