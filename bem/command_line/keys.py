@@ -52,7 +52,7 @@ def json_schema() -> dict[str, Any]:
     ['solid', 'profile', 'loading']
     """
     tables: dict[str, Any] = {name: (model, ... if name in REQUIRED_TABLES else None) for name, model in TABLES.items()}
-    title = (Annotated[str, Field(description=TITLE, examples=["Steel on a ground seal"])], "")
+    title: Any = (Annotated[str, Field(description=TITLE, examples=["Steel on a ground seal"])], "")
     scene = create_model("Scene", __config__=ConfigDict(extra="forbid"), title=title, **tables)
     schema = scene.model_json_schema(schema_generator=_OfToml)
     for name, model in TABLES.items():
