@@ -10,6 +10,10 @@ adhesion_over_elastic_energy          w / (E* sum q_m h_m^2 / 8): work of adhesi
                                       contact on a half-space, which it pays for by itself above 1 (Persson, Tosatti,
                                       J. Chem. Phys. 115 (2001) 5597); of one wave 2 pi alpha^2 with the alpha of
                                       Johnson, Int. J. Solids Struct. 32 (1995) 423
+tabor_parameter                       mu = (R w^2 / (E*^2 z0^3))^(1/3), R = 1 / rms curvature of the profile as it is cut and
+                                      z0 = 3e-10 m, the range of the forces: strict JKR holds above 5 (Johnson,
+                                      Greenwood, J. Colloid Interface Sci. 192 (1997) 326, for spheres; of line
+                                      contacts see their J. Phys. D 41 (2008) 155315)
 thickness_over_period                 of [layer]
 least_target, largest_target          over the rms height, or under mean pressures over E* h'_rms
 least_mean_pressure, largest_..       of the states found, over E* h'_rms
@@ -25,6 +29,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from bem.geometry.scaling import ATOMIC
 from bem.scans.scan_keys import METRES
 from bem.scene.result import Caution, State
 from bem.scene.scene import Scene
@@ -41,6 +46,7 @@ TILTED = 2.0  # rms heights without the tilt; a wave of one period has 1.6
 HEIGHTS = (0.01, 20.0)  # rms heights: separations at which surfaces touch, but not all over
 PRESSURES = (1e-7, 10.0)  # of E* h'_rms
 LARGEST_ADHESION = 10.0  # of the elastic energy of complete contact
+LEAST_TABOR = 5.0  # below which the forces reach beyond the edge of the contact
 MUCH_MISSING = 0.1  # of the samples
 LARGEST_TABLE = 1e9  # bytes
 BYTES = 16 * 14 * 8 * 2 * 1.5  # of the tables of a profile for each harmonic, at most twice this
@@ -75,7 +81,9 @@ def groups_of(scene: Scene) -> dict[str, float]:
         return groups
     if scene.adhesion is not None:
         energy = modulus * float(np.sum(surface.q0 * surface.orders * surface.amplitudes**2)) / 8
-        groups["adhesion_over_elastic_energy"] = scene.adhesion.work_of_adhesion / energy
+        work = scene.adhesion.work_of_adhesion
+        groups["adhesion_over_elastic_energy"] = work / energy
+        groups["tabor_parameter"] = float(np.cbrt((work / modulus) ** 2 / surface.rms_curvature)) / ATOMIC
     unit = groups["pressure_scale"] if scene.loading.control == "mean_pressure" else height
     return groups | _ends("target", [target / unit for target in scene.loading.targets])
 
@@ -93,7 +101,7 @@ def _ends(name: str, values: Sequence[float]) -> dict[str, float]:
 
 def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...]:
     """What is out of the ordinary in a scene with these groups, with the probable cause."""
-    judged = (_profile_cautions, _path_cautions, _material_cautions, _sample_cautions)
+    judged = (_profile_cautions, _path_cautions, _material_cautions, _range_cautions, _sample_cautions)
     return tuple(Caution(*said) for judge in judged for said in judge(scene, groups))
 
 
@@ -172,6 +180,14 @@ def _material_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
             f"adhesion is {share:.3g} times the elastic energy of complete contact, which comes by itself: "
             "unit of the heights, or of the work of adhesion?",
         )
+
+
+def _range_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
+    """Forces that reach beyond the edge of the contact, which strict JKR leaves out."""
+    tabor = groups.get("tabor_parameter", np.inf)
+    if tabor < LEAST_TABOR:
+        told = f"the Tabor parameter {tabor:.3g} is below {LEAST_TABOR:g}: adhesive forces reach beyond the edge of the"
+        yield "tabor_parameter", f"{told} contact, and strict JKR overrates pull-off: bem/README.md, section 10"
 
 
 def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:

@@ -64,6 +64,7 @@ def test_groups_are_those_of_the_surface():
     q = 2 * np.pi / 0.02
     h = 3e-5 * np.cos(q * x) - 1e-5 * np.cos(4 * q * x + 1.0)
     slope = -3e-5 * q * np.sin(q * x) + 4e-5 * q * np.sin(4 * q * x + 1.0)
+    curvature = -3e-5 * q**2 * np.cos(q * x) + 16e-5 * q**2 * np.cos(4 * q * x + 1.0)
     modulus = 1e6 / (1 - 0.3**2)
     pressure = modulus / 2 * (3e-5 * q * np.cos(q * x) - 4e-5 * q * np.cos(4 * q * x + 1.0))  # that presses it flat
     expected = {
@@ -73,6 +74,7 @@ def test_groups_are_those_of_the_surface():
         "pressure_scale": modulus * np.sqrt(np.mean(slope**2)),
         "thickness_over_period": 0.2,
         "adhesion_over_elastic_energy": 0.05 / np.mean(pressure * h / 2),
+        "tabor_parameter": (0.05**2 / np.sqrt(np.mean(curvature**2)) / (modulus**2 * 3e-10**3)) ** (1 / 3),
         "least_target": 1e-5 / np.sqrt(np.mean(h**2)),
         "largest_target": 3e-5 / np.sqrt(np.mean(h**2)),
     }
@@ -279,6 +281,16 @@ def test_work_beyond_sense_is_refused():
     path = {"control": "separation", "start": 3e-5, "stop": 1e-5, "count": 100_000}
     with pytest.raises(SceneError, match=r"loading\.targets are 100000; allowed: 50000 with 20000 harmonics"):
         parse_scene(WAVE | {"profile": profile, "loading": path})
+
+
+@pytest.mark.parametrize(("tabor", "told"), [(5.1, False), (4.9, True)])
+def test_forces_that_reach_beyond_the_edge_are_named(tabor, told):
+    """From the work of adhesion that gives a Tabor parameter: mu grows as its power 2/3."""
+    scene = parse_scene(WAVE)
+    work = 0.05 * (tabor / groups_of(scene)["tabor_parameter"]) ** 1.5
+    scene = changed("adhesion.work_of_adhesion", work)
+    assert groups_of(scene)["tabor_parameter"] == pytest.approx(tabor, rel=1e-12)
+    assert ("tabor_parameter" in said(scene)) == told
 
 
 def test_all_harmonics_are_for_scans():
