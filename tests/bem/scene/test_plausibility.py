@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import bem
-from bem.scene.plausibility import cautions_of, groups_of
+from bem.command_line.console import groups_text
+from bem.scene.plausibility import MEANINGS, cautions_of, groups_of
 from bem.scene.scene import SceneError, parse_scene
 
 LENGTH, RMS = 10.0, 0.05  # of the scan, mm
@@ -281,6 +282,46 @@ def test_work_beyond_sense_is_refused():
     path = {"control": "separation", "start": 3e-5, "stop": 1e-5, "count": 100_000}
     with pytest.raises(SceneError, match=r"loading\.targets are 100000; allowed: 50000 with 20000 harmonics"):
         parse_scene(WAVE | {"profile": profile, "loading": path})
+
+
+@pytest.mark.parametrize(("slope", "told", "unit"), [(0.49, False, False), (0.51, True, False), (1.1, True, True)])
+def test_slopes_that_are_not_small_are_named(slope, told, unit):
+    factor = slope / groups_of(parse_scene(WAVE))["rms_slope"]
+    scene = changed("profile.amplitudes", [factor * height for height in WAVE["profile"]["amplitudes"]])
+    message = said(scene).get("rms_slope", "")
+    assert ("beyond the limit of small slopes" in message, "unit of the heights" in message) == (told, unit)
+
+
+@pytest.mark.parametrize("by_file", [False, True])
+@pytest.mark.parametrize(
+    ("unit_x", "unit_h", "about"),
+    [("m", "mm", {"profile.period"}), ("mm", "m", {"rms_height", "rms_slope"}), ("um", "um", {"loading.targets"})],
+)
+def test_units_that_the_file_states_are_not_doubted(unit_x, unit_h, about, by_file, tmp_path):
+    """What is out of the ordinary in any case is told, without a question for the unit."""
+    columns, heading = np.column_stack([X, ROUGH.height(X)]), f"x [{unit_x}],h [{unit_h}]"
+    np.savetxt(tmp_path / "scan.csv", columns, delimiter=",", fmt="%.12g", header=heading if by_file else "")
+    units = {} if by_file else {"unit_x": unit_x, "unit_h": unit_h}
+    profile = {"kind": "samples", "file": "scan.csv", "harmonics": "all", **units}
+    found = said(parse_scene({**WAVE, "profile": profile}, tmp_path))
+    assert about & set(found)
+    assert any("unit_" in message and '"?' in message for message in found.values()) != by_file
+
+
+def test_every_group_is_explained_where_it_is_printed(folder):
+    groups = bem.solve(scan_scene(folder, loading=PRESSURE, harmonics=10)).groups | groups_of(parse_scene(WAVE))
+    assert set(groups) == set(MEANINGS)
+    lines = groups_text(groups, ()).splitlines()
+    assert all(MEANINGS[name] and line.endswith(MEANINGS[name]) for name, line in zip(groups, lines, strict=True))
+
+
+def test_the_share_of_slope_is_that_of_the_cut(folder):
+    """One definition: the slope after the cut over that before it is the group."""
+    scene = scan_scene(folder, harmonics=10)
+    cut = scene.preparation()[-1]
+    assert cut["rms_slope"][1] / cut["rms_slope"][0] == pytest.approx(cut["slope_share_kept"], rel=1e-12)
+    assert cut["slope_share_kept"] == groups_of(scene)["slope_share_kept"]
+    assert cut["rms_slope"][1] == pytest.approx(groups_of(scene)["rms_slope"], rel=1e-12)
 
 
 @pytest.mark.parametrize(("tabor", "told"), [(5.1, False), (4.9, True)])
