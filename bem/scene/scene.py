@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 __all__ = ["LoadingTable", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene:
     """A checked and resolved scene; tables absent from the file are None.
 
@@ -95,6 +95,12 @@ class Scene:
     scan: Scan | None = field(default=None, compare=False)
     cut_by_default: bool = False
     start_state: State | None = None
+
+    def __repr__(self) -> str:
+        count, control = len(self.loading.targets), self.loading.control
+        tables = ", ".join(name for name in ("layer", "adhesion") if getattr(self, name) is not None)
+        kind = f"{self.profile.kind} profile{', ' * bool(tables)}{tables}"
+        return f"<Scene {self.title!r}: {kind}, {count} target{'s' * (count != 1)} of {control}>"
 
     def surface(self) -> Profile:
         """The profile, SI units."""
