@@ -71,6 +71,7 @@ ORDER = (
     "validation/challenge",
     "validation",
     "validation/command_line",
+    "validation/command_line/examples/guide",
     "validation/command_line/examples/own-cases",
 )
 APART = {  # besides the order: folders that these do not import from either
