@@ -2,7 +2,7 @@
 
 Exit codes: 0 done, 1 a failure named in the output (converged states are kept), 2 bad input (nothing is written),
 130 interrupted with everything converged saved.  Progress on stderr, results in files, one summary line on stdout.
-matplotlib is imported for --plot only.
+matplotlib is imported for --plot only, what makes schemas for keys and schema only.
 """
 
 from __future__ import annotations
@@ -34,7 +34,6 @@ from bem.command_line.console import (
     usable_streams,
 )
 from bem.command_line.folder_lock import FolderError, locked
-from bem.command_line.keys import UnknownSectionError, json_schema, keys_text
 from bem.compiled.kernels import IN_USE
 from bem.path_for import check_path
 from bem.scene.cost_prediction import cost_of, warning_of
@@ -74,7 +73,7 @@ def perform(options: argparse.Namespace) -> int:
             code = command(options)
         print(end="", flush=True)  # here, where it can fail by name
         return code
-    except (SceneError, OutputFolderError, FolderError, UnknownSectionError) as error:
+    except (SceneError, OutputFolderError, FolderError) as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
@@ -133,13 +132,19 @@ def _check(options: argparse.Namespace) -> int:
 
 def _keys(options: argparse.Namespace) -> int:
     """Print the reference of keys."""
-    print(keys_text(options.section))
+    keys = import_module("bem.command_line.keys")
+    try:
+        print(keys.keys_text(options.section))
+    except keys.UnknownSectionError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return BAD_INPUT
     return DONE
 
 
 def _schema(options: argparse.Namespace) -> int:
     """Print the JSON Schema of a scene."""
-    print(json.dumps(json_schema(), indent=1, ensure_ascii=False))
+    schema = import_module("bem.command_line.keys").json_schema()
+    print(json.dumps(schema, indent=1, ensure_ascii=False))
     return DONE
 
 

@@ -14,7 +14,19 @@ from validation.command_line import examples
 from validation.command_line.front_door import main
 
 ROOT = Path(__file__).parents[2]
-COMMANDS = ("example", "check", "run", "report", "compare", "verify", "study", "replicate", "baseline")
+COMMANDS = (
+    "example",
+    "check",
+    "run",
+    "keys",
+    "schema",
+    "report",
+    "compare",
+    "verify",
+    "study",
+    "replicate",
+    "baseline",
+)
 
 
 def exit_code(*words):
