@@ -97,12 +97,13 @@ def test_a_figure_shows_itself_in_a_notebook(result):
 def test_states_scenes_and_results_are_told_on_a_line(result):
     state = result.targets[-1]
     scene = bem.parse_scene(ROUGH | {"title": "a wave"})
-    said = [repr(state), repr(scene), repr(result)]
+    said = [repr(state), repr(scene), repr(result), repr(scene.surface())]
     assert max(map(len, said)) < 200
     assert "\n" not in "".join(said)
     assert f"{state.mean_pressure:.6g} Pa" in said[0]
     assert said[0].endswith("certified>")
     assert "'a wave'" in said[1]
+    assert said[3].startswith(f"<Profile of {scene.profile.harmonics} harmonics in a period of ")
     missed = replace(state, status="unreachable", edges=(), contact_fraction=float("nan"), target=True)
     assert repr(missed).startswith("<State unreachable: ")
 
