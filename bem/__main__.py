@@ -1,8 +1,8 @@
-"""Command line: `python -m bem check SCENE` and `python -m bem run SCENE --out DIR`.
+"""Command line: `python -m bem check SCENE`, `run SCENE --out DIR`, `keys [SECTION]` and `schema`.
 
 Exit codes: 0 done, 1 a failure named in the output (converged states are kept), 2 bad input (nothing is written),
 130 interrupted with everything converged saved.  Progress on stderr, results in files, one summary line on stdout.
-matplotlib is imported for --plot only.
+matplotlib is imported for --plot only, what makes schemas for keys and schema only.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Result
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene.scene_rules import Mistake
+from bem.scene.scene_tables import TABLES
 from bem.solver import solve
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -59,7 +60,7 @@ def main(arguments: Sequence[str] | None = None, program: str = "python -m bem")
         What it is called in what it says of its usage.
     """
     parser = argparse.ArgumentParser(prog=program, description="Adhesive line contact of a rough profile.")
-    add_commands(parser.add_subparsers(required=True, metavar="check|run"))
+    add_commands(parser.add_subparsers(required=True, metavar="check|run|keys|schema"))
     return perform(parser.parse_args(arguments))
 
 
@@ -104,6 +105,12 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
     run.set_defaults(command=_run, perform=perform)
 
+    keys = commands.add_parser("keys", help="print what every key of a scene is, or those of one section")
+    keys.add_argument("section", nargs="?", metavar="SECTION", help=", ".join(TABLES))
+    keys.set_defaults(command=_keys, perform=perform)
+    schema = commands.add_parser("schema", help="print the JSON Schema of a scene, by which editors complete its keys")
+    schema.set_defaults(command=_schema, perform=perform)
+
 
 def _check(options: argparse.Namespace) -> int:
     """Print what a scene amounts to."""
@@ -120,6 +127,24 @@ def _check(options: argparse.Namespace) -> int:
     else:
         parts = (scene_text(scene.resolved()), preparation_text(scene.preparation()), groups_text(groups, cautions))
         print("\n\n".join(part for part in (*parts, effects_text(effects)) if part))
+    return DONE
+
+
+def _keys(options: argparse.Namespace) -> int:
+    """Print the reference of keys."""
+    keys = import_module("bem.command_line.keys")
+    try:
+        print(keys.keys_text(options.section))
+    except keys.UnknownSectionError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return BAD_INPUT
+    return DONE
+
+
+def _schema(options: argparse.Namespace) -> int:
+    """Print the JSON Schema of a scene."""
+    schema = import_module("bem.command_line.keys").json_schema()
+    print(json.dumps(schema, indent=1, ensure_ascii=False))
     return DONE
 
 

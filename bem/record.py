@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.patches import PatchPressure
+from bem.geometry.scaling import ATOMIC
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.loading_path import LoadingPath
 from bem.loading.path_events import PathEvent
@@ -237,12 +238,12 @@ class Recorder:
         tension, record, scales = import_module("bem.adhesive.interior_tension"), self.record, self.problem.scales
         if any(caution.about == TENSION for entry in record.entries for caution in entry.warnings):
             return
-        flaw = tension.ATOMIC / scales.length
+        flaw = ATOMIC / scales.length
         largest, opening = tension.largest_tension(state.pressure(), flaw), tension.opening_tension(work, flaw)
         if largest > opening:
             told = f"at a penetration of {state.penetration * scales.height:.4g} m the tension inside the contact is "
             told += f"{largest * scales.stress:.3g} Pa; {opening * scales.stress:.3g} Pa open a flaw of "
-            told += f"{tension.ATOMIC:g} m, the distance of atoms. The path holds it closed: bem/README.md, section 10"
+            told += f"{ATOMIC:g} m, the distance of atoms. The path holds it closed: bem/README.md, section 10"
             record.warned = [Caution(TENSION, told)]
 
     def _cost(self, unknowns: int) -> Cost:

@@ -18,8 +18,6 @@ import numpy as np
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import PatchPressure
 
-ATOMIC = 3e-10  # m: distance of atoms in a solid
-
 
 def largest_tension(pressure: PatchPressure, margin: float) -> float:
     """The largest tension at least `margin` away from the edges, at the nodes of the series and between; 0 if none.

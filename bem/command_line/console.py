@@ -19,6 +19,7 @@ from typing import Any, Protocol, TextIO
 
 from bem.compiled.kernels import IN_USE
 from bem.scene.cost_prediction import Cost
+from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Caution, Effect, Progress, Result
 
 LINE_SECONDS = 5.0
@@ -239,8 +240,10 @@ def preparation_text(steps: Iterable[Mapping[str, Any]]) -> str:
 
 
 def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str:
-    """The groups of a scene, and what is out of the ordinary."""
-    lines = [f"# {name} = {value:.4g}" for name, value in groups.items()]
+    """The groups of a scene, each with what it means, and what is out of the ordinary."""
+    said = {name: f"# {name} = {value:.4g}" for name, value in groups.items()}
+    width = max(map(len, said.values()), default=0)
+    lines = [f"{said[name]:<{width}}  {MEANINGS.get(name, '')}" for name in said]
     return "\n".join([*lines, *(f"warning: {caution.about}: {caution.message}" for caution in cautions)])
 
 

@@ -30,7 +30,7 @@ _BISECTIONS = 55  # of a crest between its neighbours on the grid: also flat cre
 _DERIVATIVE_FACTORS = np.array([[math.perm(k, order) for k in range(_TAYLOR_TERMS)] for order in range(4)], dtype=float)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Profile:
     """A zero-mean periodic profile given by its harmonics.
 
@@ -63,6 +63,11 @@ class Profile:
     def __post_init__(self) -> None:
         check(profile__period=self.period)
         check_harmonics(self.orders, self.amplitudes, self.phases)
+
+    def __repr__(self) -> str:
+        count = self.orders.size
+        known = f"rms height {self.rms_height:.6g}, rms slope {self.rms_slope:.6g}"
+        return f"<Profile of {count} harmonic{'s' * (count != 1)} in a period of {self.period:g}, {known}>"
 
     @classmethod
     def from_harmonics(

@@ -113,7 +113,7 @@ class Scan:
 
     def preparation(self, harmonics: int) -> tuple[Step, ...]:
         """All steps, the cut with them."""
-        before = roughness(self.x, self.h)
+        before = (float(np.sqrt(self._moments[0][-1])), float(np.sqrt(self._moments[1][-1])))
         after = [float(np.sqrt(moment[harmonics - 1])) for moment in self._moments]
         share = self.slope_share(harmonics)
         facts = {"harmonics": harmonics, "of": self.max_harmonics, "slope_share_kept": share}

@@ -83,7 +83,7 @@ class Certificate:
     mean_gap_error: float | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class State:
     """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
 
@@ -125,6 +125,15 @@ class State:
     status: str
     target: bool
     events: int | None = None
+
+    def __repr__(self) -> str:
+        if not self.found:
+            return f"<State {self.status}: {'; '.join(self.certificate.reasons)}>"
+        judged = "certified" if self.certificate.ok else "not certified"
+        return (
+            f"<State {self.status} ({self.branch}): separation {self.separation:.6g} m, {self.mean_pressure:.6g} Pa, "
+            f"contact fraction {self.contact_fraction:.6g}, patches {self.n_patches}, {judged}>"
+        )
 
     @property
     def found(self) -> bool:

@@ -50,6 +50,7 @@ from bem.scene.scene_tables import (
     SolidTable,
     StoredStart,
     Table,
+    said_of,
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.targets import expanded, found, merged, origin
@@ -60,7 +61,7 @@ if TYPE_CHECKING:
 __all__ = ["LoadingTable", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene:
     """A checked and resolved scene; tables absent from the file are None.
 
@@ -94,6 +95,12 @@ class Scene:
     scan: Scan | None = field(default=None, compare=False)
     cut_by_default: bool = False
     start_state: State | None = None
+
+    def __repr__(self) -> str:
+        count, control = len(self.loading.targets), self.loading.control
+        tables = ", ".join(name for name in ("layer", "adhesion") if getattr(self, name) is not None)
+        kind = f"{self.profile.kind} profile{', ' * bool(tables)}{tables}"
+        return f"<Scene {self.title!r}: {kind}, {count} target{'s' * (count != 1)} of {control}>"
 
     def surface(self) -> Profile:
         """The profile, SI units."""
@@ -229,7 +236,7 @@ def _split(
         if key not in model.model_fields:
             mistakes.append(Mistake(path, f"= {shown(raw[key])} is unknown", unknown_key(key, model.model_fields)))
             continue
-        allowed = str(model.model_fields[key].description)
+        allowed = str(said_of(model, key)["allowed"])
         if key not in raw:
             mistakes.append(Mistake(path, "is missing", allowed))
         elif wrong:

@@ -8,7 +8,7 @@ from rough_surfaces import rough_scene
 
 from bem import record, solver, states
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.missed import NUMERICAL_FAILURES
+from bem.missed import NUMERICAL_FAILURES, no_point, said_of
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 60e-6]
@@ -31,6 +31,24 @@ def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():
     state = solve(scene).targets[-1]
     assert state.status == "complete_contact"
     assert state.total_displacement == pytest.approx(scene.surface().max_height, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("control", "has_history", "remedies"),
+    [
+        ("mean_pressure", True, 4),
+        ("separation", True, 3),
+        ("separation", False, 1),
+    ],
+)
+def test_what_to_try_is_told_in_order(control, has_history, remedies):
+    error = no_point("not_converged", 1.0, control, has_history)
+    said = said_of(error, "target 1 of 1", control, 1.0)
+    marks = [f"({k}) {remedy}" for k, remedy in enumerate(error.remedies, 1)] if remedies > 1 else []
+    places = [said.index(mark) for mark in marks]
+    assert places == sorted(places)
+    assert len(error.remedies) == remedies
+    assert said.endswith("fewer profile.harmonics")
 
 
 @pytest.mark.parametrize("failure", [kind for kind in NUMERICAL_FAILURES if kind is not MemoryError])

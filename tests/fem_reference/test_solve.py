@@ -26,6 +26,13 @@ def prescribed():
     return solve(**LAYER, control="penetration", value=70e-6, edges=EDGES, work_of_adhesion=0.03, slope_term=True)
 
 
+def test_a_result_is_told_on_a_line(prescribed):
+    said = repr(prescribed)
+    assert said.startswith(f"<Result {prescribed.status}: mean pressure {prescribed.mean_pressure:.6g} +- ")
+    assert "patches 2" in said
+    assert len(said) < 200
+
+
 @pytest.mark.parametrize("control", ["total_displacement", "mean_pressure"])
 def test_the_three_controls_reach_the_same_state(prescribed, control):
     other = solve(**LAYER, control=control, value=getattr(prescribed, control), edges=EDGES)

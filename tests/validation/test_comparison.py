@@ -12,6 +12,7 @@ from stored_states import stored_state
 import bem
 from bem.scene.result import ErrorEstimate
 from bem.scene.result_file import write_result
+from validation.command_line import comparison
 from validation.command_line.comparison import LIMIT, Difference, _numbers, compare_reports, compare_results
 from validation.command_line.front_door import main
 from validation.harness.schema import CaseRecord, Report, with_checksum
@@ -100,6 +101,31 @@ def test_results_without_a_common_target_are_not_comparable(result):
 )
 def test_a_difference_without_uncertainty(a, b, ratio):
     assert Difference("x", "here", a, b, 0.0).ratio == ratio
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "told"),
+    [
+        (1.0, 1.05, "4.8 % apart"),
+        (-2e-9, 2e-9, "2e+02 % apart"),
+        (0.0, 0.0, "the same to rounding"),
+        (3.0, 3.0 * (1 + 5e-14), "the same to rounding"),
+        (1.0, math.nan, "one is no number"),
+    ],
+)
+def test_differences_are_told_in_percent_above_rounding(a, b, told):
+    assert f", {told}, " in str(Difference("x", "here", a, b, 1.0))
+
+
+def test_reports_do_not_differ_by_rounding(monkeypatch):
+    """Where a baseline lets a number not move at all, what rounding makes of it is still no difference."""
+    one, other = report_of(one=1.0), report_of(one=1.0 + 5e-14)
+    exact = comparison.quantities_of
+    monkeypatch.setattr(
+        comparison, "quantities_of", lambda case: [q.model_copy(update={"atol": 0.0, "rtol": 0.0}) for q in exact(case)]
+    )
+    assert compare_reports(one, other).differing == []
+    assert compare_reports(one, report_of(one=1.0 + 1e-12)).differing != []
 
 
 def report_of(**computed):

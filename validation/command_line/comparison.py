@@ -4,7 +4,7 @@ Results meet at targets (same control, branch and value) and at events (same seq
 uncertainty is the sum u_a + u_b of the estimated errors, never below rounding, and numbers differ beyond twice that, as
 for the verdicts.
 Reports meet at the quantities of their cases; there it is what a baseline would let the number move (baseline.py).
-Counts and words differ where they are not the same.
+Differences are told in percent of the larger number.  Counts and words differ where they are not the same.
 
 More than two reports have a history (validation/report/history.py).
 """
@@ -51,13 +51,27 @@ class Difference:
         return math.inf if math.isnan(apart) or self.combined == 0 else apart / self.combined
 
     @property
+    def relative(self) -> float:
+        """Difference over the larger of the two; NaN where one is none."""
+        larger = max(abs(self.a), abs(self.b))
+        return abs(self.a - self.b) / larger if larger else 0.0
+
+    @property
+    def in_percent(self) -> str:
+        """The same in words; what rounding makes of a number is no difference."""
+        if self.a == self.b or self.relative <= ROUNDING:
+            return "the same to rounding"
+        return "one is no number" if math.isnan(self.relative) else f"{100 * self.relative:.2g} % apart"
+
+    @property
     def differs(self) -> bool:
         """Whether that is beyond the limit."""
         return not self.ratio <= self.limit
 
     def __str__(self) -> str:
-        values = f"{self.a:.12g} and {self.b:.12g}, {self.ratio:.3g} times the combined uncertainty {self.combined:.2g}"
-        return f"{self.where}: {self.quantity} {values}"
+        values = f"{self.a:.12g} and {self.b:.12g}, {self.in_percent}"
+        judged = f"{self.ratio:.3g} times the combined uncertainty {self.combined:.2g}"
+        return f"{self.where}: {self.quantity} {values}, {judged}"
 
 
 @dataclass(frozen=True)
@@ -179,7 +193,7 @@ def compare_reports(a: Report, b: Report) -> Comparison:
         others += [f"{name}: {key} is in one report only" for key in found[0].keys() ^ found[1].keys()]
         for key in (key for key in found[0] if key in found[1]):
             mine, theirs = found[0][key], found[1][key]
-            allowed = mine.atol + mine.rtol * abs(mine.value)
+            allowed = max(mine.atol + mine.rtol * abs(mine.value), ROUNDING * max(abs(mine.value), abs(theirs.value)))
             numbers.append(Difference(f"{name}: {key}", "case", mine.value, theirs.value, allowed, 1.0))
     return Comparison(tuple(numbers), tuple(others))
 

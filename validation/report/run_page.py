@@ -10,6 +10,7 @@ from typing import Any
 
 from bem.command_line.console import scene_text
 from bem.scene.atomic_file import write_atomically
+from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
@@ -50,7 +51,7 @@ def render_run(result: Result) -> str:
         good=succeeded(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
-        groups=[(name, _measure(name, value)) for name, value in result.groups.items()],
+        groups=[(name, _measure(name, value), MEANINGS.get(name, "")) for name, value in result.groups.items()],
         warnings=result.warnings,
         preparation=[_step(step) for step in result.profile_preparation],
         figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(found)],

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import bem
-from bem.scene.plausibility import cautions_of, groups_of
+from bem.command_line.console import groups_text
+from bem.scene.plausibility import MEANINGS, cautions_of, groups_of
 from bem.scene.scene import SceneError, parse_scene
 
 LENGTH, RMS = 10.0, 0.05  # of the scan, mm
@@ -64,6 +65,7 @@ def test_groups_are_those_of_the_surface():
     q = 2 * np.pi / 0.02
     h = 3e-5 * np.cos(q * x) - 1e-5 * np.cos(4 * q * x + 1.0)
     slope = -3e-5 * q * np.sin(q * x) + 4e-5 * q * np.sin(4 * q * x + 1.0)
+    curvature = -3e-5 * q**2 * np.cos(q * x) + 16e-5 * q**2 * np.cos(4 * q * x + 1.0)
     modulus = 1e6 / (1 - 0.3**2)
     pressure = modulus / 2 * (3e-5 * q * np.cos(q * x) - 4e-5 * q * np.cos(4 * q * x + 1.0))  # that presses it flat
     expected = {
@@ -73,6 +75,7 @@ def test_groups_are_those_of_the_surface():
         "pressure_scale": modulus * np.sqrt(np.mean(slope**2)),
         "thickness_over_period": 0.2,
         "adhesion_over_elastic_energy": 0.05 / np.mean(pressure * h / 2),
+        "tabor_parameter": (0.05**2 / np.sqrt(np.mean(curvature**2)) / (modulus**2 * 3e-10**3)) ** (1 / 3),
         "least_target": 1e-5 / np.sqrt(np.mean(h**2)),
         "largest_target": 3e-5 / np.sqrt(np.mean(h**2)),
     }
@@ -279,6 +282,56 @@ def test_work_beyond_sense_is_refused():
     path = {"control": "separation", "start": 3e-5, "stop": 1e-5, "count": 100_000}
     with pytest.raises(SceneError, match=r"loading\.targets are 100000; allowed: 50000 with 20000 harmonics"):
         parse_scene(WAVE | {"profile": profile, "loading": path})
+
+
+@pytest.mark.parametrize(("slope", "told", "unit"), [(0.49, False, False), (0.51, True, False), (1.1, True, True)])
+def test_slopes_that_are_not_small_are_named(slope, told, unit):
+    factor = slope / groups_of(parse_scene(WAVE))["rms_slope"]
+    scene = changed("profile.amplitudes", [factor * height for height in WAVE["profile"]["amplitudes"]])
+    message = said(scene).get("rms_slope", "")
+    assert ("beyond the limit of small slopes" in message, "unit of the heights" in message) == (told, unit)
+
+
+@pytest.mark.parametrize("by_file", [False, True])
+@pytest.mark.parametrize(
+    ("unit_x", "unit_h", "about"),
+    [("m", "mm", {"profile.period"}), ("mm", "m", {"rms_height", "rms_slope"}), ("um", "um", {"loading.targets"})],
+)
+def test_units_that_the_file_states_are_not_doubted(unit_x, unit_h, about, by_file, tmp_path):
+    """What is out of the ordinary in any case is told, without a question for the unit."""
+    columns, heading = np.column_stack([X, ROUGH.height(X)]), f"x [{unit_x}],h [{unit_h}]"
+    np.savetxt(tmp_path / "scan.csv", columns, delimiter=",", fmt="%.12g", header=heading if by_file else "")
+    units = {} if by_file else {"unit_x": unit_x, "unit_h": unit_h}
+    profile = {"kind": "samples", "file": "scan.csv", "harmonics": "all", **units}
+    found = said(parse_scene({**WAVE, "profile": profile}, tmp_path))
+    assert about & set(found)
+    assert any("unit_" in message and '"?' in message for message in found.values()) != by_file
+
+
+def test_every_group_is_explained_where_it_is_printed(folder):
+    groups = bem.solve(scan_scene(folder, loading=PRESSURE, harmonics=10)).groups | groups_of(parse_scene(WAVE))
+    assert set(groups) == set(MEANINGS)
+    lines = groups_text(groups, ()).splitlines()
+    assert all(MEANINGS[name] and line.endswith(MEANINGS[name]) for name, line in zip(groups, lines, strict=True))
+
+
+def test_the_share_of_slope_is_that_of_the_cut(folder):
+    """One definition: the slope after the cut over that before it is the group."""
+    scene = scan_scene(folder, harmonics=10)
+    cut = scene.preparation()[-1]
+    assert cut["rms_slope"][1] / cut["rms_slope"][0] == pytest.approx(cut["slope_share_kept"], rel=1e-12)
+    assert cut["slope_share_kept"] == groups_of(scene)["slope_share_kept"]
+    assert cut["rms_slope"][1] == pytest.approx(groups_of(scene)["rms_slope"], rel=1e-12)
+
+
+@pytest.mark.parametrize(("tabor", "told"), [(5.1, False), (4.9, True)])
+def test_forces_that_reach_beyond_the_edge_are_named(tabor, told):
+    """From the work of adhesion that gives a Tabor parameter: mu grows as its power 2/3."""
+    scene = parse_scene(WAVE)
+    work = 0.05 * (tabor / groups_of(scene)["tabor_parameter"]) ** 1.5
+    scene = changed("adhesion.work_of_adhesion", work)
+    assert groups_of(scene)["tabor_parameter"] == pytest.approx(tabor, rel=1e-12)
+    assert ("tabor_parameter" in said(scene)) == told
 
 
 def test_all_harmonics_are_for_scans():
