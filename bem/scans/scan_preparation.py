@@ -16,6 +16,7 @@ detrend    A least-squares polynomial is subtracted: degree 0 (mean) to 3 (cubic
 periodic   "as_is": n samples at distance dx are the period n dx.  "mirror": followed by the same in reverse, 2 n dx.
            "window": multiplied by a cosine-tapered window (Tukey's; Harris, Proc. IEEE 66 (1978) 51) that goes to zero
            over `TAPER` of the line at either end.
+filter     Gaussian filters of ISO 16610-21, profile.cutoff_short and cutoff_long (gaussian_filter.py), mode by mode.
 cut        Harmonics from 1 to profile.harmonics are kept (Profile.from_samples).
 
 Each step has the rms height and the rms slope before and after: of the samples about their mean, and of the steps
@@ -33,6 +34,7 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
+from bem.scans.gaussian_filter import GaussianFilter
 from bem.scans.scan_file import RawScan
 from bem.scans.scan_keys import DEFAULTS, METRES
 from bem.scans.scan_positions import UNIFORMITY, deviation_of, equal_steps, refuse_disorder, uniform
@@ -45,6 +47,7 @@ WIDTH = 5  # samples of the running median: spikes of one or two
 TAPER = 0.1  # of the line, at either end
 DRAWN = 4000  # samples kept for figures
 MOST_MISSING = 0.5  # of the samples
+CARRIED = 1e-6  # of the rms slope: contact areas go as its inverse, and the default tolerance is this
 DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
 
 Line = tuple[FloatArray, FloatArray]
@@ -91,6 +94,12 @@ class Scan:
         power[self.max_harmonics :] /= 2  # an order n/2 has no phase
         wavenumbers = 2 * np.pi / self.period * np.arange(1, power.size + 1)
         return np.cumsum(power), np.cumsum(power * wavenumbers**2)
+
+    @property
+    def carrying(self) -> int:
+        """The least order up to which all of the rms slope is but `CARRIED`; the highest where there is none."""
+        slopes = self._moments[1]
+        return min(int(np.searchsorted(slopes, (1 - CARRIED) ** 2 * slopes[-1])) + 1, self.max_harmonics)
 
     def slope_share(self, harmonics: int) -> float:
         """rms slope of the orders up to `harmonics` over that of all; 1 if the samples are flat."""
@@ -148,9 +157,10 @@ def _thinned(x: FloatArray, h: FloatArray) -> Line:
 def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     """Samples of a period.
 
-    `values` are those of [profile]: dropouts, missing, outliers, detrend, periodic, unequal_spacing, as far as they are
-    given.
-    ScanFileError for positions that do not increase or are unequal, missing samples, fewer than three.
+    `values` are those of [profile]: dropouts, missing, outliers, detrend, periodic, unequal_spacing, cutoff_short,
+    cutoff_long, as far as they are given.
+    ScanFileError for positions that do not increase or are unequal, missing samples, fewer than three, cut-offs that
+    the line does not hold.
     """
     asked = DEFAULTS | {key: values[key] for key in DEFAULTS if key in values}
     refuse_disorder(raw)
@@ -165,10 +175,19 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
         steps, "spacing", asked["unequal_spacing"], line, _even(raw, line, steps[-1], asked["unequal_spacing"])
     )
     line = _done(steps, "detrend", asked["detrend"], line, _detrended(line, asked["detrend"]))
+    measured = line[0].size
     line = _done(steps, "periodic", asked["periodic"], line, _periodic(line, asked["periodic"]))
     scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps))
     steps[-1] |= {"period": scan.period, "end_jump": scan.end_jump}
-    return scan
+    gaussian = GaussianFilter.of(values)
+    if not gaussian.cuts:
+        return scan
+    refusals = list(gaussian.refusals(scan.spacing, measured * scan.spacing))
+    if refusals:
+        raise ScanFileError(refusals)
+    filtered = (scan.x, gaussian.applied(scan.h, scan.spacing))
+    line = _done(steps, "filter", "gaussian", line, (filtered, gaussian.cuts))
+    return Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps))
 
 
 def _done(steps: list[Step], name: str, method: str, before: Line, outcome: tuple[Line, Step]) -> Line:

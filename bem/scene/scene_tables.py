@@ -76,6 +76,8 @@ class ProfileTable(Table):
         None, description='"none", "mean", "line", "quadratic" or "cubic"'
     )
     periodic: Literal["as_is", "mirror", "window"] | None = Field(None, description='"as_is", "mirror" or "window"')
+    cutoff_short: Length | None = Field(None, description=f"{POSITIVE} (m)")
+    cutoff_long: Length | None = Field(None, description=f"{POSITIVE} (m)")
 
 
 class LayerTable(Table):
