@@ -20,7 +20,8 @@ filter     Gaussian filters of ISO 16610-21, profile.cutoff_short and cutoff_lon
 cut        Harmonics from 1 to profile.harmonics are kept (Profile.from_samples).
 
 Each step has the rms height and the rms slope before and after: of the samples about their mean, and of the steps
-between neighbours over their distance; after the cut, of the harmonics.  scipy is imported by the steps that need it.
+between neighbours over their distance; after the cut, of the harmonics, with Ra, Rq and Rz (height_parameters.py).
+scipy is imported by the steps that need it.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray
 from bem.scans.gaussian_filter import GaussianFilter
+from bem.scans.height_parameters import height_parameters
 from bem.scans.scan_file import RawScan
 from bem.scans.scan_keys import DEFAULTS, METRES
 from bem.scans.scan_positions import UNIFORMITY, deviation_of, equal_steps, refuse_disorder, uniform
@@ -126,6 +128,8 @@ class Scan:
         after = [float(np.sqrt(moment[harmonics - 1])) for moment in self._moments]
         share = self.slope_share(harmonics)
         facts = {"harmonics": harmonics, "of": self.max_harmonics, "slope_share_kept": share}
+        mirrored = any(step.get("method") == "mirror" for step in self.steps)
+        facts |= height_parameters(self.h, harmonics, 2 if mirrored else 1)
         return (*self.steps, {"step": "cut"} | facts | _compared(before, (after[0], after[1])))
 
 
