@@ -23,13 +23,13 @@ def test_sections_are_fifths_of_the_line():
     """Waves of amplitude 1, 2, 3, 4 and 5 in turn; the mean of 2, 4, .. 10 is 6, and the whole line has 10."""
     turns = np.sin(2 * np.pi * 50 * np.arange(COUNT) / COUNT)
     h = turns * (1 + np.arange(COUNT) // (COUNT // 5))
-    assert height_parameters(h, 499)["Rz"] == pytest.approx(6.0, rel=2e-2)  # measured 8e-3, of kinks at the ends
+    assert height_parameters(h, 499)["Rz"] == pytest.approx(6.0, rel=1.2e-3)  # measured 4.4e-4
 
 
 def test_sections_of_a_mirrored_line_are_of_what_was_measured():
     h = np.sin(2 * np.pi * 50 * np.arange(COUNT) / COUNT) * (1 + np.arange(COUNT) // (COUNT // 5))
     mirrored = height_parameters(np.concatenate([h, h[::-1]]), 999, 2)
-    assert mirrored == pytest.approx(height_parameters(h, 499), rel=1e-2)  # measured 5e-3
+    assert mirrored == pytest.approx(height_parameters(h, 499), rel=1.2e-3)  # measured 4.1e-4
 
 
 @pytest.mark.parametrize("periodic", ["as_is", "mirror"])
@@ -41,7 +41,7 @@ def test_they_are_of_what_is_solved(periodic):
     surface = bem.Profile.from_samples(scan.x, scan.h, 40)
     heights = surface.height(scan.x[0] + COUNT * SPACING * np.arange(50_000) / 50_000)
     cut = scan.preparation(40)[-1]
-    assert cut["Ra"] == pytest.approx(np.mean(np.abs(heights)), rel=3e-4)  # measured 1e-4
+    assert cut["Ra"] == pytest.approx(np.mean(np.abs(heights)), rel=1.5e-4)  # measured 4.5e-5
     assert cut["Rq"] == pytest.approx(surface.rms_height, rel=1e-12)
     assert cut["Rq"] == pytest.approx(cut["rms_height"][1], rel=1e-12)
-    assert cut["Rz"] == pytest.approx(np.mean(np.ptp(heights.reshape(5, -1), axis=1)), rel=3e-4)  # measured 1e-4
+    assert cut["Rz"] == pytest.approx(np.mean(np.ptp(heights.reshape(5, -1), axis=1)), rel=6e-3)  # measured 2.1e-3
