@@ -30,7 +30,7 @@ def height_parameters(h: FloatArray, harmonics: int, halves: int = 1) -> dict[st
 
     Examples
     --------
-    >>> wave = np.cos(2 * np.pi * 5 * np.arange(64) / 64)
+    >>> wave = np.cos(2 * np.pi * 5 * np.arange(1000) / 1000)
     >>> {name: round(value, 3) for name, value in height_parameters(wave, 20).items()}
     {'Ra': 0.637, 'Rq': 0.707, 'Rz': 2.0}
     """

@@ -13,6 +13,7 @@ spacing    Positions must be at equal steps, as far as their digits tell (scan_p
            samples at equal distances on a curve through the measured ones that does not overshoot (Fritsch, Butland,
            SIAM J. Sci. Stat. Comput. 5 (1984) 300).
 detrend    A least-squares polynomial is subtracted: degree 0 (mean) to 3 (cubic).  A profile has no mean in any case.
+spectrum   Nothing is changed: the power spectrum and its noise floor, with the cut that follows (noise_floor.py).
 periodic   "as_is": n samples at distance dx are the period n dx.  "mirror": followed by the same in reverse, 2 n dx.
            "window": multiplied by a cosine-tapered window (Tukey's; Harris, Proc. IEEE 66 (1978) 51) that goes to zero
            over `TAPER` of the line at either end.
@@ -27,7 +28,7 @@ scipy is imported by the steps that need it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
 from typing import Any
@@ -37,6 +38,7 @@ import numpy as np
 from bem.geometry.arrays import FloatArray
 from bem.scans.gaussian_filter import GaussianFilter
 from bem.scans.height_parameters import height_parameters
+from bem.scans.noise_floor import Spectrum
 from bem.scans.scan_file import RawScan
 from bem.scans.scan_keys import DEFAULTS, METRES
 from bem.scans.scan_positions import UNIFORMITY, deviation_of, equal_steps, refuse_disorder, uniform
@@ -63,7 +65,7 @@ class Scan:
     Examples
     --------
     >>> x = np.array([0.0, 0.5, 1.0])
-    >>> line = Scan(x, np.zeros(3), "", (x, np.zeros(3)), ())
+    >>> line = Scan(x, np.zeros(3), "", (x, np.zeros(3)), (), Spectrum(np.zeros(3), 0.5))
     >>> line.spacing, line.period, line.max_harmonics
     (0.5, 1.5, 1)
     """
@@ -73,6 +75,8 @@ class Scan:
     sha256: str  # of the file's bytes
     measured: Line  # positions and heights as read, m, (n_measured,) each; missing heights are NaN
     steps: tuple[Step, ...]  # what was done, step by step, as plain values
+    spectrum: Spectrum  # of the line detrended, neither continued nor filtered
+    gaussian: GaussianFilter = field(default_factory=GaussianFilter)  # which the heights have passed
 
     @property
     def spacing(self) -> float:
@@ -108,6 +112,10 @@ class Scan:
         slopes = self._moments[1]
         return float(np.sqrt(slopes[harmonics - 1] / slopes[-1])) if slopes[-1] > 0 else 1.0
 
+    def noise_share(self, harmonics: int) -> float:
+        """Share of the mean square slope of the orders up to `harmonics` that noise makes, as filtered."""
+        return self.spectrum.noise_share(harmonics, self.period, self.gaussian)
+
     @cached_property
     def end_jump(self) -> float:
         """Step from the last sample to the first of the next period over the rms step between neighbours."""
@@ -115,12 +123,18 @@ class Scan:
         return abs(float(self.h[0] - self.h[-1])) / rms if rms > 0 else 0.0
 
     def drawn(self) -> dict[str, FloatArray]:
-        """Samples as measured (scan_x, scan_h) and prepared (profile_x, profile_h), m, as few as a figure needs."""
+        """What a figure needs, few numbers.
+
+        Samples as measured (scan_x, scan_h) and prepared (profile_x, profile_h), m; the power spectrum in bands,
+        scan_density (m^3) over scan_wavelength (m).
+        """
         pairs = {"scan": self.measured, "profile": (self.x, self.h)}
         thin = {name: _thinned(*line) for name, line in pairs.items()}
-        return {
+        lines = {
             f"{name}_{axis}": values for name, line in thin.items() for axis, values in zip("xh", line, strict=True)
         }
+        frequency, density, _ = self.spectrum.bands
+        return lines | {"scan_wavelength": 1 / frequency, "scan_density": density}
 
     def preparation(self, harmonics: int) -> tuple[Step, ...]:
         """All steps, the cut with them."""
@@ -179,19 +193,20 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
         steps, "spacing", asked["unequal_spacing"], line, _even(raw, line, steps[-1], asked["unequal_spacing"])
     )
     line = _done(steps, "detrend", asked["detrend"], line, _detrended(line, asked["detrend"]))
-    measured = line[0].size
+    spectrum = Spectrum(line[1], float(line[0][-1] - line[0][0]) / (line[0].size - 1))
+    steps.append({"step": "spectrum"} | spectrum.facts())
     line = _done(steps, "periodic", asked["periodic"], line, _periodic(line, asked["periodic"]))
-    scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps))
+    scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps), spectrum)
     steps[-1] |= {"period": scan.period, "end_jump": scan.end_jump}
     gaussian = GaussianFilter.of(values)
     if not gaussian.cuts:
         return scan
-    refusals = list(gaussian.refusals(scan.spacing, measured * scan.spacing))
+    refusals = list(gaussian.refusals(scan.spacing, spectrum.h.size * scan.spacing))
     if refusals:
         raise ScanFileError(refusals)
     filtered = (scan.x, gaussian.applied(scan.h, scan.spacing))
     line = _done(steps, "filter", "gaussian", line, (filtered, gaussian.cuts))
-    return Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps))
+    return Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps), spectrum, gaussian)
 
 
 def _done(steps: list[Step], name: str, method: str, before: Line, outcome: tuple[Line, Step]) -> Line:
