@@ -28,7 +28,7 @@ scipy is imported by the steps that need it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
 from typing import Any
@@ -77,6 +77,7 @@ class Scan:
     steps: tuple[Step, ...]  # what was done, step by step, as plain values
     spectrum: Spectrum  # of the line detrended, neither continued nor filtered
     gaussian: GaussianFilter = field(default_factory=GaussianFilter)  # which the heights have passed
+    unfiltered: Scan | None = None  # before these filters
 
     @property
     def spacing(self) -> float:
@@ -199,14 +200,18 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps), spectrum)
     steps[-1] |= {"period": scan.period, "end_jump": scan.end_jump}
     gaussian = GaussianFilter.of(values)
-    if not gaussian.cuts:
-        return scan
     refusals = list(gaussian.refusals(scan.spacing, spectrum.h.size * scan.spacing))
     if refusals:
         raise ScanFileError(refusals)
-    filtered = (scan.x, gaussian.applied(scan.h, scan.spacing))
-    line = _done(steps, "filter", "gaussian", line, (filtered, gaussian.cuts))
-    return Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps), spectrum, gaussian)
+    return filtered(scan, gaussian) if gaussian.cuts else scan
+
+
+def filtered(scan: Scan, gaussian: GaussianFilter) -> Scan:
+    """A scan that is not filtered, with filters."""
+    steps, line = list(scan.steps), (scan.x, scan.h)
+    h = gaussian.applied(scan.h, scan.spacing)
+    line = _done(steps, "filter", "gaussian", line, ((scan.x, h), gaussian.cuts))
+    return replace(scan, h=h, steps=tuple(steps), gaussian=gaussian, unfiltered=scan)
 
 
 def _done(steps: list[Step], name: str, method: str, before: Line, outcome: tuple[Line, Step]) -> Line:

@@ -138,9 +138,10 @@ class OutputTable(Table):
     pressure_distribution: bool | Numbers = Field(False, description="true, false or a list of targets")
     width_distributions: bool | Numbers = Field(False, description="true, false or a list of targets")
     contact_slopes: bool | Numbers = Field(False, description="true, false or a list of targets")
+    cut_sensitivity: bool | None = Field(None, description="true or false, of a scan")
 
 
-OUTPUTS = tuple(OutputTable.model_fields)
+OUTPUTS = tuple(name for name in OutputTable.model_fields if name != "cut_sensitivity")  # at targets
 
 
 TABLES: dict[str, type[Table]] = {
