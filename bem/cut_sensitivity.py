@@ -12,7 +12,6 @@ from typing import Any
 
 from bem.geometry.ranges import MOST_HARMONICS
 from bem.scans.gaussian_filter import GaussianFilter
-from bem.scans.scan_preparation import filtered
 from bem.scene.result import Result
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OutputTable
@@ -78,7 +77,7 @@ def _others(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
         gaussian = GaussianFilter(factor * short, scan.gaussian.long)
         if any(gaussian.refusals(scan.spacing, scan.spectrum.h.size * scan.spacing)):
             continue
-        other = filtered(scan.unfiltered, gaussian)
+        other = scan.unfiltered.filtered(gaussian)
         changed = {"cutoff_short": gaussian.short, "harmonics": min(other.carrying, most)}
         profile = scene.profile.model_copy(update=changed)
         yield "cutoff_short", gaussian.short, replace(first, scan=other, profile=profile)

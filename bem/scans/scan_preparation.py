@@ -117,6 +117,12 @@ class Scan:
         """Share of the mean square slope of the orders up to `harmonics` that noise makes, as filtered."""
         return self.spectrum.noise_share(harmonics, self.period, self.gaussian)
 
+    def filtered(self, gaussian: GaussianFilter) -> Scan:
+        """The same scan, which is not filtered, with filters."""
+        steps, h = list(self.steps), gaussian.applied(self.h, self.spacing)
+        _done(steps, "filter", "gaussian", (self.x, self.h), ((self.x, h), gaussian.cuts))
+        return replace(self, h=h, steps=tuple(steps), gaussian=gaussian, unfiltered=self)
+
     @cached_property
     def end_jump(self) -> float:
         """Step from the last sample to the first of the next period over the rms step between neighbours."""
@@ -203,15 +209,7 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     refusals = list(gaussian.refusals(scan.spacing, spectrum.h.size * scan.spacing))
     if refusals:
         raise ScanFileError(refusals)
-    return filtered(scan, gaussian) if gaussian.cuts else scan
-
-
-def filtered(scan: Scan, gaussian: GaussianFilter) -> Scan:
-    """A scan that is not filtered, with filters."""
-    steps, line = list(scan.steps), (scan.x, scan.h)
-    h = gaussian.applied(scan.h, scan.spacing)
-    line = _done(steps, "filter", "gaussian", line, ((scan.x, h), gaussian.cuts))
-    return replace(scan, h=h, steps=tuple(steps), gaussian=gaussian, unfiltered=scan)
+    return scan.filtered(gaussian) if gaussian.cuts else scan
 
 
 def _done(steps: list[Step], name: str, method: str, before: Line, outcome: tuple[Line, Step]) -> Line:
