@@ -11,6 +11,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -35,6 +36,7 @@ from bem.command_line.console import (
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
+from bem.cut_sensitivity import cut_sensitivity, in_words
 from bem.path_for import check_path
 from bem.scene.cost_prediction import cost_of, warning_of
 from bem.scene.effects import effects_of, predicted_seconds
@@ -180,6 +182,8 @@ def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
             old.unlink(missing_ok=True)
     if options.plot:
         _draw(result, options.out)
+    if result.cut_sensitivity and not options.quiet:
+        print(f"cut: {in_words(result.cut_sensitivity)}", file=sys.stderr)
     facts = summary(result, str(options.out), len(scene.loading.targets))
     print(json.dumps(facts) if options.json else summary_line(facts))
     if result.status in FINAL_STATUSES:
@@ -202,6 +206,8 @@ def _solved(scene: Scene, folder: Path, stored: Result | None, quiet: bool) -> R
     report = reporter(sys.stderr, quiet, cost_of(scene))
     try:
         result = solve(scene, progress=report, on_state=checkpoint.keep, resume=stored)
+        if scene.scan is not None:
+            result = replace(result, cut_sensitivity=cut_sensitivity(scene, result))
         with uninterrupted():
             checkpoint.finish(result)
     finally:

@@ -14,3 +14,4 @@ DEFAULTS = {  # how it is prepared
     "periodic": "as_is",
     "unequal_spacing": "refuse",
 }
+CUTOFFS = ("cutoff_short", "cutoff_long")  # of Gaussian filters, m; without them nothing is filtered

@@ -13,19 +13,22 @@ spacing    Positions must be at equal steps, as far as their digits tell (scan_p
            samples at equal distances on a curve through the measured ones that does not overshoot (Fritsch, Butland,
            SIAM J. Sci. Stat. Comput. 5 (1984) 300).
 detrend    A least-squares polynomial is subtracted: degree 0 (mean) to 3 (cubic).  A profile has no mean in any case.
+spectrum   Nothing is changed: the power spectrum and its noise floor, with the cut that follows (noise_floor.py).
 periodic   "as_is": n samples at distance dx are the period n dx.  "mirror": followed by the same in reverse, 2 n dx.
            "window": multiplied by a cosine-tapered window (Tukey's; Harris, Proc. IEEE 66 (1978) 51) that goes to zero
            over `TAPER` of the line at either end.
+filter     Gaussian filters of ISO 16610-21, profile.cutoff_short and cutoff_long (gaussian_filter.py), mode by mode.
 cut        Harmonics from 1 to profile.harmonics are kept (Profile.from_samples).
 
 Each step has the rms height and the rms slope before and after: of the samples about their mean, and of the steps
-between neighbours over their distance; after the cut, of the harmonics.  scipy is imported by the steps that need it.
+between neighbours over their distance; after the cut, of the harmonics, with Ra, Rq and Rz (height_parameters.py).
+scipy is imported by the steps that need it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
 from typing import Any
@@ -33,6 +36,9 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
+from bem.scans.gaussian_filter import GaussianFilter
+from bem.scans.height_parameters import height_parameters
+from bem.scans.noise_floor import Spectrum
 from bem.scans.scan_file import RawScan
 from bem.scans.scan_keys import DEFAULTS, METRES
 from bem.scans.scan_positions import UNIFORMITY, deviation_of, equal_steps, refuse_disorder, uniform
@@ -45,6 +51,7 @@ WIDTH = 5  # samples of the running median: spikes of one or two
 TAPER = 0.1  # of the line, at either end
 DRAWN = 4000  # samples kept for figures
 MOST_MISSING = 0.5  # of the samples
+CARRIED = 1e-6  # of the rms slope: contact areas go as its inverse, and the default tolerance is this
 DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
 
 Line = tuple[FloatArray, FloatArray]
@@ -58,7 +65,7 @@ class Scan:
     Examples
     --------
     >>> x = np.array([0.0, 0.5, 1.0])
-    >>> line = Scan(x, np.zeros(3), "", (x, np.zeros(3)), ())
+    >>> line = Scan(x, np.zeros(3), "", (x, np.zeros(3)), (), Spectrum(np.zeros(3), 0.5))
     >>> line.spacing, line.period, line.max_harmonics
     (0.5, 1.5, 1)
     """
@@ -68,6 +75,9 @@ class Scan:
     sha256: str  # of the file's bytes
     measured: Line  # positions and heights as read, m, (n_measured,) each; missing heights are NaN
     steps: tuple[Step, ...]  # what was done, step by step, as plain values
+    spectrum: Spectrum  # of the line detrended, neither continued nor filtered
+    gaussian: GaussianFilter = field(default_factory=GaussianFilter)  # which the heights have passed
+    unfiltered: Scan | None = None  # before these filters
 
     @property
     def spacing(self) -> float:
@@ -92,10 +102,26 @@ class Scan:
         wavenumbers = 2 * np.pi / self.period * np.arange(1, power.size + 1)
         return np.cumsum(power), np.cumsum(power * wavenumbers**2)
 
+    @property
+    def carrying(self) -> int:
+        """The least order up to which all of the rms slope is but `CARRIED`; the highest where there is none."""
+        slopes = self._moments[1]
+        return min(int(np.searchsorted(slopes, (1 - CARRIED) ** 2 * slopes[-1])) + 1, self.max_harmonics)
+
     def slope_share(self, harmonics: int) -> float:
         """rms slope of the orders up to `harmonics` over that of all; 1 if the samples are flat."""
         slopes = self._moments[1]
         return float(np.sqrt(slopes[harmonics - 1] / slopes[-1])) if slopes[-1] > 0 else 1.0
+
+    def noise_share(self, harmonics: int) -> float:
+        """Share of the mean square slope of the orders up to `harmonics` that noise makes, as filtered."""
+        return self.spectrum.noise_share(harmonics, self.period, self.gaussian)
+
+    def filtered(self, gaussian: GaussianFilter) -> Scan:
+        """The same scan, which is not filtered, with filters."""
+        steps, h = list(self.steps), gaussian.applied(self.h, self.spacing)
+        _done(steps, "filter", "gaussian", (self.x, self.h), ((self.x, h), gaussian.cuts))
+        return replace(self, h=h, steps=tuple(steps), gaussian=gaussian, unfiltered=self)
 
     @cached_property
     def end_jump(self) -> float:
@@ -104,12 +130,18 @@ class Scan:
         return abs(float(self.h[0] - self.h[-1])) / rms if rms > 0 else 0.0
 
     def drawn(self) -> dict[str, FloatArray]:
-        """Samples as measured (scan_x, scan_h) and prepared (profile_x, profile_h), m, as few as a figure needs."""
+        """What a figure needs, few numbers.
+
+        Samples as measured (scan_x, scan_h) and prepared (profile_x, profile_h), m; the power spectrum in bands,
+        scan_density (m^3) over scan_wavelength (m).
+        """
         pairs = {"scan": self.measured, "profile": (self.x, self.h)}
         thin = {name: _thinned(*line) for name, line in pairs.items()}
-        return {
+        lines = {
             f"{name}_{axis}": values for name, line in thin.items() for axis, values in zip("xh", line, strict=True)
         }
+        frequency, density, _ = self.spectrum.bands
+        return lines | {"scan_wavelength": 1 / frequency, "scan_density": density}
 
     def preparation(self, harmonics: int) -> tuple[Step, ...]:
         """All steps, the cut with them."""
@@ -117,6 +149,8 @@ class Scan:
         after = [float(np.sqrt(moment[harmonics - 1])) for moment in self._moments]
         share = self.slope_share(harmonics)
         facts = {"harmonics": harmonics, "of": self.max_harmonics, "slope_share_kept": share}
+        mirrored = any(step.get("method") == "mirror" for step in self.steps)
+        facts |= height_parameters(self.h, harmonics, 2 if mirrored else 1)
         return (*self.steps, {"step": "cut"} | facts | _compared(before, (after[0], after[1])))
 
 
@@ -148,9 +182,10 @@ def _thinned(x: FloatArray, h: FloatArray) -> Line:
 def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     """Samples of a period.
 
-    `values` are those of [profile]: dropouts, missing, outliers, detrend, periodic, unequal_spacing, as far as they are
-    given.
-    ScanFileError for positions that do not increase or are unequal, missing samples, fewer than three.
+    `values` are those of [profile]: dropouts, missing, outliers, detrend, periodic, unequal_spacing, cutoff_short,
+    cutoff_long, as far as they are given.
+    ScanFileError for positions that do not increase or are unequal, missing samples, fewer than three, cut-offs that
+    the line does not hold.
     """
     asked = DEFAULTS | {key: values[key] for key in DEFAULTS if key in values}
     refuse_disorder(raw)
@@ -165,10 +200,16 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
         steps, "spacing", asked["unequal_spacing"], line, _even(raw, line, steps[-1], asked["unequal_spacing"])
     )
     line = _done(steps, "detrend", asked["detrend"], line, _detrended(line, asked["detrend"]))
+    spectrum = Spectrum(line[1], float(line[0][-1] - line[0][0]) / (line[0].size - 1))
+    steps.append({"step": "spectrum"} | spectrum.facts())
     line = _done(steps, "periodic", asked["periodic"], line, _periodic(line, asked["periodic"]))
-    scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps))
+    scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps), spectrum)
     steps[-1] |= {"period": scan.period, "end_jump": scan.end_jump}
-    return scan
+    gaussian = GaussianFilter.of(values)
+    refusals = list(gaussian.refusals(scan.spacing, spectrum.h.size * scan.spacing))
+    if refusals:
+        raise ScanFileError(refusals)
+    return scan.filtered(gaussian) if gaussian.cuts else scan
 
 
 def _done(steps: list[Step], name: str, method: str, before: Line, outcome: tuple[Line, Step]) -> Line:

@@ -43,7 +43,7 @@ HARMONIC_GIGABYTES = 1.4e-5
 LONG_SECONDS, MANY_GIGABYTES = 3600.0, 8.0  # of which a run warns before it begins
 CLOCKS = (("years", 3.156e7), ("days", 86400.0), ("hours", 3600.0))
 KERNEL_SECONDS, KERNEL_RUNS = 0.7e-3, 7  # of the reference kernel; the least of so many runs counts
-MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cube of thousands of unknowns; bare: the first three
+MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cube of thousands of unknowns; bare: three
     "compiled": ((0.51, 0.0052, 4e-5, 0.19, 34.0), (1.5, 0.06, 0.006)),
     "NumPy": ((1.02, 0.0225, 5.4e-4, 0.18, 41.0), (3.0, 0.12, 0.008)),
 }

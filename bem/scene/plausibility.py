@@ -29,6 +29,7 @@ MEANINGS = {
     "pressure_scale": "E* times the rms slope: mean pressures of this size press a half-space flat",
     "thickness_over_period": "waves longer than the layer is thick feel the plate behind it",
     "slope_share_kept": "rms slope of the waves that the cut keeps over that of all waves of the samples",
+    "noise_share_of_slope": "share of the mean square slope that noise makes, of samples with a noise floor",
     "end_jump_over_step": "step from the last sample to the first of the next period over the rms step",
     "adhesion_over_elastic_energy": "w over the elastic energy of complete contact, which comes by itself above 1",
     "tabor_parameter": "(R w^2 / (E*^2 z0^3))^(1/3), R = 1 / rms curvature, z0 = 3e-10 m: strict JKR holds above 5",
@@ -45,6 +46,7 @@ SCANS = (0.1, 1e-4)  # m: longest period, largest rms height of a profilometer's
 MODULI = (1e2, 1e13)  # Pa: weakest gel to beyond diamond
 LARGEST_WORK = 10.0  # J/m^2
 LEAST_SHARE = 0.9  # of the rms slope that the cut keeps
+MOST_NOISE = 0.5  # of the mean square slope
 LARGEST_JUMP = 3.0  # rms steps
 TILTED = 2.0  # rms heights without the tilt; a wave of one period has 1.6
 HEIGHTS = (0.01, 20.0)  # rms heights: separations at which surfaces touch, but not all over
@@ -81,6 +83,8 @@ def groups_of(scene: Scene) -> dict[str, float]:
     if scene.scan is not None and isinstance(scene.profile.harmonics, int):
         groups["slope_share_kept"] = scene.scan.slope_share(scene.profile.harmonics)
         groups["end_jump_over_step"] = scene.scan.end_jump
+        if scene.scan.spectrum.floor:
+            groups["noise_share_of_slope"] = scene.scan.noise_share(scene.profile.harmonics)
     if slope == 0:
         return groups
     if scene.adhesion is not None:
@@ -105,7 +109,14 @@ def _ends(name: str, values: Sequence[float]) -> dict[str, float]:
 
 def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...]:
     """What is out of the ordinary in a scene with these groups, with the probable cause."""
-    judged = (_profile_cautions, _path_cautions, _material_cautions, _range_cautions, _sample_cautions)
+    judged = (
+        _profile_cautions,
+        _path_cautions,
+        _material_cautions,
+        _range_cautions,
+        _sample_cautions,
+        _noise_cautions,
+    )
     return tuple(Caution(*said) for judge in judged for said in judge(scene, groups))
 
 
@@ -232,7 +243,7 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
         told = f"{share:.2g} of the rms slope is kept by all {scan.max_harmonics} harmonics"
         cause = "heights alternate from sample to sample: two scans in turn, or noise?"
         yield "profile.file", f"{told}; the rest is of half as many waves as samples: {cause}"
-    elif share < LEAST_SHARE:
+    elif share < LEAST_SHARE and not _noise_beyond(scene):
         cut = (
             f"profile.harmonics = {scene.profile.harmonics} of {scan.max_harmonics} keeps {share:.0%} of the rms slope"
         )
@@ -261,3 +272,26 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
         yield "profile.outliers", f'{told}: outliers = "replace" sets them to the running median'
     if gaps["count"] > MUCH_MISSING * count:
         yield "profile.missing", f"{gaps['count']} of {count} heights were missing"
+
+
+def _noise_beyond(scene: Scene) -> bool:
+    """Whether waves shorter than those kept are below the noise of a scan."""
+    scan, harmonics = scene.scan, scene.profile.harmonics
+    if scan is None or not isinstance(harmonics, int) or scan.spectrum.crossing is None:
+        return False
+    return scan.period / harmonics <= scan.spectrum.crossing
+
+
+def _noise_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
+    """Slopes that are mostly noise, and where they would not be."""
+    share = groups.get("noise_share_of_slope", 0.0)
+    if scene.scan is None or share <= MOST_NOISE:
+        return
+    spectrum = scene.scan.spectrum
+    told = f"{share:.0%} of the mean square slope is noise, of {spectrum.noise_rms:.2g} m rms in the scan"
+    if spectrum.law is None or spectrum.crossing is None:
+        yield "profile.cutoff_short", f"{told}; the profile nowhere comes out of it: contact areas are of the noise"
+        return
+    um = f"{spectrum.crossing * 1e6:.3g} um"
+    reason = f"there the profile, as f^{-spectrum.law.exponent:.2g}, falls below the noise floor"
+    yield "profile.cutoff_short", f"{told}: cutoff_short = {spectrum.crossing:.3g} ({um}), {reason}"

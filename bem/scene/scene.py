@@ -23,7 +23,7 @@ from pydantic import ValidationError
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown
-from bem.scans.scan_keys import DEFAULTS, SCAN_KEYS
+from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
@@ -248,7 +248,7 @@ def _split(
 
 def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[Scan | None, list[Mistake]]:
     """The samples of profile.file, prepared, if the profile has any and says properly how they are to be read."""
-    wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS)) if key not in profile]
+    wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
     from bem.scans.scan_file import read_scan
@@ -318,7 +318,8 @@ def _profile(values: Mapping[str, Any], scan: Scan | None) -> ProfileTable:
         return profile
     read = scan.steps[0]
     units = {key: read[key] for key in ("unit_x", "unit_h")}
-    defaults = DEFAULTS | units | {"period": scan.period, "harmonics": min(scan.max_harmonics, SAMPLED_HARMONICS)}
+    carried = SAMPLED_HARMONICS if profile.cutoff_short is None else min(scan.carrying, MOST_HARMONICS)
+    defaults = DEFAULTS | units | {"period": scan.period, "harmonics": min(scan.max_harmonics, carried)}
     update = {key: value for key, value in defaults.items() if key not in values}
     if profile.harmonics == "all":
         update["harmonics"] = min(scan.max_harmonics, MOST_HARMONICS)
@@ -331,6 +332,9 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
         if shape in missed:
             value = scene.output.shapes[k]
             yield Mistake(f"output.shapes[{k}]", f"= {value:g} is never met", "a value the loading path passes")
+    if scene.output.cut_sensitivity and (scene.scan is None or scene.start_state is not None):
+        allowed = "false, or a scan in [profile] and loading.initial no stored state"
+        yield Mistake("output.cut_sensitivity", "= true", allowed)
     for name in OUTPUTS[1:]:
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):

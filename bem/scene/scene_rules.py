@@ -16,12 +16,12 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import Mistake as Mistake
 from bem.geometry.ranges import harmonic_mistakes
 from bem.geometry.ranges import shown as shown
-from bem.scans.scan_keys import DEFAULTS, SCAN_KEYS
+from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 
 if TYPE_CHECKING:
     from bem.scans.scan_preparation import Scan
 
-SAMPLED_HARMONICS = 1000  # default cut of a scan
+SAMPLED_HARMONICS = 1000  # default cut of a scan that is not filtered
 REQUIRED = {
     "self_affine": ("period", "hurst", "rms_height", "harmonics"),
     "harmonics": ("period", "orders", "amplitudes", "phases"),
@@ -30,7 +30,7 @@ REQUIRED = {
 OPTIONAL = {
     "self_affine": ("seed",),
     "harmonics": (),
-    "samples": ("period", "harmonics", *SCAN_KEYS, *DEFAULTS),
+    "samples": ("period", "harmonics", *SCAN_KEYS, *DEFAULTS, *CUTOFFS),
 }
 FLAWS = (1e-12, 0.95)  # loading.flaw over the period: what is left in contact beside a wider one is no flaw
 THICKNESSES = (6e-5, 1e12)  # layer.thickness over the period: the audit of a state takes 65,536 modes; half-space

@@ -187,6 +187,14 @@ class ProfileTable(Table):
             "mirror",
         ),
     ] = None
+    cutoff_short: Annotated[
+        Length | None,
+        _about("Gaussian filter (ISO 16610-21) that takes shorter waves away.", f"{POSITIVE} (m)", 8e-6, "m"),
+    ] = None
+    cutoff_long: Annotated[
+        Length | None,
+        _about("Gaussian filter (ISO 16610-21) that takes longer waves away.", f"{POSITIVE} (m)", 8e-4, "m"),
+    ] = None
 
 
 class LayerTable(Table):
@@ -340,9 +348,18 @@ class OutputTable(Table):
     contact_slopes: Annotated[
         bool | Numbers, _about("Mean square slope of the profile where it is touched.", TARGETS_OF, True)
     ] = False
+    cut_sensitivity: Annotated[
+        bool | None,
+        _about(
+            "Whether half and twice the cut of a scan are solved too, at the first target.",
+            "true or false, of a scan",
+            False,
+            absent="true of a scan without adhesion",
+        ),
+    ] = None
 
 
-OUTPUTS = tuple(OutputTable.model_fields)
+OUTPUTS = tuple(name for name in OutputTable.model_fields if name != "cut_sensitivity")  # at targets
 
 
 TABLES: dict[str, type[Table]] = {

@@ -28,7 +28,7 @@ def test_a_good_line_is_left_as_it_is():
     scan = prepare(raw(), {})
     np.testing.assert_allclose(scan.h, H - H.mean(), rtol=0, atol=1e-20)
     assert [step["step"] for step in scan.preparation(99)] == [
-        *("read", "dropouts", "outliers", "missing", "spacing", "detrend", "periodic", "cut")
+        *("read", "dropouts", "outliers", "missing", "spacing", "detrend", "spectrum", "periodic", "cut")
     ]
     assert (step_of(scan, "outliers")["count"], step_of(scan, "missing")["count"]) == (0, 0)
 
@@ -245,7 +245,8 @@ def test_what_is_drawn_is_short_and_keeps_the_extremes():
     h = np.random.default_rng(1).normal(size=count)
     h[777], h[50_000] = 30.0, np.nan
     drawn = prepare(raw(np.arange(count) * 1.0, h), {"missing": "interpolate"}).drawn()
-    assert {values.size for values in drawn.values()} == {DRAWN}
+    assert {drawn[f"{name}_{axis}"].size for name in ("scan", "profile") for axis in "xh"} == {DRAWN}
+    assert drawn["scan_wavelength"].size == drawn["scan_density"].size < 200
     assert np.nanmax(drawn["scan_h"]) == 30.0
     assert np.nanmin(drawn["scan_h"]) == np.nanmin(h)
     assert (np.diff(drawn["profile_x"]) >= 0).all()
