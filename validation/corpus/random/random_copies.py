@@ -156,8 +156,8 @@ def compared(
     """
     if other.status != result.status:
         return [Finding(made.kind, f"status {other.status}, not {result.status}")]
-    ours, theirs = ([state for state in each.targets if state.found] for each in (result, other))
-    ours = ours if made.last is None else ours[len(ours) - made.last :]
+    rows = result.targets if made.last is None else result.targets[len(result.targets) - made.last :]
+    ours, theirs = ([state for state in each if state.found] for each in (rows, other.targets))
     if len(ours) != len(theirs):
         return [Finding(made.kind, f"{len(theirs)} targets, not {len(ours)}")]
     return _differing(list(_ways(made, scene.surface())), Units.of(scene), result, other, nearness)
