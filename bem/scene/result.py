@@ -91,7 +91,8 @@ class State:
     overlap; `mean_pressure` is NaN (null in the file) where any would do, in complete contact under a prescribed
     separation, and where the state asked for does not exist.  `total_displacement` is None there on a compressible
     layer.  `events` is the number of events up to this state; None in results that did not store it.  The status is
-    `not_converged` where the certificate is not ok.
+    `not_converged` where the certificate is not ok.  `peak_pressure` (Pa) and `largest_gap` (m), of samples
+    of pressure and gap, are known at targets alone; there is no peak without contact.
 
     A target that was not met has its row too, `unreachable` or `not_converged`, and `certificate.reasons` says why.  It
     is that of surfaces apart where no contact carries a tension.  Where no state was found, only the quantity under
@@ -125,6 +126,8 @@ class State:
     status: str
     target: bool
     events: int | None = None
+    peak_pressure: float | None = None
+    largest_gap: float | None = None
 
     @property
     def found(self) -> bool:
