@@ -1,7 +1,8 @@
 """Command line: `python -m bem check SCENE` and `python -m bem run SCENE --out DIR`.
 
-Exit codes: 0 done, 1 a failure named in the output (converged states are kept), 2 bad input (nothing is written),
-130 interrupted with everything converged saved.  Progress on stderr, results in files, one summary line on stdout.
+Exit codes: 0 done, also where all targets that were not met lie behind a pull-off (status `unreachable`), 1 a failure
+named in the output (converged states are kept), 2 bad input (nothing is written), 130 interrupted with everything
+converged saved.  Progress on stderr, results in files, one summary line on stdout.
 matplotlib is imported for --plot only.
 """
 
@@ -157,7 +158,7 @@ def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
         _draw(result, options.out)
     facts = summary(result, str(options.out), len(scene.loading.targets))
     print(json.dumps(facts) if options.json else summary_line(facts))
-    if result.status in FINAL_STATUSES:
+    if result.answered:
         return DONE
     return INTERRUPTED if result.status == "interrupted" else FAILED
 

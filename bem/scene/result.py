@@ -253,6 +253,19 @@ class Result(Views):
         )
 
     @property
+    def answered(self) -> bool:
+        """Whether the scene has its answer: it ended as asked, or all that was not met lies behind a pull-off.
+
+        A tension that the contact cannot carry, asked for on the way out, has one: how much it carried.
+        """
+        missed = [state for state in self.states if not state.found]
+        pulled = [k for k, event in enumerate(self.events) if event.kind == "pull_off"]
+        behind = [
+            state.status == "unreachable" and bool(pulled) and pulled[0] < (state.events or 0) for state in missed
+        ]
+        return self.status in FINAL_STATUSES or (self.status == "unreachable" and any(behind) and all(behind))
+
+    @property
     def targets(self) -> tuple[State, ...]:
         """The states at targets, one row each, whether it was met or not."""
         return tuple(state for state in self.states if state.target)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from bem.scene.result import FINAL_STATUSES, Result
+from bem.scene.result import Result
 from validation.harness.verdict import counted
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
@@ -48,8 +48,12 @@ def outcome(result: Result) -> str:
     found = [state for state in result.states if state.found]
     certified, targets = sum(state.certificate.ok for state in found), sum(state.target for state in found)
     how = {"converged": "Converged", "not_converged": "Not converged"}.get(result.status, result.status.capitalize())
+    missed = len(result.states) - len(found)
+    beyond = ""
+    if result.answered and missed:
+        how, beyond = "Pulled off", f", {counted(missed, 'target')} beyond what the contact carries"
     words = [
-        f"{how}: {counted(targets, 'state')} at targets ({len(result.scene['loading']['targets'])} in the scene)",
+        f"{how}: {counted(targets, 'state')} at targets ({len(result.scene['loading']['targets'])} in the scene{beyond})",
         f"{certified} of {len(found)} states certified by the independent quadrature",
         counted(len(result.events), "event"),
     ]
@@ -57,13 +61,13 @@ def outcome(result: Result) -> str:
         last = found[-1]
         pressure = "any mean pressure" if math.isnan(last.mean_pressure) else quantity(last.mean_pressure, "Pa")
         words.append(f"last at {pressure} and contact fraction {last.contact_fraction:.6g}")
-    why = "" if result.failure is None else f" Why: {result.failure}."
+    why = "" if result.failure is None or result.answered else f" Why: {result.failure}."
     return "; ".join(words) + "." + why
 
 
 def succeeded(result: Result) -> bool:
-    """Whether a run ended as asked, with every state certified."""
-    return result.status in FINAL_STATUSES and all(state.certificate.ok for state in result.states)
+    """Whether a run has its answer, with every state certified."""
+    return result.answered and all(state.certificate.ok for state in result.states if state.found)
 
 
 def scene_in_words(scene: Mapping[str, Any]) -> list[str]:
