@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
+from bem.command_line.answer_table import table_text
 from bem.command_line.checkpoint import (
     Checkpoint,
     OutputFolderError,
@@ -102,7 +103,9 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     present.add_argument("--overwrite", action="store_true", help="replace the result DIR holds")
     run.add_argument("--plot", action="store_true", help="also draw curves and stored shapes as PNG")
     run.add_argument("--quiet", action="store_true", help="no progress")
-    run.add_argument("--json", action="store_true", help="print the summary as JSON")
+    said = run.add_mutually_exclusive_group()
+    said.add_argument("--json", action="store_true", help="print the summary as JSON")
+    said.add_argument("--table", action="store_true", help="print the answer too: a column of numbers for each target")
     run.set_defaults(command=_run, perform=perform)
 
 
@@ -157,6 +160,8 @@ def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     if options.plot:
         _draw(result, options.out)
     facts = summary(result, str(options.out), len(scene.loading.targets))
+    if options.table:
+        print(table_text(result))
     print(json.dumps(facts) if options.json else summary_line(facts))
     if result.answered:
         return DONE

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.command_line.answer_table import axis_unit
 from bem.scene.result import Result, State
 from validation.harness.figure_data import axes, bars, drawn, marks, semilogy, trace
 from validation.harness.schema import Figure, Panel, Series
-from validation.report.run_words import axis_unit, quantity
+from validation.report.run_words import quantity
 from validation.report.scan_figure import preparation_figure
 
 MOST_SHAPES = 8

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from bem.command_line.answer_table import axis_unit
 from bem.scene.result import Result
 from validation.harness.verdict import counted
 
-PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 CONTROLS = {
     "separation": ("the separation of the mean planes", "m"),
     "penetration": ("the penetration from first touch", "m"),
@@ -31,18 +31,6 @@ def quantity(value: float, unit: str) -> str:
     return f"{value * factor:.6g} {prefixed}"
 
 
-def axis_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Factor and unit with a prefix with which the largest of some numbers lies between 1 and 1000.
-
-    Examples
-    --------
-    >>> axis_unit(2.5e-5, "m")
-    (1000000.0, 'µm')
-    """
-    power = 3 * math.floor(math.log10(largest) / 3 + 1e-12) if largest else 0
-    return (10.0**-power, PREFIXES[power] + unit) if power in PREFIXES else (1.0, unit)
-
-
 def outcome(result: Result) -> str:
     """The first sentence of a page: how it ended, how much of it is certified, and where."""
     found = [state for state in result.states if state.found]
@@ -52,8 +40,9 @@ def outcome(result: Result) -> str:
     beyond = ""
     if result.answered and missed:
         how, beyond = "Pulled off", f", {counted(missed, 'target')} beyond what the contact carries"
+    asked = len(result.scene["loading"]["targets"])
     words = [
-        f"{how}: {counted(targets, 'state')} at targets ({len(result.scene['loading']['targets'])} in the scene{beyond})",
+        f"{how}: {counted(targets, 'state')} at targets ({asked} in the scene{beyond})",
         f"{certified} of {len(found)} states certified by the independent quadrature",
         counted(len(result.events), "event"),
     ]

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.command_line.answer_table import axis_unit
 from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.schema import Figure
-from validation.report.run_words import axis_unit
 
 SAID = {
     "outliers": {"keep": "spikes found and kept: {count}", "replace": "spikes replaced: {count}"},
