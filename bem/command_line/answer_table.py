@@ -147,7 +147,8 @@ def _ordered(cells: dict[str, Cell], row: Mapping[str, float], known: Mapping[st
     if math.isnan(widths[0]):
         yield UNKNOWN, ""
     else:
-        yield ", ".join(readable(width, "m", 3) for width in widths), widths[1]
+        factor, prefixed = axis_unit(widths[-1], "m")
+        yield f"{', '.join(_fixed(width * factor, 3) for width in widths)} {prefixed}", widths[1]
     yield _cell(row, "open_share", "", known)
     yield _cell(row, "open_gap_mean", "m", known)
     yield _cell(row, "open_gap_largest", "m", known)

@@ -82,9 +82,10 @@ class Views:
 
     def pull_off(self) -> PullOff | None:
         """What pulling the surfaces apart took; None where no state or event on the way out is in tension."""
-        if not self.states:
+        known = [state for state in self.states if state.found]
+        if not known:
             return None
-        highest = self.states[0].penetration + self.states[0].separation
+        highest = known[0].penetration + known[0].separation
         out, before, apart = [], 0, None
         for state in self.states:
             happened = self.events[before : state.events or before]

@@ -54,7 +54,7 @@ def test_a_person_can_read_it(wave):
     cells = dict(zip(heads(wave), (text for text, _ in next(rows(wave))), strict=True))
     assert cells["mean pressure (held)"] == "14.4719 kPa"
     assert (cells["contact fraction"], cells["± numerical"], cells["± input"]) == ("0.4000", "< 0.01 %", UNKNOWN)
-    assert cells["widths: least, median, largest"] == "4.00 mm, 4.00 mm, 4.00 mm"
+    assert cells["widths: least, median, largest"] == "4.00, 4.00, 4.00 mm"
     assert "contact pressure: peak" in table_text(wave)
 
 
