@@ -21,10 +21,11 @@ from validation.report.figures import svg_of
 from validation.report.render import PAGE, ReportError, filled, number
 from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
 from validation.report.run_words import outcome, quantity, scene_in_words, succeeded
+from validation.report.study_page import DOUBTFUL
+from validation.report.study_page import FILE as STUDY
 
-STUDY, TABLE = "study.json", "answer.csv"
+TABLE = "answer.csv"
 FRACTION = "contact_fraction"
-DOUBTFUL = 0.1  # relative uncertainty of the input beyond which an answer is no more than a hint
 FEW_EVENTS = 20  # more are folded
 SAME = 1e-6  # relative distance of the numbers of a run and of its study
 MOST_ROWS = 500  # of a table; all are in result.json
