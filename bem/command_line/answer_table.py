@@ -149,7 +149,8 @@ def _ordered(cells: dict[str, Cell], row: Mapping[str, float], known: Mapping[st
     else:
         factor, prefixed = axis_unit(widths[-1], "m")
         yield f"{', '.join(_fixed(width * factor, 3) for width in widths)} {prefixed}", widths[1]
-    yield _cell(row, "open_share", "", known)
+    opened = row["open_share"]  # its error is that of the contact fraction
+    yield _cell(row, "open_share", "", {"open_share": outer * fraction / opened} if outer > 0 < opened else {})
     yield _cell(row, "open_gap_mean", "m", known)
     yield _cell(row, "open_gap_largest", "m", known)
 

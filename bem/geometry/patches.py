@@ -164,10 +164,8 @@ class PatchPressure:
         >>> round(PatchPressure(-half, half, (np.array([0.5, 0.0, -0.5]),)).peak(), 5)  # sigma = sqrt(1 - x^2)
         1.0
         """
-        return max(
-            _peak(charge) / ((right - left) / 2)
-            for left, right, charge in zip(self.left, self.right, self.charges, strict=True)
-        )
+        half_widths: list[float] = ((self.right - self.left) / 2).tolist()
+        return max(_peak(charge) / half for charge, half in zip(self.charges, half_widths, strict=True))
 
 
 def _peak(charge: FloatArray) -> float:

@@ -49,7 +49,7 @@ def outcome(result: Result) -> str:
     if found:
         last = found[-1]
         pressure = "any mean pressure" if math.isnan(last.mean_pressure) else quantity(last.mean_pressure, "Pa")
-        words.append(f"last at {pressure} and contact fraction {last.contact_fraction:.6g}")
+        words.append(f"last at {pressure} and contact fraction {last.contact_fraction:.4g}")
     why = "" if result.failure is None or result.answered else f" Why: {result.failure}."
     return "; ".join(words) + "." + why
 

@@ -64,6 +64,14 @@ def test_digits_are_those_that_the_uncertainty_of_the_input_leaves(wave):
     assert len(cells["separation"][0].split()[0].replace(".", "")) == digits(0.004) == 3
 
 
+def test_the_open_share_is_as_uncertain_as_the_contact_fraction(wave):
+    nearly = bem.solve(WAVE | {"loading": {"control": "mean_pressure", "targets": [0.9999 * PRESSURE / SHARE]}})
+    (cells,) = rows(nearly, {0: {"contact_fraction": 0.005}})
+    shown = dict(zip(heads(nearly), (text for text, _ in cells), strict=True))
+    assert shown["contact fraction"] == "0.994"
+    assert shown["open share of the period"] == "0.0064"  # 0.5 % of the one are 80 % of the other
+
+
 def test_what_is_not_known_is_a_dash_and_an_empty_cell(rough):
     apart = [text for text, _ in list(rows(rough))[-1]]  # the surfaces are apart
     assert apart.count(UNKNOWN) == 4  # uncertainty of the input, both contact pressures, widths

@@ -6,6 +6,7 @@ adhesion separations take a ladder of loads, and are left out.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,9 @@ LEAST, MOST = 0.003, 0.6  # contact fractions of the theory among which the corr
 SPAN = 50.0  # largest load drawn over the smallest
 
 
+Solved = persson.NonadhesiveContact | persson.AdhesiveContact | corrected_theory.CorrectedContact
+
+
 @dataclass(frozen=True)
 class Theory:
     """A curve: loads in Pa, contact fractions, and separations in m where they are known."""
@@ -37,9 +41,11 @@ def spectrum_of(result: Result) -> DiscreteSpectrum | None:
     """The lines of the profile of a result; None of a scan whose result does not hold them."""
     profile = result.scene["profile"]
     if profile["kind"] != "samples":
-        names = {"self_affine": SELF_AFFINE, "harmonics": HARMONICS}[profile["kind"]]
-        made = {"self_affine": Profile.self_affine, "harmonics": Profile.from_harmonics}[profile["kind"]]
-        return DiscreteSpectrum.of_profile(made(**{name: profile[name] for name in names}))
+        if profile["kind"] == "self_affine":
+            surface = Profile.self_affine(**{name: profile[name] for name in SELF_AFFINE})
+        else:
+            surface = Profile.from_harmonics(**{name: profile[name] for name in HARMONICS})
+        return DiscreteSpectrum.of_profile(surface)
     if "profile_q" not in result.fields:
         return None
     return DiscreteSpectrum(result.fields["profile_q"], result.fields["profile_amplitude"])
@@ -59,9 +65,7 @@ def theories_of(result: Result) -> list[Theory]:
         given["work_of_adhesion"] = adhesion["work_of_adhesion"]
     adhesive = adhesion is not None
     loads = np.geomspace(most / SPAN, most, FEW if adhesive else MANY).tolist()
-    plain = [
-        persson.solve(spectrum, load, **given, **({"with_separation": False} if adhesive else {})) for load in loads
-    ]
+    plain = [persson.solve(spectrum, load, with_separation=not adhesive, **given) for load in loads]
     found = [_curve("Persson's theory", loads, plain)]
     partial = [load for load, state in zip(loads, plain, strict=True) if LEAST < state.contact_fraction < MOST]
     chosen = partial[:: -(-len(partial) // FEW) or 1]
@@ -72,9 +76,7 @@ def theories_of(result: Result) -> list[Theory]:
     return found
 
 
-def _curve(
-    label: str, loads: list[float], states: list[persson.NonadhesiveContact | persson.AdhesiveContact]
-) -> Theory:
+def _curve(label: str, loads: list[float], states: Sequence[Solved]) -> Theory:
     """States as a curve."""
     separations = [state.separation for state in states]
     known = [value for value in separations if value is not None]
