@@ -119,7 +119,7 @@ def rows(result: Result, inputs: Inputs | None = None) -> Iterator[list[Cell]]:
     for k in range(len(result.targets)):
         row = {name: values[k] for name, values in columns.items()}
         known = (inputs or {}).get(k, {})
-        held = (UNKNOWN, "") if math.isnan(row[control]) else (_exact(row[control], unit), row[control])
+        held = (UNKNOWN, "") if math.isnan(row["target"]) else (_exact(row["target"], unit), row["target"])
         cells = {
             "mean pressure": _cell(row, "mean_pressure", "Pa", known),
             "separation": _cell(row, "separation", "m", known),

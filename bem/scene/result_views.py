@@ -74,7 +74,7 @@ class Views:
             Neither of them.
         """
         if of == "targets":
-            return _answers([state for state in self.states if state.target])
+            return _answers([state for state in self.states if state.target], self.scene["loading"])
         if of not in ("states", "events"):
             raise ValueError(f'of = {of!r}; allowed: "states", "events" or "targets"')
         kind = get_type_hints(type(self))[of].__args__[0]
@@ -158,12 +158,16 @@ class Views:
         return f"<p>{said}</p><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{more}"
 
 
-def _answers(states: Sequence[Any]) -> dict[str, NDArray[Any]]:
-    """The columns of the answer."""
+def _answers(states: Sequence[Any], loading: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    """The columns of the answer; `target` is what was asked for, or held at a pressure on the way."""
+    held, asked = [getattr(state, loading["control"]) for state in states], loading["targets"]
+    met = [value if state.found else math.nan for value, state in zip(held, states, strict=True)]
+    target = np.array(asked if len(asked) == len(states) else met, dtype=np.float64)
     named = ("branch", "status")
     found: dict[str, NDArray[Any]] = {name: np.array([getattr(state, name) for state in states]) for name in named}
     rows = [_answer(state) for state in states]
     names = list(_answer(states[0])) if states else []
+    found["target"] = target
     return found | {name: np.array([row[name] for row in rows], dtype=np.float64) for name in names}
 
 
@@ -176,7 +180,7 @@ def _answer(state: Any) -> dict[str, float | None]:
     numbers = ("penetration", "separation", "total_displacement", "mean_pressure")
     error = {f"error_estimate_{name}": getattr(state.error_estimate, name) for name in ("contact_fraction", *numbers)}
     return {
-        **{name: getattr(state, name) if known or name in ("mean_pressure",) else math.nan for name in numbers},
+        **{name: getattr(state, name) if known else math.nan for name in numbers},
         "contact_fraction": share,
         **error,
         "contact_pressure": state.mean_pressure / share if share else math.nan,

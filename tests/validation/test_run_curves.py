@@ -90,6 +90,14 @@ def test_the_theory_of_a_scan_is_that_of_its_lines(tmp_path):
         assert one.fractions == pytest.approx(other.fractions, rel=1e-6)
 
 
+def test_complete_contact_under_a_given_separation_has_distributions_without_a_pressure():
+    deepest = bem.parse_scene(ROUGH).surface().max_height
+    loading = {"control": "penetration", "targets": [1e-5, deepest]}
+    whole = bem.solve({**ROUGH, "loading": loading, "output": {"pressure_distribution": True}})
+    (pressures,) = distributions_of(whole)
+    assert pressures.solution.series[-1].label == "at complete contact, loading"
+
+
 def test_distributions_that_were_asked_for_are_drawn(pressed, adhesive):
     widths, pressures = distributions_of(pressed)
     assert [series.label for series in widths.solution.series] == [

@@ -120,6 +120,8 @@ def distributions_of(result: Result) -> Iterator[Figure]:
 
 def _where(state: State | None, name: str) -> str:
     """Where on the path a stored state is."""
+    if state is not None and math.isnan(state.mean_pressure):
+        return f"complete contact, {state.branch}"
     return f"state {name}" if state is None else f"{readable(state.mean_pressure, 'Pa', 3)}, {state.branch}"
 
 

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from bem.__main__ import main
+from bem.command_line.answer_table import rows
 from bem.scene.result_file import read_result
 from validation.report.run_page import render_run
 from validation.report.run_words import outcome, succeeded
@@ -44,6 +45,8 @@ def test_a_completed_pull_off_is_an_answer(targets, tmp_path, capsys):
     assert outcome(result).startswith(f"Pulled off: {met} states at targets ({len(targets)} in the scene, {beyond} ")
     assert " Why: " not in outcome(result)
     assert 'class="verdict agrees">✓ Pulled off' in render_run(result)
+    assert result.to_table("targets")["target"].tolist() == targets
+    assert [held for (held, _), *_ in rows(result)][1 if beyond > 1 else 2] == "-50 kPa"
 
 
 def test_a_tension_before_any_contact_is_a_failure(tmp_path, capsys):
