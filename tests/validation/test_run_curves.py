@@ -1,5 +1,6 @@
 """Curves of a run: jumps as jumps, the pull-off where the curve turns, the theory, distributions."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -46,6 +47,16 @@ def test_branches_end_where_the_contact_jumps(adhesive):
     for k in range(0, len(strokes.jumps), 3):  # no line joins the two ends of a jump
         start, end, _ = strokes.jumps[k : k + 3]
         assert all(pair != (start, end) for pair in pairwise(lines))
+
+
+def test_a_dead_tension_pulls_off_without_an_end_to_draw():
+    pulled = bem.solve({**ROUGH, "loading": {"control": "mean_pressure", "targets": [1e3, -5e4]}, "output": {}})
+    found = replace(pulled, states=tuple(state for state in pulled.states if state.found))
+    highest = found.states[0].penetration + found.states[0].separation
+    strokes = strokes_of(found, lambda state: state.separation, lambda event: highest - event.penetration)
+    out = strokes.branches["unloading"]
+    event = next(event for event in found.events if event.kind == "pull_off")
+    assert out[-3:-1] == [(highest - event.penetration, event.mean_pressure), None]
 
 
 def test_the_pull_off_is_marked_where_the_curve_turns(adhesive):

@@ -66,8 +66,8 @@ def strokes_of(result: Result, value: Callable[[State], float], place: Callable[
             if place is not None and not math.isnan(event.mean_pressure) and last is not None:
                 last = place(event), event.mean_pressure
                 line.append(last)
-            if jumps(event):
-                if last is not None:
+            if jumps(event) or event.kind == "pull_off":  # a dead tension pulls the surfaces apart without end
+                if last is not None and jumps(event):
                     found.jumps += [last, here, None]
                 line.append(None)
                 break
