@@ -69,6 +69,7 @@ class Certificate:
     mean_gap_error: float
     ok: bool  # no reason against the state was found
     reasons: tuple[str, ...]  # each demand that is not met, with figure, limit and place
+    largest_gap: float  # at the points tried
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +145,9 @@ def certify(
     magnitude = max(1.0, float(np.max(np.abs(np.concatenate(pressure.charges)))))
     allowed = np.maximum(max(demands.contact_residual, ROUNDING * magnitude), misfit.rounded / misfit.variation)
     residual = verdict.judge("contact residual", misfit.largest / misfit.variation, allowed, "on patch")
-    depth, gap_integrals, unresolved = gap_depths(profile, displacement, penetration, behind, RESOLVED * magnitude)
+    depth, highest, gap_integrals, unresolved = gap_depths(
+        profile, displacement, penetration, behind, RESOLVED * magnitude
+    )
     min_gap = -verdict.judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
     error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - (profile.max_height - penetration))
@@ -159,6 +162,7 @@ def certify(
         mean_gap_error=mean_gap_error,
         ok=not verdict.reasons,
         reasons=tuple(verdict.reasons),
+        largest_gap=float(np.max(highest)),
     )
 
 
