@@ -15,7 +15,7 @@ from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
 
 if TYPE_CHECKING:
-    from bem.continuation.points_with_edges import Point, WithEdges
+    from bem.continuation.points_with_edges import Point, Equilibrium
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
 TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
@@ -53,5 +53,6 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
         if flaw is None:
             shut = f"= {width:g}: where it would open the pressure shuts a part of it"
             raise SceneError([Mistake("loading.flaw", shut, "a narrower one")])
-    adhesive: LoadingPath[Point, WithEdges] = Path(system, increments, highest, complete, flaw)
+    asks_loads = bool(scene.loading.at_mean_pressures) or scene.loading.stop_at_mean_pressure is not None
+    adhesive: LoadingPath[Point, Equilibrium] = Path(system, increments, highest, complete, flaw, asks_loads)
     return adhesive
