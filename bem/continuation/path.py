@@ -199,6 +199,9 @@ class Path:
         while True:
             ahead = predicted(at, length, way)
             tried = float(np.max(np.abs(ahead[0] / at.unit)))
+            if tried < SHORTEST:
+                yield self._by_control(at, way)
+                return
             piece = step_from(self.system, at, ahead, way)
             if piece is Refused.MISFIT and at.off > EXACT * tried:
                 better = evaluated_at_itself(self.system, at, way)
@@ -209,9 +212,6 @@ class Path:
             if isinstance(piece, Refused) or isinstance(found, Refused):
                 self.effort.rejected += 1
                 length = tried / SHORTER
-                if length < SHORTEST:
-                    yield self._by_control(at, way)
-                    return
                 continue
             self.effort.accepted += 1
             self.effort.unknowns = max(self.effort.unknowns, piece.last.balance.state.unknowns)

@@ -23,7 +23,8 @@ PART = 0.3  # of the step: the same
 MISFIT = 0.02  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
 EXACT = 1e-4  # of the step: a Newton step whose end is not evaluated again for a better curve
 GROWTH = 0.5, 2.0  # of the length of a step from one to the next
-BEYOND = 1.05  # times the way to where the control turns: how far a step goes
+PAST = 0.01  # units: how far a step may go past where the control turns
+BEYOND = 1.05  # times the way to where the control turns, or to its last value: how far a step goes
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +97,8 @@ def evaluated_at_itself(system: System, at: CurvePoint, way: Way) -> CurvePoint 
 def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, float]:
     """Motion of the edges and change of the control along the Taylor series.
 
-    As long as asked, the control changing by no more than its largest step; not far beyond a turn of the control, nor
-    beyond its end, where that is ahead.
+    As long as asked, the control changing by no more than its largest step; a little beyond a turn of the control and
+    beyond its last value, so that both lie on the piece.
     """
 
     def at_parameter(h: float) -> tuple[FloatArray, float]:
@@ -108,8 +109,9 @@ def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, floa
         h *= min(1.0, length / float(np.max(np.abs(at_parameter(h)[0] / at.unit))))
     rate, bend = at.control_rate * way.direction, at.control_bend * way.direction
     if bend < 0 < rate:
-        h = min(h, -BEYOND * rate / bend)
-    for left in (way.largest, -way.beyond(at.value)):
+        turn = -rate / bend
+        h = min(h, max(BEYOND * turn, turn + PAST / at.speed))
+    for left in (way.largest, -BEYOND * way.beyond(at.value)):
         if h * rate + h**2 / 2 * bend >= left > 0:
             h = min(h, 2 * left / (rate + np.sqrt(max(rate**2 + 2 * bend * left, 0.0))))
     return at_parameter(h)
