@@ -24,6 +24,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import polynomial
+from scipy.linalg import lapack
 
 from bem.adhesive.branch import after_step, outward_motion
 from bem.adhesive.equilibrium import Balance, System, forces
@@ -35,6 +36,7 @@ from bem.loading.path_events import EventNumbers
 
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
 BESIDE = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
+SOFTENING = 3.0  # per unit of a motion: what an eigenvalue, of order 1, may fall by
 MODES = 4  # of a point whose Hessian is indefinite: more than turn within a step, but for equal patches
 
 
@@ -123,6 +125,15 @@ class CurvePoint:
             return np.zeros(0), np.zeros((size, 0))
         values, modes = lowest_modes(self.balance.scaled_hessian, MODES)
         return values[values < 0], modes[:, values < 0]
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether what the Newton step may change of the eigenvalues leaves them positive, or some are negative."""
+        if self.balance.factor is None:
+            return True
+        shifted = self.balance.scaled_hessian
+        shifted.flat[:: shifted.shape[0] + 1] -= SOFTENING * self.off
+        return bool(lapack.dpotrf(shifted, lower=0, clean=0)[1] == 0)
 
     def by(self, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
         """First and second derivatives of motions and control by the parameter normal . xi, (2 L + 1,) each."""

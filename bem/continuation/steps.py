@@ -74,7 +74,8 @@ def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], w
     if there.off > min(LARGEST, PART * tried):
         return Refused.DIVERGED
     piece = Piece.between(at, there)
-    if (piece is None or piece.misfit > MISFIT) and there.off > EXACT * tried:
+    fits = piece is not None and piece.misfit <= MISFIT
+    if (not fits and there.off > EXACT * tried) or (fits and not there.is_clear):
         better = evaluated_at_itself(system, there, way)
         if isinstance(better, Refused):
             return better

@@ -46,6 +46,8 @@ def path_of(tables: Record, increment: float, limit: int) -> Record:
     """Status, targets and events of a scene; dimensionless by the rms height and what adhesion and heights give."""
     tables = tables | {"accuracy": tables.get("accuracy", {}) | {"max_increment": increment}}
     scene, counts = parse_scene(tables), [0]
+    if scene.surface().is_flat:
+        raise SceneError([])  # nothing to follow
     begun = time.process_time()
 
     def stop(*_: object) -> None:
