@@ -27,7 +27,7 @@ from numpy.polynomial import polynomial
 from scipy.linalg import lapack
 
 from bem.adhesive.branch import after_step, outward_motion
-from bem.adhesive.equilibrium import Balance, System, forces
+from bem.adhesive.equilibrium import Balance, System, forces, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
 from bem.geometry.arrays import FloatArray
@@ -36,7 +36,7 @@ from bem.loading.path_events import EventNumbers
 
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
 BESIDE = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
-SOFTENING = 3.0  # per unit of a motion: what an eigenvalue, of order 1, may fall by
+SOFTENING = 6.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit
 MODES = 4  # of a point whose Hessian is indefinite: more than turn within a step, but for equal patches
 
 
@@ -131,7 +131,7 @@ class CurvePoint:
         """Whether what the Newton step may change of the eigenvalues leaves them positive, or some are negative."""
         if self.balance.factor is None:
             return True
-        shifted = self.balance.scaled_hessian
+        shifted = symmetric_part(self.balance.hessian, np.sqrt(self.unit / self.balance.work))
         shifted.flat[:: shifted.shape[0] + 1] -= SOFTENING * self.off
         return bool(lapack.dpotrf(shifted, lower=0, clean=0)[1] == 0)
 
