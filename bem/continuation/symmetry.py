@@ -20,7 +20,7 @@ from bem.continuation.steps import Way
 from bem.continuation.turns import LimitPoint
 from bem.geometry.arrays import FloatArray
 
-ASIDE = 0.05, 0.02, 0.005  # units: the motion along the mode; shorter where Newton fails
+ASIDE = 0.05, 0.0125, 0.003, 8e-4, 2e-4  # units: the motion along the mode; shorter where more is going on
 AHEAD = 0.03, 0.01, 0.1  # units: the motion along the symmetric branch
 TIED = 1e-6  # relative difference of patches that are equal
 
@@ -40,7 +40,10 @@ def alone(limit: LimitPoint) -> FloatArray:
 
 
 def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way) -> CurvePoint | Refused:
-    """The branch that begins where a symmetry breaks, a little along a motion; its parameter grows from there on."""
+    """The branch that begins where a symmetry breaks, a little along a motion; its parameter grows from there on.
+
+    So close to there that no more modes are unstable on it than were neutral.
+    """
     at = limit.at
     unit, refused = unit_of(system, at.balance), Refused.UNCLEAR
     motion = motion / np.max(np.abs(motion / unit))
@@ -54,7 +57,7 @@ def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way
             continue
         moved = outward_motion(at.patches, found.patches)
         point = curve_point(system, found.balance, found.exact.value, normal, float(normal @ moved))
-        if point is not None:
+        if point is not None and point.lowest[0].size <= limit.modes.shape[1]:
             return point
     return refused
 
