@@ -142,9 +142,7 @@ class CurvePoint:
         return first / along, (second - first * (turning / along)) / along**2
 
 
-def curve_point(
-    system: System, here: Balance, value: float, normal: FloatArray, length: float
-) -> CurvePoint | None:
+def curve_point(system: System, here: Balance, value: float, normal: FloatArray, length: float) -> CurvePoint | None:
     """The point of the curve next to forces, in the plane through their edges whose normal is given.
 
     One Newton step leads there; what it changes of the control is exact at once, the state being linear in Delta.  The
@@ -171,9 +169,7 @@ def curve_point(
     if not off <= 1 or not patches.is_ordered:
         return None
     numbers = after_step(system, here, value, step, 0.0)
-    return CurvePoint(
-        here, patches, numbers, rate, control_rate, second[:-1] * unit, float(second[-1]), unit, off
-    )
+    return CurvePoint(here, patches, numbers, rate, control_rate, second[:-1] * unit, float(second[-1]), unit, off)
 
 
 def _bent(system: System, here: Balance, rate: FloatArray, control_rate: float) -> FloatArray:
@@ -248,9 +244,13 @@ class Piece:
         """Length of the chord."""
         return float(np.max(np.abs(outward_motion(self.first.patches, self.last.patches) / self.first.unit)))
 
+    def _at(self, s: float) -> FloatArray:
+        """Motions and the control less that of the first point, (2 L + 1,)."""
+        return np.asarray(polynomial.polyval(s, self.coefficients))
+
     def at(self, s: float) -> tuple[Patches, float]:
         """Edges and control at a parameter."""
-        y = polynomial.polyval(s, self.coefficients)
+        y = self._at(s)
         return self.first.patches.moved(y[:-1]), self.first.value + float(y[-1])
 
     def parameter(self, patches: Patches) -> float:
@@ -261,14 +261,14 @@ class Piece:
         """Whether edges at a value of the control lie on this piece, as its two ends say."""
         motion = outward_motion(self.first.patches, patches)
         s = float(self.normal @ motion)
-        y = polynomial.polyval(s, self.coefficients)
+        y = self._at(s)
         off = float(np.max(np.abs((motion - y[:-1]) / self.first.unit)))
         risen = abs(value - self.first.value - float(y[-1]))
         return -BESIDE <= s <= 1 + BESIDE and off <= BESIDE * self.size and risen <= BESIDE * self.rise
 
     def turns(self) -> FloatArray:
         """Parameters at which the control turns, ascending."""
-        return _roots(polynomial.polyder(self.coefficients[:, -1]))
+        return _roots(np.asarray(polynomial.polyder(self.coefficients[:, -1])))
 
     def reaches(self, value: float) -> FloatArray:
         """Parameters at which the control has a value, ascending."""

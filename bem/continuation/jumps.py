@@ -74,11 +74,12 @@ class Jumps:
         coarse, fine = self.increments.coarse, self.increments.fine
         for part, accuracy in zip(np.minimum(length, longest), (coarse, fine, fine), strict=True):
             pushed = patches.moved(part * mode)
-            if self._force(pushed, state.penetration, at.exact.value, mode, accuracy) <= LEAST_FORCE * accuracy.residual:
+            if (
+                self._force(pushed, state.penetration, at.exact.value, mode, accuracy)
+                <= LEAST_FORCE * accuracy.residual
+            ):
                 continue
-            relaxed = self._relaxed(
-                state, pushed, at.exact.value, moving_patches(patches, mode), fine=accuracy is fine
-            )
+            relaxed = self._relaxed(state, pushed, at.exact.value, moving_patches(patches, mode), fine=accuracy is fine)
             if self._returned(patches, relaxed, part * mode):
                 continue
             changes = relaxed.changes or (("bifurcation", leading_patch(patches, mode)),)
@@ -106,7 +107,10 @@ class Jumps:
         else:
             for part, sign in ((part, sign) for part in PUSHES for sign in (1.0, -1.0)):
                 trial, coarse = sign * part * motion, self.increments.coarse
-                if self._force(patches.moved(trial), state.penetration, value, trial, coarse) > LEAST_FORCE * coarse.residual:
+                if (
+                    self._force(patches.moved(trial), state.penetration, value, trial, coarse)
+                    > LEAST_FORCE * coarse.residual
+                ):
                     outward = trial
                     break
         relaxed = self._relaxed(state, patches.moved(outward), value, moving_patches(patches, outward), fine=True)

@@ -82,7 +82,9 @@ class Loads:
         if s in (0.0, 1.0):
             return piece.first if s == 0 else piece.last
         patches, value = piece.at(s)
-        here = evaluated(self.system.sloped, Start(patches, piece.first.numbers.penetration, value), self.fine.tolerance)
+        here = evaluated(
+            self.system.sloped, Start(patches, piece.first.numbers.penetration, value), self.fine.tolerance
+        )
         return None if isinstance(here, Refused) else curve_point(self.system, here, value, piece.normal, 1.0)
 
     def turns(self, piece: Piece, reach: float) -> Iterator[tuple[float, CurvePoint]]:

@@ -247,7 +247,9 @@ def locate(
     for _ in range(STEPS):
         wanted = None
         if before is not None:
-            wanted = finer(system.elastic, place.patches, resolve(system.elastic, place.patches, tolerance), FINER * tolerance)
+            wanted = finer(
+                system.elastic, place.patches, resolve(system.elastic, place.patches, tolerance), FINER * tolerance
+            )
         here = evaluated(on.asked(system.sloped), place, tolerance, wanted)
         if isinstance(here, Refused):
             return here
@@ -271,6 +273,7 @@ def locate(
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
     """The state next to edges that meets a condition, evaluated in itself, and its value of the control.
 
+    It is no farther than LONGEST_STEP away.
     Short steps keep the resolution: where adhesion is weak K of one number of modes and K of the next differ by more
     than the residual allows.
     """
@@ -279,6 +282,8 @@ def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> t
         here = evaluated(on.asked(system), place, accuracy.tolerance, kept)
         if isinstance(here, Refused):
             return here
+        if np.max(np.abs(outward_motion(start.patches, place.patches)) / unit_of(system, here)) > LONGEST_STEP:
+            return Refused.FAR
         row = on.row(here, place.value)
         if here.is_equilibrium(accuracy.residual) and abs(row.value) <= on.accuracy:
             return here, place.value

@@ -319,4 +319,3 @@ def _on_curve(at: CurvePoint) -> Equilibrium:
 def _located(at: Located) -> Equilibrium:
     """A located state as a point of the path."""
     return Equilibrium(at.exact.value, at.balance, at.patches, at.exact.load)
-

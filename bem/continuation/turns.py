@@ -154,9 +154,7 @@ class Turns:
         """
         held = modes * (here.scale if scale is None else scale)[:, None]
         scale = piece.first.balance.scale
-        stiff, soft = (
-            np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (piece.first.balance, here)
-        )
+        stiff, soft = (np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (piece.first.balance, here))
         shares = np.where((stiff > 0) & (soft < 0), stiff / np.where(soft < stiff, stiff - soft, 1.0), 1.0)
         start, along = self._start(piece, float(shares.min())), held[:, int(np.argmin(shares))] / scale
         for _ in range(ATTEMPTS):

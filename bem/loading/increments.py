@@ -50,7 +50,7 @@ class Increments:
     smallest: float
     coarse: Accuracy = COARSE
     fine: Accuracy = FINE
-    deepest: float = 0.0
+    deepest: float = 0.05
 
 
 @dataclass

@@ -129,7 +129,9 @@ def store(group: str, count: int, first: int, limit: int) -> None:
     """Write the paths of a group, adding to those that are there."""
     path = FOLDER / f"{group}.jsonl"
     known = {json.loads(line)["name"] for line in path.read_text("utf-8").splitlines()} if path.exists() else set()
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=ROOT, check=False)
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=ROOT, check=False
+    )
     with path.open("a", encoding="utf-8") as file:
         for name, tables in frozen(group, count, first):
             if name in known:
