@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from bem.continuation.points_with_edges import Point, Equilibrium
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
-TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
+TOUCHING = 1e-12  # of the rms height: crests as high as the highest are touched with it
 
 
 def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> LoadingPath[Any, Any]:

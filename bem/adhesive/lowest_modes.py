@@ -14,7 +14,6 @@ from scipy.linalg import LinAlgError, lapack
 from bem.geometry.arrays import FloatArray
 
 
-
 def lowest_modes(matrix: FloatArray, count: int | None = None) -> tuple[FloatArray, FloatArray]:
     """Eigenvalues, ascending, and modes, one a column: the lowest `count` of them, or all.
 

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import import_module
 
+import numpy as np
+
 from bem.adhesive.equilibrium import System
 from bem.continuation.curve import CurvePoint, Piece, curve_point
 from bem.continuation.locating import AtControl, AtLoad, Refused, Start, evaluated, settle
@@ -26,6 +28,7 @@ from bem.loading.increments import Accuracy
 SECANTS = 40
 LOAD_ACCURACY = 1e-11  # of the load, or of a load of 1e-3
 GAP_ACCURACY = 1e-5  # of the width of a narrow gap, from where Newton needs one or two steps
+DIGITS = 64  # spacings of the control, by which it misses a load in a narrow gap
 LEVEL = 1e-9  # of the change of dP/ds over a piece: where the load turns
 
 
@@ -135,7 +138,8 @@ class Loads:
         brentq = import_module("scipy.optimize").brentq
         flaw = gap(float(brentq(miss, FINEST_GAP, widest, rtol=GAP_ACCURACY)))
         crack, highest = with_gap(flaw.center, flaw.width), system.elastic.profile.max_height
-        depth = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load).penetration
-        allowed = LOAD_ACCURACY * max(abs(load), 1e-3)
+        state = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load)
+        depth = state.penetration
+        allowed = max(LOAD_ACCURACY * max(abs(load), 1e-3), DIGITS * float(np.spacing(depth)) * state.load_rate)
         found = settle(system, Start(crack, depth, depth), AtLoad(system, load, allowed), self.fine)
         return None if isinstance(found, Refused) else Equilibrium.of(found[1], found[0], settled=True)

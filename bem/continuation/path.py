@@ -195,7 +195,7 @@ class Path:
         if at is None:
             yield Failed(point.value, "not_converged")
             return
-        length = way.longest
+        length, load, again = way.longest, point.load, True
         while True:
             ahead = predicted(at, length, way)
             tried = float(np.max(np.abs(ahead[0] / at.unit)))
@@ -203,11 +203,10 @@ class Path:
                 yield self._by_control(at, way)
                 return
             piece = step_from(self.system, at, ahead, way)
-            if piece is Refused.MISFIT and at.off > EXACT * tried:
-                better = evaluated_at_itself(self.system, at, way)
-                if isinstance(better, CurvePoint):
-                    at = better
-                    continue
+            if piece is Refused.MISFIT and again and at.off > EXACT * tried:
+                better, again = evaluated_at_itself(self.system, at, way), False
+                at = at if isinstance(better, Refused) else better
+                continue
             found = piece if isinstance(piece, Refused) else BranchEnds(self.system, self.increments).first(piece, way)
             if isinstance(piece, Refused) or isinstance(found, Refused):
                 self.effort.rejected += 1
@@ -216,10 +215,11 @@ class Path:
             self.effort.accepted += 1
             self.effort.unknowns = max(self.effort.unknowns, piece.last.balance.state.unknowns)
             if found is not None:
-                yield from self._ended(piece, found, way)
+                yield from self._ended(piece, found, way, load)
                 return
-            yield from self._stretches(piece, 1.0, _on_curve(piece.last))
-            at, length = piece.last, min(way.longest, tried * growth(piece))
+            yield from self._stretches(piece, 1.0, _on_curve(piece.last), load)
+            at, length, again = piece.last, min(way.longest, tried * growth(piece)), True
+            load = at.numbers.load
 
     def _last_increment(self, point: Equilibrium, closing: float) -> float:
         """The increment before complete contact: the smallest; half the way, where several gaps are left."""
@@ -227,22 +227,22 @@ class Path:
             return self.increments.smallest
         return max((closing - point.value) / 2, CLOSED)
 
-    def _stretches(self, piece: Piece, reach: float, point: Equilibrium) -> Iterator[Equilibrium]:
-        """A point on a piece with the stretch that leads there, after one where the load turns before it."""
-        start, load = 0.0, piece.first.numbers.load
+    def _stretches(self, piece: Piece, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
+        """A point on a piece with the stretch that leads there from a load, after one where the load turns before it."""
+        start = 0.0
         for s, top in self.loads.turns(piece, reach) if self.asks_loads else ():
             yield replace(_on_curve(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
             start, load = s, top.numbers.load
         yield replace(point, stretch=Stretch(piece, (start, reach), (load, point.load)))
 
-    def _ended(self, piece: Piece, end: End, way: Way) -> Iterator[Point]:
-        """The end of a branch, and what is behind it."""
+    def _ended(self, piece: Piece, end: End, way: Way, load: float) -> Iterator[Point]:
+        """The end of a branch, to which a piece leads from a load, and what is behind it."""
         if isinstance(end, Goal):
-            yield from self._stretches(piece, end.place, Equilibrium.of(way.end, end.balance, settled=True))
+            yield from self._stretches(piece, end.place, Equilibrium.of(way.end, end.balance, settled=True), load)
             return
         at = end.at
         last = Equilibrium(at.exact.value, at.balance, at.patches, at.exact.load, last=True)
-        yield from self._stretches(piece, end.place, last)
+        yield from self._stretches(piece, end.place, last, load)
         if isinstance(end, Touch):
             yield self.jumps.from_touch(end)
         elif end.kind == "fold":

@@ -13,6 +13,7 @@ from bem.path_for import path_for
 from bem.problem import pose
 from bem.scene.scene import parse_scene
 from bem.solver import solve
+from validation.references.closed_forms import Sinusoid
 
 
 def start(adhesion, harmonics=20):
@@ -82,7 +83,8 @@ def test_loads_are_met_up_to_the_end_of_a_branch(adhesive, share):
         load = (1 - share) * before.load + share * after.load
         found = path.at_load(before, after, load)
         assert found.state.load == pytest.approx(load, rel=1e-9)
-        assert min(before.value, after.value) <= found.value <= max(before.value, after.value)
+        low, high = sorted((before.value, after.value))
+        assert low - 2e-10 <= found.value <= high + 2e-10  # measured 6e-11: evaluations of other resolutions
 
 
 @pytest.mark.parametrize("short", [1e-3, 1e-5, 1e-7])
@@ -91,7 +93,7 @@ def test_loads_a_little_short_of_their_extremum_are_met(short, increment):
     """On Johnson's branch the tension is largest at penetrations that are stable; it was missed from 1e-3 on."""
     wave = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
     psi = np.linspace(0.05, 1.2, 400_001)
-    most = float(np.min(wave.pressure(psi)))
+    most = float(np.min(wave.mean_pressure(psi)))
     tables = {
         "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
         "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-4], "phases": [0.0]},
@@ -99,8 +101,9 @@ def test_loads_a_little_short_of_their_extremum_are_met(short, increment):
         "loading": {"control": "penetration", "targets": [3e-5, -3e-5], "at_mean_pressures": [(1 - short) * most]},
         "accuracy": {"max_increment": increment},
     }
-    met = [state for state in solve(parse_scene(tables)).targets if state.mean_pressure < 0.99 * most]
-    assert [state.mean_pressure for state in met] == pytest.approx([(1 - short) * most], rel=1e-9)
+    wanted = (1 - short) * most
+    met = [state.mean_pressure for state in solve(parse_scene(tables)).targets]
+    assert sum(abs(pressure / wanted - 1) <= 1e-9 for pressure in met) == 1
 
 
 def test_the_state_beside_events_does_not_depend_on_the_increment():
