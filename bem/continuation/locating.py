@@ -273,19 +273,19 @@ def locate(
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
     """The state next to edges that meets a condition, evaluated in itself, and its value of the control.
 
-    It is no farther than LONGEST_STEP away.
+    It is no farther than LONGEST_STEP away, and at the end of a Newton step: what that leaves is below the residual.
     Short steps keep the resolution: where adhesion is weak K of one number of modes and K of the next differ by more
     than the residual allows.
     """
     place, last, kept = start, np.inf, None
-    for _ in range(STEPS):
+    for count in range(STEPS):
         here = evaluated(on.asked(system), place, accuracy.tolerance, kept)
         if isinstance(here, Refused):
             return here
         if np.max(np.abs(outward_motion(start.patches, place.patches)) / unit_of(system, here)) > LONGEST_STEP:
             return Refused.FAR
         row = on.row(here, place.value)
-        if here.is_equilibrium(accuracy.residual) and abs(row.value) <= on.accuracy:
+        if count and here.is_equilibrium(accuracy.residual) and abs(row.value) <= on.accuracy:
             return here, place.value
         taken = newton_step(system, here, row, None)
         if isinstance(taken, Refused):
