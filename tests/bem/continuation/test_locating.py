@@ -66,8 +66,8 @@ def test_newton_converges_quadratically():
 
 
 def test_newton_refuses_to_go_far():
-    value = float(johnson("penetration", 0.75))
-    assert settle(SYSTEM, started(0.6, 0.0, value), AtControl(value), FINE) is Refused.FAR
+    value = float(johnson("penetration", 0.7))
+    assert settle(SYSTEM, started(1.0, 0.0, value), AtControl(value), FINE) is Refused.FAR
 
 
 def test_newton_says_when_it_stands_on_no_branch():
