@@ -15,7 +15,7 @@ from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
 
 if TYPE_CHECKING:
-    from bem.continuation.points_with_edges import Point, Equilibrium
+    from bem.continuation.points_with_edges import Equilibrium, Point
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
 TOUCHING = 1e-12  # of the rms height: crests as high as the highest are touched with it

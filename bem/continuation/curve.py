@@ -8,8 +8,8 @@ and is found by Newton on the bordered system
     [ phi_xi                                                 phi_tau            ] [ d tau ] = [ - phi          ],
 
 J = dK/dxi at fixed penetration, r = dDelta/dtau at fixed edges, beta the load weight of the control and k = dP/dxi
-(H. B. Keller, Numerical Methods in Bifurcation Problems, 1987, section 5).  On the curve parametrised by s = c . xi / n,
-with the tangent (t, tau') and the Hessian H under control, the second derivatives solve the same system for the right
+(H. B. Keller, Numerical Methods in Bifurcation Problems, 1987, section 5).  On the curve by s = c . xi / n, with the
+tangent (t, tau') and the Hessian H under control, the second derivatives solve the same system for the right
 side -((D_t H + tau' H_tau) t + tau' H_tau t + (tau' r K_Delta)^2 / 2) / w, 0.
 
 Lengths are maximum norms of motions in parts of the unit of each edge: its edge scale, or 0.4 of the shortest wave that
@@ -42,7 +42,7 @@ MODES = 4  # of a point whose Hessian is indefinite: more than turn within a ste
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """A condition next to the curve: phi and its derivatives by the outward motions of the edges, and by the control."""
+    """A condition next to the curve: phi and its derivatives by outward motions of the edges, and by the control."""
 
     value: float
     by_edges: FloatArray

@@ -1,6 +1,6 @@
 """States at given loads on the stretches of a path.
 
-On a stretch the load is monotonic (path.py splits it where the load turns), and the parameter at which it has a value is
+On a stretch the load is monotonic (path.py splits it where the load turns); the parameter at which it has a value is
 found by the Illinois form of the secant, each trial being a point of the curve, whose load is exact to second order.
 Under a given separation the last gap closes, and the first opens, under a tension without bound: loads beyond that of
 the narrowest gap on the path are met in between, in the gap that a row of cracks has at that load (opening.py).

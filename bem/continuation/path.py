@@ -228,7 +228,7 @@ class Path:
         return max((closing - point.value) / 2, CLOSED)
 
     def _stretches(self, piece: Piece, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
-        """A point on a piece with the stretch that leads there from a load, after one where the load turns before it."""
+        """A point on a piece with the stretch that leads there from a load, after one where the load turns before."""
         start = 0.0
         for s, top in self.loads.turns(piece, reach) if self.asks_loads else ():
             yield replace(_on_curve(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))

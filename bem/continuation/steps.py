@@ -1,4 +1,4 @@
-"""Steps along a branch: predicted to second order, corrected in the plane of the step, judged by the misfit of the curve.
+"""Steps along a branch: predicted to second order, corrected in the plane of the step, judged by its misfit.
 
 A step is accepted if K > 0 at its end, the Newton step that is left is short, and the chord agrees with the derivatives
 at both ends (curve.py).  Both are of third order in its length, which grows or shrinks with the cube root of what the

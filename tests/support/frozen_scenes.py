@@ -1,7 +1,8 @@
 """Scenes with adhesion whose paths are frozen, by group: small ones first; each is a function of its name alone.
 
-`random` are those of validation/corpus/random (seed 44) that ask for an answer with adhesion; `waves` are rough, rippled
-and few-wave profiles (seed 45), harder for their sizes; `paper` are realisations of the paper's profile, by seed.
+`random` are those of validation/corpus/random (seed 44) that ask for an answer with adhesion; `waves` are rough,
+rippled and few-wave profiles (seed 45), harder for their sizes; `paper` are realisations of the paper's profile, by
+seed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Events that were wrong once: an avalanche cut in two, crests that differ by 1e-10 of their height, lists of events."""
+"""Events that were wrong once: an avalanche cut in two, crests that differ by 1e-10 of the height, event lists."""
 
 import tomllib
 from pathlib import Path

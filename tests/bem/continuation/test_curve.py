@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from johnson_branch import johnson, lowest, resting, waves
+from johnson_branch import AMPLITUDE, johnson, lowest, resting, waves
 
 from bem.adhesive.equilibrium import balance
 from bem.adhesive.third_derivatives import with_slopes
@@ -16,7 +16,7 @@ CONTROLS = {"Delta": DisplacementControl(), "spring": DisplacementControl(0.7), 
 by_control = pytest.mark.parametrize("control", CONTROLS.values(), ids=CONTROLS)
 
 
-def begin(control, value, direction=-1.0, orders=(1,), amplitudes=(np.sqrt(2),)):
+def begin(control, value, direction=-1.0, orders=(1,), amplitudes=(AMPLITUDE,)):
     system = waves(control, orders, amplitudes)
     here = with_slopes(system, resting(system, [2 * np.pi], 1.0, value), value, TOLERANCE)
     point = first_point(system, here, value, direction)
@@ -80,7 +80,7 @@ def test_the_control_turns_on_a_piece_around_johnsons_fold(control):
 
 
 def test_a_piece_fits_the_better_the_shorter_it_is():
-    """What both ends say of the chord differs by the fifth power of its length: 32 for half of it, over the chord 16."""
+    """What both ends say of the chord differs by the fifth power of its length: over the chord 16 for half."""
     system, at = begin(DisplacementControl(), 0.5)
     misfits = []
     for length in (0.15, 0.075):

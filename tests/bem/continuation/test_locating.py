@@ -1,4 +1,4 @@
-"""States that meet a condition: Newton's convergence, Johnson's contact at Delta and load, and errors of what is found."""
+"""States that meet a condition: convergence of Newton, Johnson's contact at Delta and load, errors of what is found."""
 
 from dataclasses import replace
 
