@@ -53,6 +53,8 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
         if flaw is None:
             shut = f"= {width:g}: where it would open the pressure shuts a part of it"
             raise SceneError([Mistake("loading.flaw", shut, "a narrower one")])
-    asks_loads = bool(scene.loading.at_mean_pressures) or scene.loading.stop_at_mean_pressure is not None
-    adhesive: LoadingPath[Point, Equilibrium] = Path(system, increments, highest, complete, flaw, asks_loads)
+    stop = scene.loading.stop_at_mean_pressure
+    pressures = (*scene.loading.at_mean_pressures, *(() if stop is None else (stop,)))
+    asked = tuple(problem.load_of(pressure) for pressure in pressures)
+    adhesive: LoadingPath[Point, Equilibrium] = Path(system, increments, highest, complete, flaw, asked)
     return adhesive

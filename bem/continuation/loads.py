@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from importlib import import_module
 
 import numpy as np
+from numpy.polynomial import polynomial
 
 from bem.adhesive.equilibrium import System
 from bem.continuation.curve import CurvePoint, Piece, curve_point
@@ -29,6 +30,7 @@ SECANTS = 40
 LOAD_ACCURACY = 1e-11  # of the load, or of a load of 1e-3
 GAP_ACCURACY = 1e-5  # of the width of a narrow gap, from where Newton needs one or two steps
 DIGITS = 64  # spacings of the control, by which it misses a load in a narrow gap
+TWICE = 2.0  # times as far beyond the ends of a piece as its cubic says: where the load may turn
 LEVEL = 1e-9  # of the change of dP/ds over a piece: where the load turns
 
 
@@ -42,11 +44,14 @@ class Loads:
     complete : CompleteContact
     fine : Accuracy
         Of the states found.
+    asked : tuple of float
+        Loads that are asked for on the way.
     """
 
     system: System
     complete: CompleteContact
     fine: Accuracy
+    asked: tuple[float, ...] = ()
 
     def on_stretch(self, stretch: Stretch, load: float) -> Equilibrium | None:
         """The state at a load between those at both ends of a stretch; None where there is none."""
@@ -91,33 +96,43 @@ class Loads:
         return None if isinstance(here, Refused) else curve_point(self.system, here, value, piece.normal, 1.0)
 
     def turns(self, piece: Piece, reach: float) -> Iterator[tuple[float, CurvePoint]]:
-        """Where the load turns on a piece up to a parameter: its parameter and point, if it does."""
-        low, high = 0.0, reach
-        ends = [self._rate(piece, s) for s in (low, high)]
-        if None in ends:
-            return
-        slope_low, slope_high = (rate for rate in ends if rate is not None)
-        level = LEVEL * abs(slope_low - slope_high)
-        if slope_low * slope_high >= 0:
-            return
-        for _ in range(SECANTS):
-            s = low - slope_low * (high - low) / (slope_high - slope_low)
-            rate, point = self._rate(piece, s), self.point(piece, s)
-            if rate is None or point is None:
-                return
-            if abs(rate) <= level:
-                yield s, point
-                return
-            if rate * slope_low > 0:
-                low, slope_low = s, rate
-            else:
-                high, slope_high = s, rate
+        """Where the load turns on a piece up to a parameter, if one that is asked for may lie beyond its ends there.
 
-    def _rate(self, piece: Piece, s: float) -> float | None:
-        """dP/ds at a parameter."""
-        point = self.point(piece, s)
-        if point is None:
-            return None
+        The cubic that has the loads and their rates at both ends says so; the place is found by the secant of the rate.
+        """
+        ends = (piece.first.numbers.load, piece.last.numbers.load)
+        low, high, rate_low, rate_high = 0.0, 1.0, *(self._rate(piece, point) for point in (piece.first, piece.last))
+        if rate_low * rate_high >= 0 or not self._may_pass(ends, (rate_low, rate_high)):
+            return
+        level = LEVEL * abs(rate_low - rate_high)
+        for _ in range(SECANTS):
+            s = low - rate_low * (high - low) / (rate_high - rate_low)
+            point = self.point(piece, s)
+            if point is None:
+                return
+            rate = self._rate(piece, point)
+            if abs(rate) <= level:
+                if s < reach:
+                    yield s, point
+                return
+            if rate * rate_low > 0:
+                low, rate_low = s, rate
+            else:
+                high, rate_high = s, rate
+
+    def _may_pass(self, ends: tuple[float, float], rates: tuple[float, float]) -> bool:
+        """Whether a load that is asked for lies beyond both ends, where the load may turn: twice as far as the cubic."""
+        (first, last), (a, b) = ends, rates
+        rise = last - first
+        cubic = np.array([first, a, 3 * rise - 2 * a - b, a + b - 2 * rise])
+        at = polynomial.polyroots(polynomial.polyder(cubic)).real
+        top = polynomial.polyval(np.clip(at, 0.0, 1.0), cubic)
+        highest, lowest = max(ends), min(ends)
+        above, below = TWICE * (max(top) - highest), TWICE * (lowest - min(top))
+        return any(highest <= load <= highest + above or lowest - below <= load <= lowest for load in self.asked)
+
+    def _rate(self, piece: Piece, point: CurvePoint) -> float:
+        """dP/ds at a point of a piece."""
         row, along = AtLoad(self.system, 0.0, 0.0).row(point.balance, point.value), point.by(piece.normal)[0]
         return float(row.by_edges @ along[:-1] + row.by_control * along[-1])
 

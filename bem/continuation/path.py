@@ -66,8 +66,8 @@ class Path:
         Where the path ends, and may begin.
     flaw : Flaw, optional
         From which complete contact opens when the load falls; without it, it never does.
-    asks_loads : bool
-        Whether states at given loads are asked for on the way: then points are made where the load turns.
+    asked_loads : tuple of float
+        Loads at which states are asked for on the way: points are made where the load turns near one.
     """
 
     system: System
@@ -75,7 +75,7 @@ class Path:
     crests: FloatArray
     complete: CompleteContact
     flaw: Flaw | None = None
-    asks_loads: bool = False
+    asked_loads: tuple[float, ...] = ()
     has_history: ClassVar[bool] = True
 
     @property
@@ -96,7 +96,7 @@ class Path:
     @property
     def loads(self) -> Loads:
         """What finds loads on the way."""
-        return Loads(self.system, self.complete, self.increments.fine)
+        return Loads(self.system, self.complete, self.increments.fine, self.asked_loads)
 
     def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
         """Sign of the motion of the control from a point to a goal; `separation` is the goal again, not needed here."""
@@ -230,7 +230,7 @@ class Path:
     def _stretches(self, piece: Piece, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
         """A point on a piece with the stretch that leads there from a load, after one where the load turns before."""
         start = 0.0
-        for s, top in self.loads.turns(piece, reach) if self.asks_loads else ():
+        for s, top in self.loads.turns(piece, reach) if self.asked_loads else ():
             yield replace(_on_curve(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
             start, load = s, top.numbers.load
         yield replace(point, stretch=Stretch(piece, (start, reach), (load, point.load)))
