@@ -101,7 +101,8 @@ class Loads:
         The cubic that has the loads and their rates at both ends says so; the place is found by the secant of the rate.
         """
         ends = (piece.first.numbers.load, piece.last.numbers.load)
-        low, high, rate_low, rate_high = 0.0, 1.0, *(self._rate(piece, point) for point in (piece.first, piece.last))
+        low, high = 0.0, 1.0
+        rate_low, rate_high = (self._rate(piece, point) for point in (piece.first, piece.last))
         if rate_low * rate_high >= 0 or not self._may_pass(ends, (rate_low, rate_high)):
             return
         level = LEVEL * abs(rate_low - rate_high)
@@ -121,7 +122,7 @@ class Loads:
                 high, rate_high = s, rate
 
     def _may_pass(self, ends: tuple[float, float], rates: tuple[float, float]) -> bool:
-        """Whether a load that is asked for lies beyond both ends, where the load may turn: twice as far as the cubic."""
+        """Whether a load that is asked for lies beyond both ends, twice as far as the cubic says."""
         (first, last), (a, b) = ends, rates
         rise = last - first
         cubic = np.array([first, a, 3 * rise - 2 * a - b, a + b - 2 * rise])
