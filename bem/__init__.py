@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion as Adhesion
     from bem.contact_state import ContactState as ContactState
     from bem.elastic.layer import Layer as Layer
+    from bem.ensembles import ensemble_table as ensemble_table
     from bem.geometry.profile import Profile as Profile
     from bem.geometry.scaling import Solid as Solid
     from bem.scene.result import Result as Result
@@ -29,6 +30,7 @@ _HOME = {
     "Profile": "bem.geometry.profile",
     "Solid": "bem.geometry.scaling",
     "Result": "bem.scene.result",
+    "ensemble_table": "bem.ensembles",
     "SceneError": "bem.scene.scene_rules",
     "load_scene": "bem.scene.scene",
     "parse_scene": "bem.scene.scene",
@@ -38,7 +40,7 @@ _HOME = {
 
 __all__ = [
     *("Adhesion", "ContactState", "Layer", "Profile", "Result", "SceneError", "Solid"),
-    *("load_scene", "parse_scene", "read_result", "solve"),
+    *("ensemble_table", "load_scene", "parse_scene", "read_result", "solve"),
 ]
 
 

@@ -1,8 +1,8 @@
-"""Command line: `python -m bem check SCENE` and `python -m bem run SCENE --out DIR`.
+"""Command line: `python -m bem check SCENE`, `run SCENE --out DIR`, `keys [SECTION]` and `schema`.
 
 Exit codes: 0 done, 1 a failure named in the output (converged states are kept), 2 bad input (nothing is written),
 130 interrupted with everything converged saved.  Progress on stderr, results in files, one summary line on stdout.
-matplotlib is imported for --plot only.
+matplotlib is imported for --plot only, what makes schemas for keys and schema only.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -31,16 +32,19 @@ from bem.command_line.console import (
     scene_text,
     summary,
     summary_line,
+    usable_streams,
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
-from bem.scene.cost_prediction import cost_of
+from bem.cut_sensitivity import cut_sensitivity, in_words
+from bem.path_for import check_path
+from bem.scene.cost_prediction import cost_of, warning_of
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.result import FINAL_STATUSES, Progress, Result
-from bem.scene.result_file import write_result
+from bem.scene.result import FINAL_STATUSES, Result
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene.scene_rules import Mistake
+from bem.scene.scene_tables import TABLES
 from bem.solver import solve
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -58,13 +62,14 @@ def main(arguments: Sequence[str] | None = None, program: str = "python -m bem")
         What it is called in what it says of its usage.
     """
     parser = argparse.ArgumentParser(prog=program, description="Adhesive line contact of a rough profile.")
-    add_commands(parser.add_subparsers(required=True, metavar="check|run"))
+    add_commands(parser.add_subparsers(required=True, metavar="check|run|keys|schema"))
     return perform(parser.parse_args(arguments))
 
 
 def perform(options: argparse.Namespace) -> int:
     """Run the command that was parsed; its exit code."""
     command: Callable[[argparse.Namespace], int] = options.command
+    usable_streams()
     try:
         with interruptible():
             code = command(options)
@@ -102,10 +107,18 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
     run.set_defaults(command=_run, perform=perform)
 
+    keys = commands.add_parser("keys", help="print what every key of a scene is, or those of one section")
+    keys.add_argument("section", nargs="?", metavar="SECTION", help=", ".join(TABLES))
+    keys.set_defaults(command=_keys, perform=perform)
+    schema = commands.add_parser("schema", help="print the JSON Schema of a scene, by which editors complete its keys")
+    schema.set_defaults(command=_schema, perform=perform)
+
 
 def _check(options: argparse.Namespace) -> int:
     """Print what a scene amounts to."""
     scene = load_scene(options.scene)
+    _warn_of_cost(scene)
+    check_path(scene)
     effects, groups = effects_of(scene), groups_of(scene)
     cautions = cautions_of(scene, groups)
     if options.json:
@@ -119,6 +132,24 @@ def _check(options: argparse.Namespace) -> int:
     return DONE
 
 
+def _keys(options: argparse.Namespace) -> int:
+    """Print the reference of keys."""
+    keys = import_module("bem.command_line.keys")
+    try:
+        print(keys.keys_text(options.section))
+    except keys.UnknownSectionError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return BAD_INPUT
+    return DONE
+
+
+def _schema(options: argparse.Namespace) -> int:
+    """Print the JSON Schema of a scene."""
+    schema = import_module("bem.command_line.keys").json_schema()
+    print(json.dumps(schema, indent=1, ensure_ascii=False))
+    return DONE
+
+
 def _run(options: argparse.Namespace) -> int:
     """Solve a scene into a folder."""
     scene = load_scene(options.scene)
@@ -128,9 +159,17 @@ def _run(options: argparse.Namespace) -> int:
         return _run_alone(scene, options, new)
 
 
+def _warn_of_cost(scene: Scene) -> None:
+    """Say before anything is computed that it will take hours, or more memory than many machines have."""
+    said = warning_of(cost_of(scene))
+    if said:
+        print(f"warning: cost: {said}", file=sys.stderr)
+
+
 def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     """Solve a scene into a folder that is ours alone; `new` says whether it was made for this."""
     if not options.quiet:
+        _warn_of_cost(scene)
         for caution in cautions_of(scene, groups_of(scene)):
             print(f"warning: {caution.about}: {caution.message}", file=sys.stderr)
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
@@ -143,6 +182,8 @@ def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
             old.unlink(missing_ok=True)
     if options.plot:
         _draw(result, options.out)
+    if result.cut_sensitivity and not options.quiet:
+        print(f"cut: {in_words(result.cut_sensitivity)}", file=sys.stderr)
     facts = summary(result, str(options.out), len(scene.loading.targets))
     print(json.dumps(facts) if options.json else summary_line(facts))
     if result.status in FINAL_STATUSES:
@@ -160,22 +201,15 @@ def _keep_start(scene: Scene, options: argparse.Namespace) -> None:
 
 
 def _solved(scene: Scene, folder: Path, stored: Result | None, quiet: bool) -> Result:
-    """Solve, saving what converges as it does, and write the result."""
-    checkpoint = Checkpoint(scene, folder, stored)
+    """Solve, keeping what converges as it does, and write the result."""
+    checkpoint = Checkpoint(folder)
     report = reporter(sys.stderr, quiet, cost_of(scene))
-
-    def progress(state: Progress) -> None:
-        report(state)
-        checkpoint.save_when_due()
-
     try:
-        result = solve(scene, progress=progress, on_state=checkpoint.keep, resume=stored)
+        result = solve(scene, progress=report, on_state=checkpoint.keep, resume=stored)
+        if scene.scan is not None:
+            result = replace(result, cut_sensitivity=cut_sensitivity(scene, result))
         with uninterrupted():
-            write_result(result, folder)
-    except BaseException:
-        with uninterrupted():
-            checkpoint.save()
-        raise
+            checkpoint.finish(result)
     finally:
         report.close()
     return result

@@ -35,10 +35,9 @@ def flat_states(scene: Scene) -> list[FlatState]:
     joined = scene.loading.initial == "complete_contact"
     for target in scene.loading.targets:
         state = _flat_state(scene, target, compliance, joined)
-        joined = state.status == "complete_contact"
         states.append(state)
-        if state.status == "unreachable":
-            break
+        if state.status != "unreachable":
+            joined = state.status == "complete_contact"
     return states
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from bem.loading.complete_contact import CompleteContact
+from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.loading.loading_path import LoadingPath
-from bem.problem import Problem, increments_of
+from bem.problem import Problem, increments_of, pose
 from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
 
@@ -19,6 +19,14 @@ if TYPE_CHECKING:
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
 TOUCHING = 1e-12  # of the rms height: crests as high as the highest are touched with it
+
+
+def check_path(scene: Scene) -> None:
+    """Pose the path of a scene as solving it begins: SceneError for what nothing but that shows."""
+    surface = scene.surface()
+    if not surface.is_flat:
+        problem = pose(scene, surface)
+        path_for(scene, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance))
 
 
 def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> LoadingPath[Any, Any]:

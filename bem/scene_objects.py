@@ -79,7 +79,7 @@ def scene_of(scene: Described, tables: Mapping[str, Any]) -> Scene:
 def _plain(value: Any) -> Any:
     """The same as a value of a TOML file."""
     if isinstance(value, Profile):
-        return {"kind": "harmonics", **_plain(vars(value))}
+        return {"kind": "harmonics", **_plain(asdict(value))}
     if is_dataclass(value) and not isinstance(value, type):
         return asdict(value)
     if isinstance(value, Mapping):

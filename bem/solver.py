@@ -10,8 +10,9 @@ not depend on the number of cores.
 From a target the path continues from the numbers stored of it, not from those in memory: an interrupted path takes up
 its last target and continues to the same states and events, bit for bit on the same machine.
 
-Nothing but an interrupt leaves `solve`: what double precision or memory cannot do (NUMERICAL_FAILURES) ends the path as
-`not_converged`, with the reason in `Result.failure`.
+Nothing but an interrupt leaves `solve`.  A target that is not met, because nothing is there or because of what double
+precision or memory cannot do (NUMERICAL_FAILURES), has a row with the reason, and the path goes on from the last state
+kept (missed.py); with adhesion that is where it turns, and the states behind are those of such a path.
 """
 
 from __future__ import annotations
@@ -23,19 +24,19 @@ from typing import TYPE_CHECKING, Unpack
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.flat import flat_states
+from bem import missed
+from bem.flat_path import solve_flat
 from bem.geometry.patches import ordered
-from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
 from bem.loading.path_point import Complete, Separated
+from bem.missed import FAILURES, NUMERICAL_FAILURES, MissedTargetError
 from bem.path_for import path_for
 from bem.problem import Problem, pose
-from bem.record import Record, Recorder
-from bem.scene.result import NotFiniteError, Progress, Result, State
+from bem.record import Record, Recorder, entries_of
+from bem.scene.result import Progress, Result, State
 from bem.scene.scene import Scene
 from bem.scene_objects import Described, Tables, scene_of
-from bem.states import flat_state
+from bem.states import Missed
 
 if TYPE_CHECKING:
     from bem.record import AnyPoint
@@ -43,12 +44,6 @@ if TYPE_CHECKING:
 MOST_BETWEEN = 500  # states stored between two targets
 DEEPER = 0.05  # rms heights of penetration between two states stored, or the largest increment where that is less
 ALMOST = 0.9  # of that: steps under load are as long as the stiffness where they begin says
-FAILURES = {
-    "not_converged": "no equilibrium was found",
-    "ill_conditioned": "the gaps are too narrow to resolve",
-    "jumps_again": "the contact jumps again and again",
-}
-NUMERICAL_FAILURES = (IllConditionedSystemError, NotFiniteError, FloatingPointError, np.linalg.LinAlgError, MemoryError)
 
 
 @dataclass(frozen=True)
@@ -63,7 +58,7 @@ class Goal:
 def solve(
     scene: Described = None,
     progress: Callable[[Progress], None] | None = None,
-    on_state: Callable[[Result], None] | None = None,
+    on_state: Callable[[Record], None] | None = None,
     resume: Result | None = None,
     **tables: Unpack[Tables],
 ) -> Result:
@@ -76,7 +71,8 @@ def solve(
     progress : callable, optional
         Called after every accepted increment.
     on_state : callable, optional
-        Called with all that is kept so far, as an interrupted result, whenever a state is added.
+        Called with all that is kept so far whenever a state is added: its last entry is new, `result("interrupted")`
+        makes a result of all.
     resume : Result, optional
         An interrupted result of the same scene: its states are kept up to the last target, and the path continues
         from there.
@@ -86,8 +82,9 @@ def solve(
     Returns
     -------
     Result
-        Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt); states before
-        a failure are kept.  `not_converged` also where a state is not certified.
+        Status `converged`, `unreachable`, `not_converged` or `interrupted` (KeyboardInterrupt).  Every target has its
+        row; those missed say why, and the others are met all the same.  `not_converged` also where a state is not
+        certified.
 
     Examples
     --------
@@ -100,7 +97,7 @@ def solve(
     scene = scene_of(scene, tables)
     surface = scene.surface()
     if surface.is_flat:
-        return _solve_flat(scene, surface)
+        return solve_flat(scene)
     record = Record(scene)
     with threadpool_limits(limits=1, user_api="blas"):
         try:
@@ -122,142 +119,136 @@ class _Run:
         problem: Problem,
         record: Record,
         progress: Callable[[Progress], None] | None,
-        on_state: Callable[[Result], None] | None,
+        on_state: Callable[[Record], None] | None,
     ) -> None:
         self.scene, self.problem, self.progress, self.record = scene, problem, progress, record
         self.complete = complete_contact(problem.profile, problem.law, problem.elastic.compliance)
         self.path = path_for(scene, problem, self.complete)
         self.recorder = Recorder(scene, problem, self.complete, self.path, record, on_state)
-        kind = scene.loading.control
+        self.control = scene.loading.control
         self.goals = [
-            Goal(target, problem.control_value(target, kind), self._separation(target))
+            Goal(target, problem.control_value(target, self.control), self._separation(target))
             for target in scene.loading.targets
         ]
         self.done = 0
         self.met: set[float] = set()  # mean pressures asked for that this leg of the path has met
+        self.last: tuple[State, float | None] | None = None  # state kept, and the value of the control if at a target
         self.kept, self.kept_penetration = np.inf, np.nan  # of the last state stored: value, penetration in m
         self.branch = "loading"
-        self.failed = ""
-        self.point = self._start()
         if scene.start_state is not None:
-            self.kept, self.kept_penetration = self.point.value, scene.start_state.penetration
+            self.last, self.branch = (scene.start_state, None), scene.start_state.branch
+        self.point: AnyPoint = self._start()
+        self.stands = self.last is None  # whether the path goes on from `point`, not from the last state as stored
 
     def _start(self) -> AnyPoint:
-        """Where the path begins: surfaces apart, complete contact, or a stored state."""
+        """Where a path begins that has no state yet: surfaces apart, or complete contact."""
         first = self.goals[0].value
-        if self.scene.start_state is not None:
-            self.branch = self.scene.start_state.branch
-            return self._point_of(self.scene.start_state)
         if self.scene.loading.initial != "complete_contact":
             return Separated(min(0.0, first) - 1.0)
         fixed = self.problem.control.load_weight == 0
         return Complete(self.problem.profile.max_height if fixed else first + 1.0)
 
+    def _standing(self) -> AnyPoint:
+        """Where the path goes on: at the last state, from its numbers as they are stored."""
+        if self.stands:
+            return self.point
+        if self.last is None:
+            return self._start()
+        state, value = self.last
+        point = self._checked(self._point_of(state, value))
+        self.kept, self.kept_penetration = point.value, state.penetration
+        return point
+
     def take_over(self, result: Result) -> None:
         """Keep an interrupted result up to its last target and stand there; what came after it is computed again."""
-        record, last = self.record, 0
-        for count, state in enumerate(result.states, 1):
-            if self._is_goal(state):
+        entries, last = tuple(entries_of(result, self.record.begun, self._has_fields)), 0
+        for count, entry in enumerate(entries, 1):
+            if self._is_goal(entry.state) or self._is_stop(entry.state):
                 self.done, last = self.done + 1, count
-        if last == 0 or result.states[last - 1].events is None:  # which events came before it is not known
-            return
-        record.states = list(result.states[:last])
-        record.events = list(result.events[: record.states[-1].events])
         self.done = 0
-        for state in record.states:
+        for state in (entry.state for entry in entries[:last]):
             self._take_branch(state.branch)
-            if self._is_goal(state):
-                self.done += 1
-            elif state.target:
-                self.met.add(min(self._asked, key=lambda pressure: abs(pressure - state.mean_pressure)))
-            if state.target and self.recorder.outputs_at(getattr(state, self.scene.loading.control)):
-                record.shapes += 1
-        belongs = {name: name.rpartition("_")[2] for name in result.fields}
-        record.fields = {
-            name: result.fields[name] for name, of in belongs.items() if not of.isdigit() or int(of) < record.shapes
-        }
-        self.kept, self.kept_penetration = self.goals[self.done - 1].value, record.states[-1].penetration
-        self.point = self._point_of(record.states[-1], self.kept)
+            goal = self.goals[self.done] if self._is_goal(state) else None
+            if goal is None and state.target:
+                self.met.add(self._asked_at(state))
+            if state.found:
+                self.last = state, None if goal is None else goal.value
+            self.done = len(self.goals) if self._is_stop(state) else self.done + (goal is not None)
+        self.record.entries, self.record.shapes = list(entries[:last]), sum(bool(e.fields) for e in entries[:last])
+        self.stands = self.stands and last == 0
 
     def follow(self) -> tuple[str, str | None]:
-        """Visit the remaining targets; the status of the result, and why, where it is not a final one."""
+        """Visit the remaining targets; the status of the result, and why, where it is not `converged`."""
         try:
             for index in range(self.done, len(self.goals)):
-                status = self._reach(index)
-                if status == "converged":
+                if self._reach(index):
                     break
-                if status is not None:
-                    target = f"target {index + 1} of {len(self.goals)}, {self.goals[index].target:g}"
-                    return status, f"{target}: {self._reason(status)}"
         except KeyboardInterrupt:
             return "interrupted", None
-        refused = [state for state in self.record.states if not state.certificate.ok]
-        if refused:
-            first, count = refused[0], f"{len(refused)} of {len(self.record.states)} states are not certified"
-            reason = next(iter(first.certificate.reasons), "")
-            return "not_converged", f"{count}, the first at a separation of {first.separation:.9g} m: {reason}"
-        return "converged", None
+        return missed.verdict(self.record.states)
 
-    def _reason(self, status: str) -> str:
-        """Why the path ended before a target."""
-        if status == "unreachable":
-            return "no state of this path is there"
-        return f"{FAILURES[self.failed]} at {self.recorder.target_of(self.point):.9g}"
-
-    def _reach(self, index: int) -> str | None:
-        """Follow the path to one target; None to continue, else the status with which the path ends."""
+    def _reach(self, index: int) -> bool:
+        """Follow the path to one target, or say why it is missed; whether the path ends on the way, as asked."""
         goal = self.goals[index]
+        try:
+            return self._visit(goal, index)
+        except MissedTargetError as error:
+            why = error
+        except NUMERICAL_FAILURES as error:
+            why = missed.not_computed(error)
+        self.record.ahead, self.stands = [], False
+        self._miss(why, f"target {index + 1} of {len(self.goals)}", self.control, goal.target)
+        return False
+
+    def _miss(self, why: MissedTargetError, name: str, control: str, target: float) -> None:
+        """Keep the row of a target that was not met."""
+        said = missed.said_of(why, name, control, target)
+        self.recorder.miss(Missed(control, target, why.status, said), self.branch)
+
+    def _visit(self, goal: Goal, index: int) -> bool:
+        """Follow the path to a target and keep the state there; whether the path ends on the way, as asked."""
+        self.point, self.stands = self._standing(), True
         direction = self.path.direction(self.point, goal.value, goal.separation)
         if direction:
             self._take_branch("loading" if direction > 0 else "unloading")
-        if self._out_of_reach(goal.value):
-            return "unreachable"
-        ended = self._follow_to(goal, self._spacing(goal.value), index)
-        if ended is not None:
-            return ended
-        if self.point.value != goal.value:  # what opened at a flaw closed again, or came apart
-            return "not_converged"
+        self._check_reach(goal.value)
+        if self._follow_to(goal, self._spacing(goal.value), index):
+            return True
+        if self.point.value != goal.value:
+            raise missed.passed_over()
         self.point = self._refined(self.point, direction)
-        if self._fails(self.point):
-            return "not_converged"
-        self._keep(self.point, target=True)
-        if self.path.has_history:
-            self.point = self._point_of(self.record.states[-1], goal.value)
-        return "not_converged" if self._fails(self.point) else None
+        self._keep(self.point, target=True, goal=goal.value)
+        self.stands = not self.path.has_history
+        return False
 
-    def _follow_to(self, goal: Goal, spacing: float, index: int) -> str | None:
-        """Follow the path to a goal, storing what is asked for on the way; the status of the path where it ends."""
+    def _follow_to(self, goal: Goal, spacing: float, index: int) -> bool:
+        """Follow the path to a goal, storing what is asked for on the way; whether the path ends there, as asked."""
         direction = self.path.direction(self.point, goal.value, goal.separation)
         for point in self.path.advance(self.point, goal.value, goal.separation):
-            before, self.point = self.point, point
+            before, self.point = self.point, self._checked(point)
             self._report(index)
-            if self._fails(point):
-                self.recorder.note(point.events)
-                return "not_converged"
-            ended = self._passed(before, point)
-            if ended is not None:
-                return ended
+            if self._passed(before, point):
+                return True
             if self._lost_under_load(point, goal.value):
-                self._keep(point, target=True, status="unreachable")
-                return "unreachable"
+                self._keep(point, target=False)
+                raise missed.came_apart()
             if not point.last and point.value != goal.value and self._is_far(point, spacing):
                 between = self._refined(point, direction)
-                if self._fails(between):
-                    return "not_converged"
                 self._keep(between, target=False)
                 if between.events:  # the path continues behind them
                     self.point = between
                     return self._follow_to(goal, spacing, index)
-        return None
+        return False
 
     def _separation(self, target: float) -> float | None:
         """The separation that a target asks for, dimensionless and to its last digit; None under another control."""
-        return target / self.problem.scales.height if self.scene.loading.control == "separation" else None
+        return target / self.problem.scales.height if self.control == "separation" else None
 
-    def _fails(self, point: AnyPoint) -> bool:
-        """Whether there is no such point."""
-        self.failed = point.status
-        return point.status in FAILURES
+    def _checked(self, point: AnyPoint) -> AnyPoint:
+        """The point, if there is one; MissedTargetError where none was found."""
+        if point.status in FAILURES:
+            raise missed.no_point(point.status, self.recorder.target_of(point), self.control, self.path.has_history)
+        return point
 
     def _spacing(self, goal: float) -> float:
         """Least change of the control between stored states on the way to a goal: the largest increment, or more."""
@@ -273,14 +264,15 @@ class _Run:
 
     def _refined(self, point: AnyPoint, direction: float) -> AnyPoint:
         """The point at the accuracy of a target, the events on the way to which are kept."""
-        refined: AnyPoint = self.path.refine(point, direction)
+        refined = self._checked(self.path.refine(point, direction))
         self.recorder.note(refined.events)
         return refined
 
-    def _keep(self, point: AnyPoint, target: bool, status: str | None = None) -> None:
-        """Store a refined point as a state."""
-        self.recorder.keep(point, self.branch, target, status)
-        self.kept, self.kept_penetration = point.value, self.record.states[-1].penetration
+    def _keep(self, point: AnyPoint, target: bool, goal: float | None = None) -> None:
+        """Store a refined point as a state; `goal` is the value of the control of a target of the path."""
+        state = self.recorder.keep(point, self.branch, target)
+        self.last = state, goal
+        self.kept, self.kept_penetration = point.value, state.penetration
 
     def _take_branch(self, branch: str) -> None:
         """Turn to loading or unloading; every leg of the path meets the mean pressures asked for anew."""
@@ -295,31 +287,33 @@ class _Run:
         stop = loading.stop_at_mean_pressure
         return {*loading.at_mean_pressures, *(() if stop is None else (stop,))}
 
-    def _passed(self, before: AnyPoint, after: AnyPoint) -> str | None:
+    def _passed(self, before: AnyPoint, after: AnyPoint) -> bool:
         """Keep the events between two points, and states where asked mean pressures are crossed, in their order.
 
         Returns
         -------
-        str or None
-            The status of the path where it ends at one of them.
+        bool
+            Whether the path ends at one of them.
         """
         ahead, direction = after.events, float(np.sign(after.value - before.value))
         for pressure in self._crossed(before, after):
             found: AnyPoint | None = self.path.at_load(before, after, self.problem.load_of(pressure))
             if found is None:
                 continue
-            if self._fails(found):
-                return "not_converged"
-            behind = tuple(event for event in ahead if direction * (event.at.value - found.value) <= 0)
-            self.recorder.note(behind)
-            ahead = ahead[len(behind) :]
             self.met.add(pressure)
-            self._keep(found, target=True)
+            try:
+                found = self._checked(found)
+                behind = tuple(event for event in ahead if direction * (event.at.value - found.value) <= 0)
+                self.recorder.note(behind)
+                ahead = ahead[len(behind) :]
+                self._keep(found, target=True)
+            except MissedTargetError as why:
+                self._miss(why, "a pressure on the way", "mean_pressure", pressure)
             if pressure == self.scene.loading.stop_at_mean_pressure:
                 self.point = found
-                return "converged"
+                return True
         self.recorder.note(ahead)
-        return None
+        return False
 
     def _crossed(self, before: AnyPoint, after: AnyPoint) -> list[float]:
         """Mean pressures asked for that lie between those of two points, in the order in which they are crossed."""
@@ -349,24 +343,44 @@ class _Run:
             )
         )
 
-    def _out_of_reach(self, goal: float) -> bool:
-        """A tension before first touch, or a penetration beyond complete contact."""
-        if self.scene.loading.control == "mean_pressure":
-            return goal < 0 and self.point.status == "separated"
-        return self.problem.control.load_weight == 0 and goal > self.problem.profile.max_height * (1 + 1e-12)
+    def _check_reach(self, goal: float) -> None:
+        """MissedTargetError at a tension before first touch, or a penetration beyond complete contact."""
+        if self.control == "mean_pressure":
+            if goal < 0 and self.point.status == "separated":
+                raise missed.tension_apart()
+        elif self.problem.control.load_weight == 0 and goal > self.problem.profile.max_height * (1 + 1e-12):
+            raise missed.beyond_contact(self.problem.surface.max_height)
 
     def _lost_under_load(self, point: AnyPoint, goal: float) -> bool:
         """Whether load control pulled off: no state carries the tension asked for."""
-        return self.scene.loading.control == "mean_pressure" and point.status == "separated" and goal < 0
+        return self.control == "mean_pressure" and point.status == "separated" and goal < 0
 
     def _is_goal(self, state: State) -> bool:
         """Whether a stored state is the next target of the path, not a pressure on the way."""
         if not state.target or self.done == len(self.goals):
             return False
+        if state.status == "unreachable":
+            return True
         target = self.goals[self.done].target
-        value = getattr(state, self.scene.loading.control)
+        value = getattr(state, self.control)
         scale = max(abs(target), self.problem.scales.height * 1e-3)
         return value is not None and abs(value - target) <= 1e-9 * scale
+
+    def _is_stop(self, state: State) -> bool:
+        """Whether a path ends at a stored state because its mean pressure is the one at which it is to stop."""
+        stop = self.scene.loading.stop_at_mean_pressure
+        if stop is None or not state.target:
+            return False
+        asked = self.goals[self.done].target if self._is_goal(state) else self._asked_at(state)
+        return asked == stop and (self.control == "mean_pressure" or not self._is_goal(state))
+
+    def _asked_at(self, state: State) -> float:
+        """The mean pressure asked for that a stored state on the way was kept for."""
+        return min(self._asked, key=lambda pressure: abs(pressure - state.mean_pressure))
+
+    def _has_fields(self, state: State) -> bool:
+        """Whether fields are asked for at a stored state."""
+        return state.target and state.found and bool(self.recorder.outputs_at(getattr(state, self.control)))
 
     def _point_of(self, state: State, goal: float | None = None) -> AnyPoint:
         """The point of the path at a stored state, which stands at a goal unless the scene starts there."""
@@ -375,26 +389,10 @@ class _Run:
         load = self.problem.load_of(state.mean_pressure)
         value = self.problem.control.value(penetration, load) if goal is None else goal
         if not state.edges:
-            bare = load if self.scene.loading.control == "mean_pressure" else penetration
+            bare = load if self.control == "mean_pressure" else penetration
             kind = Complete if state.status == "complete_contact" else Separated
             return kind(bare if goal is None else goal)
         edges = np.array(state.edges) / scales.length
         patches = ordered(edges[:, 0], edges[:, 1])
         point: AnyPoint = self.path.restart(patches, penetration, value, self._separation(state.separation))
         return point
-
-
-def _solve_flat(scene: Scene, surface: Profile) -> Result:
-    """Two flat surfaces: exact answers."""
-    work = 0.0 if scene.adhesion is None else scene.adhesion.work_of_adhesion
-    states: list[State] = []
-    last = -np.inf
-    for flat in flat_states(scene):
-        states.append(flat_state(flat, -work, "loading" if flat.penetration >= last else "unloading"))
-        last = flat.penetration
-    if states[-1].status != "unreachable":
-        return Record(scene, states).result("converged")
-    target = f"target {len(states)} of {len(scene.loading.targets)}, {scene.loading.targets[len(states) - 1]:g}"
-    return Record(scene, states).result(
-        "unreachable", f"{target}: flat surfaces neither overlap nor carry this tension"
-    )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from bem.nonadhesive.gap_series import GapEvaluation
 
 SAFETY = 3.0  # error estimates are this multiple of what a finer evaluation still changes
-ROUNDING = 1e-13  # floor of error estimates, dimensionless
+ROUNDING = 1e-13  # floor of error estimates, dimensionless and of the number itself
+RELEASE_ROUNDING = 1.5e-12  # of an energy released, over the potential before: a difference; measured 4.7e-13
 STIFFNESS_ROUNDING = 5e-12  # of a stiffness, relative: it is solved for, edges hardly resisting; measured 2.3e-12
 RESIDUAL = 1e-8
 
@@ -71,41 +72,43 @@ def equilibrium_state(
     mean_pressure = problem.mean_pressure(state.load)
     penetration = state.penetration * scales.height
     apart = None if isinstance(state, Evaluation) else state.separation * scales.height  # no difference of heights
-    return State(
-        branch=place.branch,
-        penetration=penetration,
-        separation=problem.surface.max_height - penetration if apart is None else apart,
-        total_displacement=_total_displacement(problem, penetration, mean_pressure),
-        mean_pressure=mean_pressure,
-        contact_fraction=patches.contact_fraction,
-        n_patches=patches.count,
-        edges=tuple(
-            (float(a), float(b))
-            for a, b in zip(patches.left * scales.length, patches.right * scales.length, strict=True)
-        ),
-        elastic_energy=state.elastic_energy * scales.energy_per_area,
-        adhesion_energy=assessment.adhesion_energy * scales.energy_per_area,
-        total_energy=(state.elastic_energy + assessment.adhesion_energy) * scales.energy_per_area,
-        stress_intensity_max=float(np.max(state.stress_intensity)) * scales.stress_intensity,
-        contact_stiffness=assessment.stiffness / (2 * np.pi) * scales.stiffness,
-        stable_at_fixed_load=assessment.stable_at_fixed_load,
-        error_estimate=_error_estimate(problem, assessment, apart),
-        certificate=Certificate(
-            closure=judged.closure,
-            min_gap=judged.min_gap * scales.height,
-            min_eigenvalue=judged.min_eigenvalue,
-            truncation=judged.truncation,
-            hessian_asymmetry=judged.hessian_asymmetry,
-            ok=judged.ok,
-            reasons=judged.reasons,
-            contact_residual=judged.contact_residual,
-            mean_gap_error=judged.mean_gap_error * scales.height,
-        ),
-        unknowns=place.cost.unknowns,
-        evaluations=place.cost.evaluations,
-        cpu_seconds=place.cost.cpu_seconds,
-        status="converged" if judged.ok else "not_converged",
-        target=place.target,
+    return _not_below_rounding(
+        State(
+            branch=place.branch,
+            penetration=penetration,
+            separation=problem.surface.max_height - penetration if apart is None else apart,
+            total_displacement=_total_displacement(problem, penetration, mean_pressure),
+            mean_pressure=mean_pressure,
+            contact_fraction=patches.contact_fraction,
+            n_patches=patches.count,
+            edges=tuple(
+                (float(a), float(b))
+                for a, b in zip(patches.left * scales.length, patches.right * scales.length, strict=True)
+            ),
+            elastic_energy=state.elastic_energy * scales.energy_per_area,
+            adhesion_energy=assessment.adhesion_energy * scales.energy_per_area,
+            total_energy=(state.elastic_energy + assessment.adhesion_energy) * scales.energy_per_area,
+            stress_intensity_max=float(np.max(state.stress_intensity)) * scales.stress_intensity,
+            contact_stiffness=assessment.stiffness / (2 * np.pi) * scales.stiffness,
+            stable_at_fixed_load=assessment.stable_at_fixed_load,
+            error_estimate=_error_estimate(problem, assessment, apart),
+            certificate=Certificate(
+                closure=judged.closure,
+                min_gap=judged.min_gap * scales.height,
+                min_eigenvalue=judged.min_eigenvalue,
+                truncation=judged.truncation,
+                hessian_asymmetry=judged.hessian_asymmetry,
+                ok=judged.ok,
+                reasons=judged.reasons,
+                contact_residual=judged.contact_residual,
+                mean_gap_error=judged.mean_gap_error * scales.height,
+            ),
+            unknowns=place.cost.unknowns,
+            evaluations=place.cost.evaluations,
+            cpu_seconds=place.cost.cpu_seconds,
+            status="converged" if judged.ok else "not_converged",
+            target=place.target,
+        )
     )
 
 
@@ -124,17 +127,22 @@ def _judged(
             compliance_ratio=problem.compliance_ratio,
         )
     adhesion: certificate.AdhesiveEdges | None = None
+    rounding = state.rounding(problem.control.penetration_rate(state))
     if assessment.work is not None:
-        rounding = state.rounding(problem.control.penetration_rate(state))
         stability = assessment.min_eigenvalue, assessment.hessian_asymmetry
-        adhesion = certificate.AdhesiveEdges(assessment.work, *stability, rounding)
+        adhesion = certificate.AdhesiveEdges(assessment.work, *stability)
     return certificate.certify(
         problem.profile,
         state.pressure(),
         state.penetration,
         adhesion,
         compliance_ratio=problem.compliance_ratio,
-        demands=certificate.Demands(closure=RESIDUAL, interpenetration=max(1e-10, 1e-3 * tolerance)),
+        demands=certificate.Demands(
+            closure=RESIDUAL,
+            intensity=max(3 * RESIDUAL, tolerance),
+            interpenetration=max(1e-10, 1e-3 * tolerance),
+            intensity_rounding=rounding,
+        ),
     )
 
 
@@ -170,8 +178,8 @@ def _error_estimate(problem: Problem, assessment: Assessment, separation: float 
     )
 
 
-def _margin(correction: float) -> float:
-    return SAFETY * abs(correction) + ROUNDING
+def _margin(correction: float, value: float = 0.0) -> float:
+    return SAFETY * abs(correction) + ROUNDING * max(1.0, abs(value))
 
 
 def separated_state(problem: Problem, penetration: float, status: str, place: Place) -> State:
@@ -198,6 +206,50 @@ def complete_state(problem: Problem, complete: CompleteContact, load: float, pla
     return _bare_state(bare, place)
 
 
+@dataclass(frozen=True)
+class Missed:
+    """A target that was not met.
+
+    Attributes
+    ----------
+    control : str
+        The quantity under control.
+    target : float
+        What it should have been, SI.
+    status : {"unreachable", "not_converged"}
+    reason : str
+        Which target of how many, why, and what may help.
+    """
+
+    control: str
+    target: float
+    status: str
+    reason: str
+
+
+def missed_state(missed: Missed, place: Place) -> State:
+    """The row of a target at which no state was found: NaN but for what is under control."""
+    numbers = ("penetration", "separation", "mean_pressure", "contact_fraction")
+    energies = ("elastic_energy", "adhesion_energy", "total_energy")
+    unknown: dict[str, Any] = {**dict.fromkeys((*numbers, *energies), math.nan), "total_displacement": None}
+    return State(
+        branch=place.branch,
+        **unknown | {missed.control: missed.target},
+        n_patches=0,
+        edges=(),
+        stress_intensity_max=None,
+        contact_stiffness=None,
+        stable_at_fixed_load=None,
+        error_estimate=ErrorEstimate(),
+        certificate=Certificate(None, None, None, None, None, ok=False, reasons=(missed.reason,)),
+        unknowns=place.cost.unknowns,
+        evaluations=place.cost.evaluations,
+        cpu_seconds=place.cost.cpu_seconds,
+        status=missed.status,
+        target=True,
+    )
+
+
 def flat_state(flat: FlatState, adhesion_energy: float, branch: str) -> State:
     """A state of two flat surfaces."""
     bare = _Bare(
@@ -216,6 +268,7 @@ def event_of(problem: Problem, event: PathEvent) -> Event:
     height, energy = problem.scales.height, problem.scales.energy_per_area
     at, error = event.at, event.error
     bounded, known = math.isfinite(at.load), math.isfinite(event.energy_released)
+    doubt = _margin(event.energy_error, event.energy_released) + RELEASE_ROUNDING * abs(at.potential)
     return Event(
         kind=event.kind,
         penetration=float(at.penetration * height),
@@ -223,11 +276,9 @@ def event_of(problem: Problem, event: PathEvent) -> Event:
         position=event.position * problem.scales.length if math.isfinite(event.position) else None,
         energy_released=float(event.energy_released * energy) if known else None,
         error_estimate=EventError(
-            penetration=float(_margin(error.penetration) * height),
-            mean_pressure=float(problem.mean_pressure(_margin(error.load))) if bounded else None,
-            energy_released=float(_margin(event.energy_error) * energy)
-            if known and math.isfinite(event.energy_error)
-            else None,
+            penetration=float(_margin(error.penetration, at.penetration) * height),
+            mean_pressure=float(problem.mean_pressure(_margin(error.load, at.load))) if bounded else None,
+            energy_released=float(doubt * energy) if known and math.isfinite(doubt) else None,
         ),
     )
 
@@ -248,29 +299,40 @@ class _Bare:
 
 def _bare_state(bare: _Bare, place: Place) -> State:
     """The same as a state of a result."""
-    return State(
-        branch=place.branch,
-        penetration=bare.penetration,
-        separation=bare.separation,
-        total_displacement=bare.total_displacement,
-        mean_pressure=bare.mean_pressure,
-        contact_fraction=1.0 if bare.status == "complete_contact" else 0.0,
-        n_patches=0,
-        edges=(),
-        elastic_energy=bare.elastic_energy,
-        adhesion_energy=bare.adhesion_energy,
-        total_energy=bare.elastic_energy + bare.adhesion_energy,
-        stress_intensity_max=None,
-        contact_stiffness=None,
-        stable_at_fixed_load=None,
-        error_estimate=ErrorEstimate(0.0, 0.0, elastic_energy=bare.left_out, total_energy=bare.left_out),
-        certificate=Certificate(None, None, None, None, None, ok=bare.status != "unreachable"),
-        unknowns=place.cost.unknowns,
-        evaluations=place.cost.evaluations,
-        cpu_seconds=place.cost.cpu_seconds,
-        status=bare.status,
-        target=place.target,
+    return _not_below_rounding(
+        State(
+            branch=place.branch,
+            penetration=bare.penetration,
+            separation=bare.separation,
+            total_displacement=bare.total_displacement,
+            mean_pressure=bare.mean_pressure,
+            contact_fraction=1.0 if bare.status == "complete_contact" else 0.0,
+            n_patches=0,
+            edges=(),
+            elastic_energy=bare.elastic_energy,
+            adhesion_energy=bare.adhesion_energy,
+            total_energy=bare.elastic_energy + bare.adhesion_energy,
+            stress_intensity_max=None,
+            contact_stiffness=None,
+            stable_at_fixed_load=None,
+            error_estimate=ErrorEstimate(0.0, 0.0, elastic_energy=bare.left_out, total_energy=bare.left_out),
+            certificate=Certificate(None, None, None, None, None, ok=bare.status != "unreachable"),
+            unknowns=place.cost.unknowns,
+            evaluations=place.cost.evaluations,
+            cpu_seconds=place.cost.cpu_seconds,
+            status=bare.status,
+            target=place.target,
+        )
     )
+
+
+def _not_below_rounding(state: State) -> State:
+    """With errors of at least `ROUNDING` of their numbers; a sum or difference rounds as what it is made of."""
+    found = {name: error for name, error in vars(state.error_estimate).items() if error is not None}
+    sizes = {name: abs(getattr(state, name) or 0.0) for name in found}
+    sizes["total_energy"] = abs(state.elastic_energy) + abs(state.adhesion_energy)
+    known = {name: max(error, ROUNDING * sizes[name]) for name, error in found.items() if math.isfinite(sizes[name])}
+    return replace(state, error_estimate=replace(state.error_estimate, **known))
 
 
 def _total_displacement(problem: Problem, penetration: float, mean_pressure: float) -> float | None:

@@ -18,10 +18,12 @@ positive definite at a minimum; symmetric for the exact solution.
 Units: as in `problem` (dimensionless).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.optimize import brentq, minimize_scalar
 
 from fem_reference.contact import KeptFactors, UnitStates, solve_unit_states
 from fem_reference.crests import crest_patches, scaled_patches
@@ -135,31 +137,64 @@ def start_edges(
 ) -> FloatArray:
     """Edges (n_patches, 2) of the family of `crests` where the closure is nearest to being met, stably.
 
+    Near pull-off few contacts of the family close: where all that are tried open at every edge, those that close are
+    looked for between them.
+
     Raises
     ------
     InvalidProblemError
-        Naming `value` when every contact of the family opens at every edge: nothing stays in contact.
+        Naming `value` when there are none: nothing stays in contact.
     """
     grid = np.linspace(0.0, 1.0, 256 * problem.highest_order)
     total = problem.highest - float(problem.height(grid).min())
+
+    def at(share: float) -> FloatArray:
+        return crest_patches(problem, crests, share * total)
+
+    def opening(edges: FloatArray) -> FloatArray:
+        mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
+        return residual(problem, evaluate(problem, mesh, resolution, control))
+
+    tried: list[tuple[float, float]] = []  # share of the depth, mean residual
     for shares in (SCAN, SHALLOW):
-        family = [crest_patches(problem, crests, float(share * total)) for share in shares]
-        family = [edges for edges in family if np.diff(edges).min() > 2.0 * NARROWEST]
-        residuals = []
-        for edges in family:
-            mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
-            residuals.append(residual(problem, evaluate(problem, mesh, resolution, control)))
+        family = [(share, at(float(share))) for share in shares]
+        kept = [(float(share), edges) for share, edges in family if np.diff(edges).min() > 2.0 * NARROWEST]
+        residuals = [opening(edges) for _, edges in kept]
+        mean = np.array([opened.mean() for opened in residuals])
+        tried += [(share, float(value)) for (share, _), value in zip(kept, mean, strict=True)]
         if not all(np.all(opened > 0.0) for opened in residuals):
             break
     else:
-        raise InvalidProblemError("value", "detaches everything: every edge of every contact tried opens")
-    mean = np.array([opened.mean() for opened in residuals])
+        share = _stable(sorted(tried), lambda share: float(opening(at(share)).mean()))
+        if share is None:
+            raise InvalidProblemError("value", "detaches everything: every edge of every contact tried opens")
+        return scaled_patches(at(share), factor)
+    members = [edges for _, edges in kept]
     stable = np.flatnonzero((mean[:-1] < 0.0) & (mean[1:] >= 0.0))
     if stable.size:
         k = int(stable[-1])
         share = mean[k] / (mean[k] - mean[k + 1])
-        return scaled_patches((1.0 - share) * family[k] + share * family[k + 1], factor)
-    return scaled_patches(family[int(np.argmin(np.abs(mean)))], factor)
+        return scaled_patches((1.0 - share) * members[k] + share * members[k + 1], factor)
+    return scaled_patches(members[int(np.argmin(np.abs(mean)))], factor)
+
+
+def _stable(tried: list[tuple[float, float]], mean: Callable[[float], float]) -> float | None:
+    """The depth beyond the least mean residual at which it rises through zero; None where the least is not negative.
+
+    The least lies between the neighbours of the best of those tried (depth, mean residual).
+    """
+    k = int(np.argmin([value for _, value in tried]))
+    below, above = tried[max(k - 1, 0)][0], tried[min(k + 1, len(tried) - 1)][0]
+    found = minimize_scalar(
+        lambda power: mean(float(np.exp(power))),
+        bounds=(np.log(below), np.log(above)),
+        method="bounded",
+        options={"xatol": 1e-2},
+    )
+    least = float(np.exp(found.x))
+    if mean(least) >= 0.0:
+        return None
+    return float(brentq(mean, least, above, rtol=1e-2))
 
 
 def difference_jacobian(

@@ -69,7 +69,7 @@ class Interface:
     pressure: FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """A state of the layer with the uncertainty of every quantity, SI units.
 
@@ -132,6 +132,12 @@ class Result:
     resolution: Resolution
     unknowns: int
     evaluation: Evaluation
+
+    def __repr__(self) -> str:
+        numbers = [("mean pressure", self.mean_pressure, "mean_pressure", " Pa")]
+        numbers += [("contact fraction", self.contact_fraction, "contact_fraction", "")]
+        told = [f"{name} {value:.6g} +- {self.uncertainty[key]:.1g}{unit}" for name, value, key, unit in numbers]
+        return f"<Result {self.status}: {', '.join(told)}, patches {len(self.edges)}, unknowns {self.unknowns}>"
 
     @cached_property
     def stable(self) -> bool | None:

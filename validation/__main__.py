@@ -17,7 +17,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from bem.command_line.console import discard_stdout
+from bem.command_line.console import discard_stdout, usable_streams
 from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result_file import RESULT_FILE, CorruptResultError
@@ -30,10 +30,10 @@ from validation.harness.executors import ExecutorError, opener_of
 from validation.harness.provenance import provenance
 from validation.harness.registry import CaseError, registry, select
 from validation.harness.runner import Note, run_cases
-from validation.harness.schema import SCHEMA, Report, is_intact, with_checksum
+from validation.harness.schema import SCHEMA, Report, is_intact, mistakes_in, with_checksum
 from validation.harness.verdict import counted, counts, fails
 from validation.report.pdf import write_pdf
-from validation.report.render import PAGE, ReportError, bibliography, failures, write_html
+from validation.report.render import PAGE, ReportError, bibliography, failures, refuse_unset, write_html
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.studies import IN_PROCESSES, OF_A_SCENE, ON_EXECUTORS, STUDIES, module_of
@@ -57,6 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def perform(options: argparse.Namespace) -> int:
     """Run the command that was parsed; its exit code."""
+    usable_streams()
     try:
         code = int(options.command(options))
         print(end="", flush=True)  # here, where it can fail by name
@@ -93,7 +94,7 @@ def read_report(folder: Path) -> Report:
         content = json.loads(path.read_text("utf-8"))
     except FileNotFoundError as error:
         raise ReportError(f"{path}: no report there, and no result of a run") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ReportError(f"{path}: not JSON ({error})") from error
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
         found = content.get("schema") if isinstance(content, dict) else type(content).__name__
@@ -101,7 +102,7 @@ def read_report(folder: Path) -> Report:
     try:
         return Report.model_validate(content)
     except ValidationError as error:
-        raise ReportError(f"{path}: {error}") from error
+        raise ReportError(f"{path}: {mistakes_in(error)}") from error
 
 
 def _alone(command: Callable[[argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:
@@ -120,6 +121,7 @@ def _run(options: argparse.Namespace) -> int:
     every, kept_numbers, own = _cases_and_baselines(options)
     cases = select(every, options.level, options.only)
     bibliography(cases)  # an unknown source is reported now
+    refuse_unset(cases)
     expected = baseline.expected_seconds([case.id for case in cases], kept_numbers)  # and a malformed baseline
     facts = provenance() | own  # before the run: sources that change meanwhile are not those of the report
     folder: Path = options.out

@@ -6,7 +6,7 @@ displacement.py, with nothing taken from the collocation, the gap search or the 
 The checks (bem/README.md, section 7; physics: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65):
 closure G/w = 1 at every edge (without adhesion K = 0 and no tension), u = h - h_max + Delta on every patch up to its
 edges, no interpenetration in any gap, decay of the series, mean gap = separation, and what the solver hands in:
-stability and symmetry of the Hessian.
+stability and symmetry of the Hessian.  K is the series' at the edge, and what the misfit of u says that it lacks.
 
 Dimensionless (scaling.py).  Limits: double precision; a patch on which the profile varies by less than
 `SMALLEST_VARIATION`, or which carries less than `SMALLEST_CHARGE`, is judged against that instead.
@@ -30,6 +30,8 @@ from bem.geometry.profile import Profile
 SMALLEST_VARIATION = 1e-5  # rms heights; rounding of u (5e-14, measured with 155 patches) over 1e-8, margin 2
 SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
 RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
+POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them is 4.4e-16
+LOAD_ROUNDING = 1.5e-14  # of displacements over the load, sums over all patches; measured 6.1e-15 at 3028 patches
 ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
 ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
 
@@ -38,21 +40,27 @@ ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressur
 class Demands:
     """What a state must reach to be ok."""
 
-    # max|G/w - 1|, or without adhesion max|K| over that of a flat punch with the load of the patch
+    # max|G/w - 1| with K from the series handed in, or without adhesion max|K| over that of a flat punch with the load
+    # of the patch: what the solver had to solve
     closure: float = 1e-8
+    # the same with K as the displacement of the audit has it, or an error of K over that of the flat punch where that
+    # is more: the error of its evaluation; states.py asks for accuracy.tolerance
+    intensity: float = 1e-6
     # largest depth, in rms heights; states.py allows a thousandth of accuracy.tolerance where that is more
     interpenetration: float = 1e-10
     contact_residual: float = 1e-8  # max|u - (h - h_max + Delta)| on a patch, over the variation of h on that patch
     truncation: float = 1e-8  # last three coefficients of a patch over its largest
     hessian_asymmetry: float = 1e-8  # max|H - H^T| over max|H|
     mean_gap_error: float = 1e-10  # |mean gap - separation| in rms heights
+    # accuracy of K in double precision, (2 L,): an edge is not asked for more than three times that
+    intensity_rounding: FloatArray | None = None
 
 
 @dataclass(frozen=True)
 class Certificate:
     """The verdict on one state, dimensionless; each figure is explained in `Demands`."""
 
-    closure: float
+    closure: float  # with K as the displacement of the audit has it
     min_gap: float  # smallest at the points tried, which come close to the edges but exclude them (there it vanishes)
     min_eigenvalue: float | None  # handed in by the solver, as the asymmetry; None without adhesion
     truncation: float
@@ -72,14 +80,6 @@ class AdhesiveEdges:
     min_eigenvalue: float | None = None
     # of the Hessian of the energy at fixed penetration; a state without it is not ok
     hessian_asymmetry: float | None = None
-    # accuracy of K in double precision, (2 L,): an edge is not asked for more than three times that
-    intensity_rounding: FloatArray | None = None
-
-    def attainable(self, closure: float) -> FloatArray | float:
-        """The closure that is demanded, or more where rounding leaves more."""
-        if self.intensity_rounding is None:
-            return closure
-        return np.asarray(np.maximum(closure, 3 * self.intensity_rounding / np.sqrt(self.work)))
 
     def objections(self, asymmetry: float) -> Iterator[str]:
         """Reasons against the stability of the state, and the symmetry of its Hessian."""
@@ -100,8 +100,8 @@ def certify(
 ) -> Certificate:
     """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
-    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending to
-    1. ValueError where there is no patch, or patches overlap.
+    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending
+    to 1.  ValueError where there is no patch, or patches overlap.
 
     Examples
     --------
@@ -125,21 +125,25 @@ def certify(
     behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
     if left.size == 0 or not (np.all(right > left) and np.all(behind > 0)):
         raise ValueError("pressure: at least one patch, positive widths and gaps, in order on the circle")
-    displacement = DisplacementField(pressure, compliance_ratio)
-    verdict = Verdict(left.size)
+    displacement, verdict = DisplacementField(pressure, compliance_ratio), Verdict(left.size)
     place, eigenvalue, asymmetry = "at an edge of patch", None, None
+    misfit, work = _Misfit.of(profile, displacement, penetration), None if adhesion is None else adhesion.work
+    series, own, punch = _closures(pressure, misfit.lacking(displacement), work)
+    reached = _attainable(pressure, demands.intensity_rounding, work)
+    solved, evaluated = np.maximum(reached, demands.closure), np.maximum(reached, demands.intensity)
+    least = np.maximum(demands.intensity, np.tile(misfit.rounded * misfit.nodes / _least_charges(pressure), 2))
+    verdict.judge("closure of the series", series, solved, place)
+    closure = verdict.judge("closure", own, np.maximum(evaluated, least * punch), place)
     if adhesion is None:
-        closure = verdict.judge("closure", _closure(pressure, None), demands.closure, place)
-        verdict.judge("tension without adhesion", _tension(pressure), demands.closure, "on patch")
+        least_tension = solved.reshape(2, -1).max(axis=0)
+        verdict.judge("tension without adhesion", _tension(pressure), least_tension, "on patch")
     else:
-        limit = adhesion.attainable(demands.closure)
-        closure = verdict.judge("closure", _closure(pressure, adhesion.work), limit, place)
         verdict.reasons.extend(adhesion.objections(demands.hessian_asymmetry))
         eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
     truncation = verdict.judge("truncation", _truncation(pressure), demands.truncation, "on patch")
     magnitude = max(1.0, float(np.max(np.abs(np.concatenate(pressure.charges)))))
-    misfit, least = _contact_residuals(profile, displacement, penetration), ROUNDING * magnitude
-    residual = verdict.judge("contact residual", misfit, max(demands.contact_residual, least), "on patch")
+    allowed = np.maximum(max(demands.contact_residual, ROUNDING * magnitude), misfit.rounded / misfit.variation)
+    residual = verdict.judge("contact residual", misfit.largest / misfit.variation, allowed, "on patch")
     depth, gap_integrals, unresolved = gap_depths(profile, displacement, penetration, behind, RESOLVED * magnitude)
     min_gap = -verdict.judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
@@ -176,15 +180,84 @@ class Verdict:
         return float(array[worst])
 
 
-def _closure(pressure: PatchPressure, work_of_adhesion: FloatArray | None) -> FloatArray:
-    """|K|K|/(4 w) - 1|, or |K| over that of a flat punch of equal load, (2 L,); series summed without rounding."""
+@dataclass(frozen=True, eq=False)
+class _Misfit:
+    """What the displacement exceeds h - h_max + Delta by, at the extrema between the nodes and the edges of patches.
+
+    Patch after patch, `first` being where each begins, (L,).
+    """
+
+    excess: FloatArray
+    first: IntArray
+    nodes: IntArray  # of each patch, (L,)
+    largest: FloatArray  # of each patch, (L,)
+    variation: FloatArray  # of h on each patch, (L,)
+    rounded: FloatArray  # what rounding leaves: of positions where the patch is steep, of all that is summed, (L,)
+
+    @classmethod
+    def of(cls, profile: Profile, field: DisplacementField, penetration: float) -> _Misfit:
+        """Of a displacement."""
+        sizes = np.array([charge.size for charge in field.pressure.charges])
+        owner = np.repeat(np.arange(field.count), sizes + 1)
+        first = np.cumsum(sizes + 1) - (sizes + 1)
+        angle = (np.arange(owner.size) - first[owner]) * (np.pi / sizes)[owner]
+        x = field.center[owner] + field.radius[owner] * np.cos(angle)
+        height, slope, _ = profile.height_slope_curvature(x)
+        excess = field.in_contact(x, owner) - (height - profile.max_height + penetration)
+        variation = np.maximum.reduceat(height, first) - np.minimum.reduceat(height, first)
+        rounded = POSITION_ROUNDING * np.maximum.reduceat(np.abs(slope), first)
+        rounded += LOAD_ROUNDING * abs(field.pressure.load)
+        largest = np.maximum.reduceat(np.abs(excess), first)
+        return cls(excess, first, sizes, largest, np.maximum(variation, SMALLEST_VARIATION), rounded)
+
+    def lacking(self, field: DisplacementField) -> FloatArray:
+        """What q lacks at the edges, (2 L,), for the displacement to be that of the contact.
+
+        By the logarithm of the patch itself: q = k cos(k theta) moves it by cos(k theta).  What other patches and a
+        layer add is smooth, and leaves out some percent of this small change; a mean excess is an error of Delta, which
+        the mean gap shows.
+        """
+        lacking = np.empty((2, field.count))
+        for who, rows in _by_size(field.pressure.charges):
+            n = rows.shape[1]
+            excess = self.excess[self.first[who, None] + np.arange(n + 1)]
+            per_unit = np.append(np.arange(n), n / 2)  # the ends of a cosine series count half
+            lacked = -per_unit * np.fft.rfft(np.concatenate([excess, excess[:, -2:0:-1]], axis=1)).real / n
+            even, odd = lacked[:, ::2].sum(axis=1), lacked[:, 1::2].sum(axis=1)
+            lacking[:, who] = even - odd, even + odd
+        return lacking.ravel()
+
+
+def _closures(
+    pressure: PatchPressure, lacking: FloatArray, work: FloatArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """|G/w - 1| by the series handed in, and with what they lack; K of a flat punch of equal load over 2 sqrt(w).
+
+    All (2 L,).  Without adhesion |K| over that of the punch, and 1.  The series are summed without rounding.
+    """
     even, odd = np.array([(math.fsum(q[0::2].tolist()), math.fsum(q[1::2].tolist())) for q in pressure.charges]).T
-    regular = np.concatenate([even - odd, even + odd])
-    if work_of_adhesion is None:
-        loads = np.array([max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges])
-        return np.asarray(np.abs(regular) / np.tile(loads, 2))
-    radius = np.tile((pressure.right - pressure.left) / 2, 2)
-    return np.asarray(np.abs(-regular * np.abs(regular) * np.pi / radius / (4 * work_of_adhesion) - 1))
+    handed = np.concatenate([even - odd, even + odd])  # q, which is -K sqrt(r/pi)
+    loads = np.tile(_least_charges(pressure), 2)
+    if work is None:
+        return np.abs(handed) / loads, np.abs(handed + lacking) / loads, np.ones(handed.size)
+    critical = 2 * np.sqrt(work * np.tile((pressure.right - pressure.left) / 2, 2) / np.pi)
+    series, own = (np.abs(-q * np.abs(q) / critical**2 - 1) for q in (handed, handed + lacking))
+    return series, own, loads / critical
+
+
+def _attainable(pressure: PatchPressure, rounding: FloatArray | None, work: FloatArray | None) -> FloatArray:
+    """The closure that three times what rounding leaves of K allows, with adhesion or (None) without, (2 L,)."""
+    if rounding is None:
+        return np.zeros(2 * pressure.left.size)
+    if work is not None:
+        return np.asarray(3 * rounding / np.sqrt(work))
+    regular = rounding * np.tile(np.sqrt((pressure.right - pressure.left) / (2 * np.pi)), 2)
+    return np.asarray(3 * regular / np.tile(_least_charges(pressure), 2))
+
+
+def _least_charges(pressure: PatchPressure) -> FloatArray:
+    """|Q_0| of the patches, or what is the least that is told from rounding, (L,)."""
+    return np.array([max(abs(q[0]), SMALLEST_CHARGE * q.size) for q in pressure.charges])
 
 
 def _tension(pressure: PatchPressure) -> FloatArray:
@@ -224,16 +297,3 @@ def _by_size(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArray
     sizes = np.array([charge.size for charge in charges])
     members = [np.flatnonzero(sizes == size) for size in np.unique(sizes)]
     return [(who, np.stack([charges[i] for i in who])) for who in members]
-
-
-def _contact_residuals(profile: Profile, field: DisplacementField, penetration: float) -> FloatArray:
-    """max|u - (h - h_max + Delta)| over the variation of h, (L,): at extrema between the nodes, edges included."""
-    sizes = np.array([charge.size for charge in field.pressure.charges])
-    owner = np.repeat(np.arange(field.count), sizes + 1)
-    first = np.cumsum(sizes + 1) - (sizes + 1)
-    angle = (np.arange(owner.size) - first[owner]) * (np.pi / sizes)[owner]
-    x = field.center[owner] + field.radius[owner] * np.cos(angle)
-    height = profile.height(x)
-    miss = np.abs(field.in_contact(x, owner) - (height - profile.max_height + penetration))
-    variation = np.maximum.reduceat(height, first) - np.minimum.reduceat(height, first)
-    return np.asarray(np.maximum.reduceat(miss, first) / np.maximum(variation, SMALLEST_VARIATION))

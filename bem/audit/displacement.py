@@ -291,7 +291,9 @@ class DisplacementField:
             weighted = regular_part(charge, n) * (np.pi / n)
             weighted[[0, -1]] /= 2
             x = c + r * np.cos(np.arange(n + 1) * (np.pi / n))
-            modes += np.exp(-1j * np.multiply.outer(m, x)) @ weighted
+            for first in range(0, highest, 64):  # all at once are gigabytes on a thin layer
+                few = slice(first, first + 64)
+                modes[few] += np.exp(-1j * np.multiply.outer(m[few], x)) @ weighted
         return np.asarray(modes * (compliance_ratio(m.astype(np.float64)) - 1) / m / np.pi)
 
     def _layer_field(self, x: FloatArray, modes: ComplexArray) -> FloatArray:

@@ -282,7 +282,9 @@ class _Pressure:
             angle = (np.arange(n) + 0.5) * (np.pi / n)
             order = np.arange(1, series.size + 1)
             g = np.sin(np.multiply.outer(angle, order)) @ series * np.sin(angle) * (np.pi / n) * a
-            modes += np.exp(-1j * np.multiply.outer(m, center + a * np.cos(angle))) @ g
+            for first in range(0, highest, 64):  # all at once are gigabytes on a thin layer
+                few = slice(first, first + 64)
+                modes[few] += np.exp(-1j * np.multiply.outer(m[few], center + a * np.cos(angle))) @ g
         return np.asarray(modes * (1 / compliance_ratio(m.astype(np.float64)) - 1) * m / np.pi)
 
     def _of_layer(self, x: FloatArray) -> FloatArray:

@@ -1,27 +1,38 @@
-"""What converged is kept: results written during a run, and the stored result a run resumes.
+"""What a run keeps on disk as it goes, and the stored result that a run resumes.
 
-States are written at once while writing takes little of the time: the pause between two writes is at least
-`PAUSE` times the last one took, and never longer than the next increment.  A run that is killed so loses
-at most what converged within that pause.
+Every state is appended to the journal of the folder when it is found (result_file.py), so that no end of the process
+loses it.  For whoever watches, result.json is written without fields now and then, and takes little of the time: the
+pause between two writes is at least `PAUSE` times what the last one took.  The end writes both files and removes the
+journal.
 """
 
 from __future__ import annotations
 
+import math
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from types import FrameType
+from typing import Protocol
 
-from bem.scene.effects import effects_of
-from bem.scene.result import FINAL_STATUSES, Result
-from bem.scene.result_file import CorruptResultError, digest, provenance, read_result, write_result
+from bem.scene.atomic_file import remove_remains
+from bem.scene.result import FINAL_STATUSES, Entry, Result
+from bem.scene.result_file import (
+    FIELDS_FILE,
+    JOURNAL_FILE,
+    RESULT_FILE,
+    CorruptResultError,
+    Journal,
+    digest,
+    read_result,
+    write_result,
+    write_states,
+)
 from bem.scene.scene import Scene
 
-PAUSE = 10.0
-SECONDS_BETWEEN_INCREMENTS = 2.0  # between writes of states that are not targets
+PAUSE = 10.0  # times the duration of a write of result.json until the next
 
 
 class OutputFolderError(ValueError):
@@ -64,46 +75,52 @@ def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> 
     return stored
 
 
+class Kept(Protocol):
+    """What has been found so far: record.py."""
+
+    @property
+    def begun(self) -> Result:
+        """What all states share."""
+        ...
+
+    @property
+    def entries(self) -> Sequence[Entry]:
+        """In the order found."""
+        ...
+
+    def result(self, status: str) -> Result:
+        """All of it."""
+        ...
+
+
 class Checkpoint:
-    """Writes the states found so far, as an interrupted result; those of the result that the run resumes come first.
+    """Keeps the states of a run in a folder as they are found; the clock counts seconds."""
 
-    The clock counts seconds.
-    """
+    def __init__(self, folder: Path, clock: Callable[[], float] = time.monotonic) -> None:
+        self.journal, self.clock = Journal(folder), clock
+        self.begun = False
+        self.shown_at, self.duration = -math.inf, 0.0
 
-    def __init__(
-        self, scene: Scene, folder: Path, stored: Result | None, clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        resolved = scene.resolved()
-        begun = Result(resolved, effects_of(scene), provenance(resolved), (), (), "interrupted")
-        self.result = begun if stored is None else replace(stored, status="interrupted")
-        self.folder, self.clock = folder, clock
-        self.unsaved = False
-        self.target_unsaved = False
-        self.saved_at, self.duration = -SECONDS_BETWEEN_INCREMENTS, 0.0
+    def keep(self, record: Kept) -> None:
+        """Append the last entry of a record; write result.json if it is time."""
+        if self.begun:
+            self.journal.add(record.entries[-1])
+        else:
+            self.journal.begin(record.begun, record.entries)
+            self.begun = True
+        now = self.clock()
+        if now - self.shown_at >= PAUSE * self.duration:
+            write_states(record.result("interrupted"), self.journal.folder)
+            self.shown_at = self.clock()
+            self.duration = self.shown_at - now
 
-    def keep(self, partial: Result) -> None:
-        """Take over all that is kept so far; write it if it is time."""
-        self.result = partial
-        self.unsaved = True
-        self.target_unsaved = self.target_unsaved or partial.states[-1].target
-        self.save_when_due()
-
-    def save_when_due(self) -> None:
-        """Write what is unsaved unless the last write was just done."""
-        waited = self.clock() - self.saved_at
-        pause = PAUSE * self.duration if self.target_unsaved else SECONDS_BETWEEN_INCREMENTS
-        if self.unsaved and waited >= pause:
-            self.save()
-
-    def save(self) -> None:
-        """Write what is unsaved."""
-        if not self.unsaved:
-            return
-        begun = self.clock()
-        write_result(self.result, self.folder)
-        self.saved_at = self.clock()
-        self.duration = self.saved_at - begun
-        self.unsaved = self.target_unsaved = False
+    def finish(self, result: Result) -> None:
+        """Write the result in place of the journal; what is in the folder can be continued from at any moment."""
+        if not self.journal.path.exists():
+            self.journal.begin(result, ())
+        write_result(result, self.journal.folder)
+        for name in (RESULT_FILE, FIELDS_FILE, JOURNAL_FILE):
+            remove_remains(self.journal.folder / name)
 
 
 @contextmanager

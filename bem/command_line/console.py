@@ -7,16 +7,19 @@ corrected by the pace seen.
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any, Protocol, TextIO
 
 from bem.compiled.kernels import IN_USE
 from bem.scene.cost_prediction import Cost
+from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Caution, Effect, Progress, Result
 
 LINE_SECONDS = 5.0
@@ -28,6 +31,16 @@ TRUST = 0.05  # of the predicted work: until so much is done, the prediction out
 def discard_stdout() -> None:
     """Let what is still buffered for stdout go nowhere, once its reader has gone."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def usable_streams() -> None:
+    """Let everything be said: letters that a stream has not as escapes; to nobody where it is closed."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, Path(os.devnull).open("w"))  # noqa: SIM115  (until the end of the process)
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 class Reporter(Protocol):
@@ -147,14 +160,18 @@ def reporter(stream: TextIO, quiet: bool, cost: Cost | None = None) -> Reporter:
 
 def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
     """What a run came to, as plain values; `targets` is the number of those in the scene."""
-    last = result.states[-1] if result.states else None
+    found = [state for state in result.states if state.found]
+    last = found[-1] if found else None
     return {
         "status": result.status,
         "failure": result.failure,
         "targets": targets,
-        "target_states": len(result.targets),
-        "states": len(result.states),
-        "certified": sum(state.certificate.ok for state in result.states),
+        "target_states": sum(state.target for state in found),
+        "missed_targets": [
+            reason for state in result.states if not state.found for reason in state.certificate.reasons
+        ],
+        "states": len(found),
+        "certified": sum(state.certificate.ok for state in found),
         "events": len(result.events),
         "mean_pressure": None if last is None or math.isnan(last.mean_pressure) else last.mean_pressure,
         "contact_fraction": None if last is None else last.contact_fraction,
@@ -223,8 +240,10 @@ def preparation_text(steps: Iterable[Mapping[str, Any]]) -> str:
 
 
 def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str:
-    """The groups of a scene, and what is out of the ordinary."""
-    lines = [f"# {name} = {value:.4g}" for name, value in groups.items()]
+    """The groups of a scene, each with what it means, and what is out of the ordinary."""
+    said = {name: f"# {name} = {value:.4g}" for name, value in groups.items()}
+    width = max(map(len, said.values()), default=0)
+    lines = [f"{said[name]:<{width}}  {MEANINGS.get(name, '')}" for name in said]
     return "\n".join([*lines, *(f"warning: {caution.about}: {caution.message}" for caution in cautions)])
 
 

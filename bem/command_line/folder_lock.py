@@ -70,9 +70,9 @@ def locked(folder: Path) -> Iterator[bool]:
         path.write_text(f"process {os.getpid()} on {socket.gethostname()} since {since}\n", "utf-8")
         yield new
     finally:
-        path.unlink()  # while the lock is held: who waits for it finds that the file is gone, and makes another
+        path.unlink(missing_ok=True)  # while it is held: who waits for it finds it gone, and makes another
         lock.release()
-        if new and not any(folder.iterdir()):
+        if new and folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()
 
 

@@ -41,6 +41,7 @@ Field = Callable[[FloatArray], FloatArray]
 MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes
 MOST_UNKNOWNS = 12_000  # of one factorisation: 2.3 GB for matrix and factor
 MOST_MODES = 5000  # of one patch: a gap of 1e-5 periods beside it at the accuracy of targets, seconds an evaluation
+FEW_WAVES = 0.3  # of the unknowns: more of a layer are added to the matrix instead
 FAR_SHARE, FINEST_FAR = 1e-5, 1e-14  # accuracy of the kernel between clusters over the tolerance, and at least
 
 ROUNDING = 1e-14  # absolute accuracy of charges of order 1, per node; measured up to 4e-15, at 500 harmonics
@@ -247,10 +248,7 @@ def evaluate(
     """
     resolution = resolve(elastic, patches, tolerance) if resolution is None else resolution
     modes, kernel, profile = resolution.modes, elastic.kernel, elastic.profile
-    most = int(modes.max())
-    largest = most if kernel is None else int(modes.sum())
-    if largest > MOST_UNKNOWNS or most > MOST_MODES:
-        raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
+    few_waves = _has_few_waves(elastic, modes)
     level = profile.max_height - penetration
     series, x, columns, tail, tail_energy = right_hand_sides(profile, patches, level, resolution)
     for background in elastic.backgrounds:
@@ -258,9 +256,10 @@ def evaluate(
     if elastic.probes:
         fields = [elastic.field_of_charges(np.array([probe]), np.ones(1))(x) for probe in elastic.probes]
         columns = np.concatenate([columns, fields])
-    addition = None if kernel is None else kernel.matrix(x)
     edge_columns = 4 if elastic.slopes else 2 * with_compliance
-    skeleton = Skeleton(patches, modes, x, columns, addition, edge_columns)
+    waves = kernel.waves(x) if kernel is not None and few_waves else None
+    addition = kernel.matrix(x) if kernel is not None and not few_waves else None
+    skeleton = Skeleton(patches, modes, x, columns, addition, waves, edge_columns)
     solution = solve(skeleton, max(FAR_SHARE * tolerance, FINEST_FAR))
     gram, charges = solution.gram, solution.charges
     radius = np.concatenate([patches.half_width, patches.half_width])
@@ -287,6 +286,16 @@ def evaluate(
         intensity_by_probes=intensity[2:],
         load_by_probes=-gram[2:, 1],
     )
+
+
+def _has_few_waves(elastic: Elastic, modes: IntArray) -> bool:
+    """Whether what a layer adds is solved by its waves; refuses more unknowns than fit."""
+    most, unknowns = int(modes.max()), int(modes.sum())
+    few = elastic.kernel is not None and elastic.kernel.columns <= FEW_WAVES * unknowns
+    largest = most if elastic.kernel is None or few else unknowns
+    if largest > MOST_UNKNOWNS or most > MOST_MODES:
+        raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
+    return few
 
 
 @mirrored

@@ -20,14 +20,19 @@ A' = A + alpha 1 1^T, which is not; with g = b^T A'^-1 1 and s = 1^T A'^-1 1 the
     b^T A^-1 b = b^T A'^-1 b + alpha g g^T / (1 - alpha s).
 
 Rounding of s then acts like one of alpha on everything at once, and states of given load hardly feel it.
-Source of such factorisations: Martinsson and Rokhlin, J. Comput. Phys. 205 (2005) 1.  Dimensionless.  Limits:
-additions to the kernel need a single leaf.
+A layer adds waves to the kernel, A = A' - V D V^T with the signs D = +-1 and the columns V of cosines and sines: they
+are columns like others, and with W = (D - V^T A'^-1 V)^-1 the formula of Woodbury,
+
+    b^T A^-1 c = b^T A'^-1 c + (b^T A'^-1 V) W (V^T A'^-1 c),
+
+brings them in.  Where the waves are not few beside the nodes their sum is added to the matrix of a single leaf.
+Source of such factorisations: Martinsson and Rokhlin, J. Comput. Phys. 205 (2005) 1.  Dimensionless.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import ParamSpec, Protocol, TypeVar
@@ -67,6 +72,22 @@ def if_solvable(evaluation: Callable[Inputs, Output], *inputs: Inputs.args, **op
 
 
 @dataclass(frozen=True, eq=False)
+class Waves:
+    """V D V^T, what is added to the kernel of the half-space at the nodes.
+
+    Attributes
+    ----------
+    columns : (k, n) array
+        V^T.
+    signs : (k,) array
+        D, 1 or -1.
+    """
+
+    columns: FloatArray
+    signs: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Skeleton:
     """The nodes of all patches, in their order.
 
@@ -81,6 +102,8 @@ class Skeleton:
         Right-hand sides: the force, 1, and others.
     addition : (n, n) array or None
         To the kernel of the half-space; it asks for a single leaf.
+    waves : Waves or None
+        The same as a sum of few products.
     edge_columns : int
         Columns that b has for each patch: none; 2, the edge vectors; or 4, those of slopes at the edges as well.
     """
@@ -89,7 +112,8 @@ class Skeleton:
     modes: IntArray
     x: FloatArray
     columns: FloatArray
-    addition: FloatArray | None
+    addition: FloatArray | None = None
+    waves: Waves | None = None
     edge_columns: int = 2
 
     @cached_property
@@ -191,10 +215,44 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
     IllConditionedSystemError
         The matrix is not positive definite.
     """
+    waves = skeleton.waves
+    if waves is not None:
+        skeleton = replace(skeleton, columns=np.concatenate([skeleton.columns, waves.columns]), waves=None)
     found = solved(skeleton, Splitting(accuracy, LARGEST_LEAF, UNIFORM))
-    if found is None:
+    solution = None if found is None else Solution(*found)
+    if solution is not None and waves is not None:
+        solution = _with_waves(solution, waves.signs)
+    if solution is None:
         raise IllConditionedSystemError(f"skeleton matrix of {skeleton.x.size} unknowns is not positive definite")
-    return Solution(*found)
+    return solution
+
+
+def _with_waves(without: Solution, signs: FloatArray) -> Solution | None:
+    """The solution with waves added to the kernel, which are its last columns; None where A is not positive definite.
+
+    With V_+ the columns of positive sign, A is positive definite exactly where 1 - V_+^T A'^-1 V_+ is.
+    """
+    count = without.gram.shape[0] - signs.size
+    gram, adding = without.gram[count:, count:], signs > 0
+    _, info = lapack.dpotrf(np.eye(int(adding.sum())) - gram[adding][:, adding])
+    if info != 0:
+        return None
+    seen = np.concatenate([without.gram[count:, :count], without.at_edges[count:]], axis=1)
+    response = np.linalg.solve(np.diag(signs) - gram, seen)
+    amounts, by_edges = response[:, :count].T, response[:, count:]
+    compliance, bent = without.compliance, without.slope_compliance
+    if compliance.size:
+        compliance = compliance + without.at_edges[count:].T @ by_edges
+    if bent.size:
+        bent = bent + without.slopes[count:].T @ by_edges
+    return Solution(
+        compliance=compliance,
+        slope_compliance=bent,
+        gram=without.gram[:count, :count] + amounts @ seen[:, :count],
+        charges=without.charges[:count] + amounts @ without.charges[count:],
+        at_edges=without.at_edges[:count] + amounts @ without.at_edges[count:],
+        slopes=without.slopes[:count] + amounts @ without.slopes[count:],
+    )
 
 
 @mirrored

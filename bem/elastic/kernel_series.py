@@ -1,4 +1,4 @@
-"""What elastic effects add to the kernel of the half-space: a cosine series, summed as it stands.
+"""What elastic effects add to the kernel of the half-space: a cosine series.
 
 An effect gives mode m the compliance ratio_m / m instead of 1/m, so that
 
@@ -12,12 +12,15 @@ of m, a surface tension say, are no such series.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bem.elastic.hierarchical import Waves
 from bem.geometry.arrays import ComplexArray, FloatArray
+from bem.geometry.profile import Profile
 
 _BLOCK = 2_000_000  # complex numbers held at a time
 
@@ -82,37 +85,35 @@ class KernelSeries:
         """Compliance of the modes m >= 1 relative to the half-space, same shape."""
         return self.effect.ratio(orders)
 
+    @cached_property
+    def _series(self) -> Profile:
+        return Profile(2 * np.pi, np.arange(1, self.terms + 1), self.weights, np.zeros(self.terms))
+
     def smooth(self, x: ArrayLike) -> FloatArray:
         """S(x), same shape as x."""
-        return self._sum(x, self.weights, imaginary=False)
+        return self._series.height(x)
 
     def slope(self, x: ArrayLike) -> FloatArray:
         """S'(x), same shape as x."""
-        return self._sum(x, -self.weights * self.orders, imaginary=True)
+        return self._series.slope(x)
 
     def curvature(self, x: ArrayLike) -> FloatArray:
         """S''(x), same shape as x."""
-        return self._sum(x, -self.weights * self.orders**2, imaginary=False)
+        return self._series.curvature(x)
+
+    @property
+    def columns(self) -> int:
+        """Number of the waves: a cosine and a sine each."""
+        return 2 * self.terms
+
+    def waves(self, x: FloatArray) -> Waves:
+        """S(x_i - x_j) for all pairs as a product: sqrt(|s_m|) cos(m x), then sqrt(|s_m|) sin(m x)."""
+        waves = _powers(np.exp(1j * x), self.terms).T * np.sqrt(np.abs(self.weights))[:, None]
+        return Waves(np.concatenate([waves.real, waves.imag]), np.tile(np.where(self.weights < 0, -1.0, 1.0), 2))
 
     def matrix(self, x: FloatArray) -> FloatArray:
-        """S(x_i - x_j) for all pairs, (n, n): a symmetric product for the terms of each sign."""
-        if np.all(self.weights >= 0):
-            return self._product(x, self.weights)
-        return self._product(x, np.maximum(self.weights, 0.0)) - self._product(x, np.maximum(-self.weights, 0.0))
-
-    def _product(self, x: FloatArray, weights: FloatArray) -> FloatArray:
-        """V V^T, the columns of V being sqrt(w_m) cos(m x), then sqrt(w_m) sin(m x), of weights >= 0."""
-        columns = max(1, _BLOCK // max(1, x.size))
-        total, base = np.zeros((x.size, x.size)), np.exp(1j * x)
-        for first in range(0, weights.size, columns):
-            root = np.sqrt(weights[first : first + columns])
-            waves = _powers(base, root.size)
-            if first > 0:
-                waves *= np.exp(1j * first * x)[:, None]
-            waves *= root
-            factors = np.concatenate([waves.real, waves.imag], axis=1)
-            total += factors @ factors.T
-        return total
+        """S(x_i - x_j) for all pairs, (n, n)."""
+        return self.smooth(np.subtract.outer(x, x))
 
     def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
         """sum_j S(x_i - source_j) charge_j, (n,)."""
@@ -125,7 +126,14 @@ class KernelSeries:
 
     def from_moments(self, x: ArrayLike, moments: ComplexArray) -> FloatArray:
         """int S(x - x') sigma(x') dx' from moments int sigma exp(-i m x) dx, m = 1..n_terms; same shape as x."""
-        return self._sum(x, self.weights * moments[: self.terms], imaginary=False)
+        weights, position = self.weights * moments[: self.terms], np.asarray(x, dtype=np.float64)
+        flat = position.ravel()
+        total = np.zeros(flat.size)
+        block = max(1, _BLOCK // max(1, self.terms))
+        for first in range(0, flat.size, block):
+            part = slice(first, first + block)
+            total[part] = (_powers(np.exp(1j * flat[part]), self.terms) @ weights).real
+        return total.reshape(position.shape)
 
     def coupled_modes(self, width: FloatArray, tolerance: float) -> FloatArray:
         """Chebyshev modes of patches of these widths that feel S to `tolerance`, (L,).
@@ -136,18 +144,6 @@ class KernelSeries:
         """
         axis = 2 * self.effect.strip / np.asarray(width, dtype=np.float64)
         return np.asarray(np.log(30 / tolerance) / np.arcsinh(axis) + 2.0)
-
-    def _sum(self, x: ArrayLike, weights: FloatArray | ComplexArray, imaginary: bool) -> FloatArray:
-        """Re or Im of sum_m weights_m exp(i m x)."""
-        position = np.asarray(x, dtype=np.float64)
-        flat = position.ravel()
-        total = np.zeros(flat.size)
-        block = max(1, _BLOCK // max(1, self.terms))
-        for first in range(0, flat.size, block):
-            part = slice(first, first + block)
-            value = _powers(np.exp(1j * flat[part]), self.terms) @ weights
-            total[part] = value.imag if imaginary else value.real
-        return total.reshape(position.shape)
 
 
 def kernel_series(effect: ElasticEffect, tolerance: float) -> KernelSeries:

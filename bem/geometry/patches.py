@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bem.geometry.arrays import FloatArray
 
@@ -86,12 +87,19 @@ class Patches:
 
     def merged_after(self, index: int) -> Patches:
         """Patches with the gap behind patch `index` closed; ValueError for the only patch."""
-        if self.count == 1:
+        closed = np.zeros(self.count, dtype=bool)
+        closed[index] = True
+        return self.merged_at(closed)
+
+    def merged_at(self, closed: NDArray[np.bool_]) -> Patches:
+        """Patches with some of the gaps behind them closed, (L,); ValueError where none is left open."""
+        if np.all(closed):
             raise ValueError("the gap of a single patch closes to complete contact, which has no edges")
-        following = (index + 1) % self.count
-        right = self.right.copy()
-        right[index] = self.right[following] + (TWO_PI if following == 0 else 0.0)
-        return ordered(np.delete(self.left, following), np.delete(right, following))
+        left = self.left[~np.roll(closed, 1)]
+        right = self.right[~closed]
+        if closed[-1]:  # the patch that begins last ends a period on
+            right = np.append(right[1:], right[0] + TWO_PI)
+        return ordered(left, right)
 
     def joined(self, others: Patches) -> Patches | None:
         """These patches and others in order; None where any two of them overlap."""

@@ -11,7 +11,7 @@ Heights and positions may be in any unit; `Profile.scaled` gives the dimensionle
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -30,7 +30,7 @@ _BISECTIONS = 55  # of a crest between its neighbours on the grid: also flat cre
 _DERIVATIVE_FACTORS = np.array([[math.perm(k, order) for k in range(_TAYLOR_TERMS)] for order in range(4)], dtype=float)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Profile:
     """A zero-mean periodic profile given by its harmonics.
 
@@ -63,6 +63,11 @@ class Profile:
     def __post_init__(self) -> None:
         check(profile__period=self.period)
         check_harmonics(self.orders, self.amplitudes, self.phases)
+
+    def __repr__(self) -> str:
+        count = self.orders.size
+        known = f"rms height {self.rms_height:.6g}, rms slope {self.rms_slope:.6g}"
+        return f"<Profile of {count} harmonic{'s' * (count != 1)} in a period of {self.period:g}, {known}>"
 
     @classmethod
     def from_harmonics(
@@ -198,27 +203,30 @@ class Profile:
     @cached_property
     def crests(self) -> tuple[FloatArray, FloatArray]:
         """Positions in [0, period), ascending, and heights of all local maxima, (n_crests,) each."""
+        return self._extrema(1.0)
+
+    @cached_property
+    def valleys(self) -> tuple[FloatArray, FloatArray]:
+        """Positions in [0, period), ascending, and heights of all local minima, (n_valleys,) each."""
+        return self._extrema(-1.0)
+
+    def _extrema(self, sign: float) -> tuple[FloatArray, FloatArray]:
+        """Where sign times the height has its local maxima, and the heights there."""
         if self.is_flat:
             return np.zeros(1), np.zeros(1)
         x, h = self.grid
-        top = np.flatnonzero((h >= np.roll(h, 1)) & (h > np.roll(h, -1)))
+        top = np.flatnonzero((sign * h >= sign * np.roll(h, 1)) & (sign * h > sign * np.roll(h, -1)))
         spacing = self.period / x.size
         rising, falling = x[top] - spacing, x[top] + spacing
         for _ in range(_BISECTIONS):
             position = (rising + falling) / 2
-            up = self.slope(position) > 0
+            up = sign * self.slope(position) > 0
             rising, falling = np.where(up, position, rising), np.where(up, falling, position)
         position = (rising + falling) / 2
         place = position % self.period
         place = np.where(place < self.period, place, 0.0)
         order = np.argsort(place)
         return place[order], self.height(position)[order]
-
-    @cached_property
-    def valleys(self) -> tuple[FloatArray, FloatArray]:
-        """Positions in [0, period), ascending, and heights of all local minima, (n_valleys,) each."""
-        position, depth = replace(self, phases=self.phases + np.pi).crests
-        return position, -depth
 
     @cached_property
     def _table(self) -> FloatArray:

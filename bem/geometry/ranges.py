@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 MOST_HARMONICS = 1_000_000  # 4 GB of tables
+MOST_SEED = 2**128 - 1  # what NumPy draws where none is given
 LEAST, MOST = 1e-60, 1e60
 POSITIVE = f"a finite number > 0, from {LEAST:g} to {MOST:g}"
 
@@ -41,8 +42,8 @@ class Range:
         """Whether a value is a number (no truth value, no text) in the range."""
         if isinstance(value, bool) or not isinstance(value, numbers.Integral if self.whole else numbers.Real):
             return False
-        number = float(value)
-        return math.isfinite(number) and self.ge <= number <= self.le and self.gt < number < self.lt
+        number: Any = value  # as it is: an integer may be too large for a double
+        return bool(-math.inf < number < math.inf and self.ge <= number <= self.le and self.gt < number < self.lt)
 
 
 RANGES = {
@@ -52,7 +53,7 @@ RANGES = {
     "profile.hurst": Range("a number > 0 and < 1", gt=0, lt=1),
     "profile.rms_height": Range(f"{POSITIVE} (m)", ge=LEAST, le=MOST),
     "profile.harmonics": Range(f"an integer from 1 to {MOST_HARMONICS}", ge=1, le=MOST_HARMONICS, whole=True),
-    "profile.seed": Range("an integer >= 0", ge=0, whole=True),
+    "profile.seed": Range("an integer from 0 to 2^128 - 1", ge=0, le=MOST_SEED, whole=True),
     "profile.orders": Range(
         f"a list of distinct integers from 1 to {MOST_HARMONICS}", ge=1, le=MOST_HARMONICS, whole=True
     ),
@@ -86,7 +87,7 @@ def shown(value: Any) -> str:
     """A value as in the scene file, shortened."""
     try:
         text = json.dumps(value, default=str, ensure_ascii=False)
-    except ValueError:
+    except (ValueError, RecursionError):
         text = "a value too long to show"
     return text if len(text) <= 60 else f"{text[:56]} ..."
 

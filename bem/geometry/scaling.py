@@ -18,6 +18,8 @@ import numpy as np
 
 from bem.geometry.ranges import check
 
+ATOMIC = 3e-10  # m: distance of atoms in a solid, and range of the forces between surfaces
+
 
 @dataclass(frozen=True)
 class Solid:

@@ -77,6 +77,12 @@ class CompletedBody:
                 return np.asarray(added)
             size *= 2
 
+    @cached_property
+    def highest_order(self) -> float:
+        """Of the waves of the pressure and those that a layer makes more than twice as stiff as a half-space."""
+        m = np.arange(1, self.stiffening.size + 1)
+        return float(np.max(m[self.stiffening > m], initial=self.pressure.max_order))
+
     def waves_at(self, anchor: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Cosine and sine of m x + phi_m, (n, n_harmonics) each: the products m x are not rounded."""
         m, phase = self.pressure.orders.astype(np.float64), self.pressure.phases

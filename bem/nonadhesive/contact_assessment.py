@@ -4,20 +4,29 @@ The corrected edges are so close to K = 0 that the derivatives there stand for a
 
     d(load)/d(out) = K K_Delta / 2,   dU_el/d(out) = K^2 / 4,   d^2(load)/dDelta d(out) = K_Delta^2 / 2,
 
-the first two integrated along K -> 0.  Dimensionless.
+the first two integrated along K -> 0.
+
+Heights are known to rounding, which on a patch where they hardly vary is much of them.  How much tell the coefficients
+of R that the finer evaluation has and the state has not: they are nothing else, of size s.  The pressure is taken to
+where its coefficients are above that, since K weighs them with n and dK/d(out) with n^3; what is left in K,
+(s/pi) (sum n^2)^(1/2) (pi/r)^(1/2), moves the edges by that over dK/d(out).  An error of all heights is one of Delta,
+which the assessment does not see (states.py has a floor for it).  Dimensionless.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate, finer
 from bem.elastic.sensitivities import own_sensitivity
-from bem.geometry.arrays import FloatArray
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 from bem.loading.control import Control
+
+ABOVE_NOISE = 5.0  # times what rounding leaves of a coefficient: larger is a coefficient
 
 
 def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value: float, tolerance: float) -> Assessment:
@@ -38,10 +47,11 @@ def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value:
     resolution = finer(elastic, state.patches, state.resolution, tolerance)
     fine = evaluate(elastic, state.patches, at, tolerance, resolution, with_compliance=False)
     fine = control.reach(fine, value)
-    outward = -fine.stress_intensity / own_sensitivity(fine)
-    correction = UNKNOWN
-    if state.patches.moved(outward).is_ordered:
+    fine, noise = _without_noise(fine, state.resolution.nodes)
+    slope, correction = own_sensitivity(fine), UNKNOWN
+    if np.all(slope > 0) and state.patches.moved(outward := -fine.stress_intensity / slope).is_ordered:
         correction = _moved(control, fine, outward, value).minus(quantities_of(state))
+        correction = _uncertain(correction, fine, noise / slope)
         correction = stiffened(correction, elastic, state, state.load_rate)
     return Assessment(
         work=None,
@@ -66,3 +76,34 @@ def _moved(control: Control, state: Evaluation, outward: FloatArray, value: floa
         elastic_energy=state.elastic_energy + float(intensity**2 @ outward) / 12,
     )
     return quantities_of(control.reach(moved, value))
+
+
+def _without_noise(fine: Evaluation, known: IntArray) -> tuple[Evaluation, FloatArray]:
+    """The same with K and the slope of the pressure at the edges by its coefficients that are above rounding.
+
+    `known` is the number of coefficients of R, (L,), beyond which there is nothing but rounding.  And what that leaves
+    of K, one standard deviation, (2 L,).
+    """
+    charges, order = fine.charges(), np.arange(fine.series.shape[1])
+    beyond = (order >= known[:, None]) & (order < fine.resolution.nodes[:, None])
+    rounded = np.sqrt(np.sum(fine.series**2, axis=1, where=beyond) / np.sum(beyond, axis=1))
+    above = np.pi * np.abs(charges) > ABOVE_NOISE * rounded[:, None] * np.maximum(order, 1)
+    above[:, 0] = True
+    kept = np.maximum.accumulate(above[:, ::-1], axis=1)[:, ::-1]
+    charges = np.where(kept, charges, 0.0)
+    sign, radius = 1.0 - 2.0 * (order % 2), np.tile(fine.patches.half_width, 2)
+    regular, bent = (np.concatenate([terms @ sign, terms.sum(axis=1)]) for terms in (charges, charges * order**2))
+    left = np.tile(rounded / np.pi * np.sqrt(np.sum(np.where(kept, order**2, 0), axis=1)), 2)
+    to_intensity = np.sqrt(np.pi / radius)
+    return replace(fine, stress_intensity=-regular * to_intensity, edge_slope=bent / radius), left * to_intensity
+
+
+def _uncertain(correction: Quantities, fine: Evaluation, moved: FloatArray) -> Quantities:
+    """With what edges that may lie elsewhere by so much, (2 L,), change: patches independent, edges of one alike."""
+    rate = fine.stress_intensity_rate
+    length, stiffness = (np.linalg.norm(each.reshape(2, -1).sum(axis=0)) for each in (moved, rate**2 * moved / 2))
+    return replace(
+        correction,
+        contact_length=correction.contact_length + math.copysign(length, correction.contact_length),
+        stiffness=correction.stiffness + math.copysign(stiffness, correction.stiffness),
+    )

@@ -34,7 +34,7 @@ from bem.nonadhesive.nonadhesive import solve_contact
 LOAD_CONTROL = LoadControl()
 ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
 NARROW = 1e-3  # lone cracks narrower than this part of the contact beside them carry the unknowns from the start
-LONE = 0.3  # largest half width of a gap, over the shortest wavelength / 2 pi, that a lone crack is an estimate of
+LONE = 0.3  # largest half width of a gap, over the least length that a lone crack knows nothing of
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,8 +206,11 @@ class ConvexPath:
         return ContactPoint(value, state)
 
     def _are_narrow(self, gaps: Gaps) -> bool:
-        """Whether gaps are so narrow, one of them at least, that lone cracks are a start and patches none."""
-        lone = np.all(gaps.half_width * self.body.pressure.max_order <= LONE)
+        """Whether gaps are so narrow, one of them at least, that lone cracks are a start and patches none.
+
+        The waves of the profile must be longer, and those that feel the thickness of a layer.
+        """
+        lone = np.all(gaps.half_width * self.body.highest_order <= LONE)
         narrowest = np.min(2 * gaps.half_width / np.minimum(gaps.patch_before, gaps.patch_after), initial=0.0)
         return bool(lone and narrowest < NARROW)
 

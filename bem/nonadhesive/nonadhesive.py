@@ -22,7 +22,6 @@ from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import if_solvable
 from bem.elastic.sensitivities import own_sensitivity
-from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
@@ -39,11 +38,11 @@ COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the residual and the contact: what the edges may still have to move, for invariances to 1e-10
 ROUNDED = 1e-13  # of the highest crest: charges known no better, measured 1e-14
+ROUNDINGS = 3.0  # of K, as the certificate allows; measured 1.8
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
-MOST_MODES = 1000  # of a patch beside a narrow gap: what costs more here costs least where gaps are the unknown
-MOST_OPENED = 3  # times that gaps are opened: a gap as narrow as those taken for contact is closed and opened for ever
+MOST_MODES = 4000  # of a patch: a gap beside it that asks for more at the accuracy of targets counts as closed
 DOUBTFUL = 1e-9  # of the mean pressure of a patch: the accuracy at which a dip may be a gap too narrow to be seen here
 
 ContactStatus = Literal["converged", "separated", "complete_contact", "narrow_gaps", "not_converged", "ill_conditioned"]
@@ -86,7 +85,7 @@ def _closed(state: Evaluation, control: Control, limit: float) -> bool:
 
 def _is_small(state: Evaluation, control: Control, limit: float) -> bool:
     """Whether |K| relative to the load of its patch is below the limit, or rounding."""
-    rounding = state.rounding(control.penetration_rate(state))
+    rounding = ROUNDINGS * state.rounding(control.penetration_rate(state))
     return bool(np.all(np.abs(state.stress_intensity) <= np.maximum(limit * _mean_intensity(state), rounding)))
 
 
@@ -128,21 +127,17 @@ def solve_contact(
     search = _Search(elastic, control, target, accuracy, patches, penetration)
     rounded = ROUNDED * elastic.profile.max_height
     for count in range(1, ITERATIONS + 1):
-        if _modes_beside_gaps(search.patches, search.tolerance) > MOST_MODES:
-            return Contact("narrow_gaps", None, search.measure, count - 1, search.patches)
         state = if_solvable(search.evaluated)
         if state is None:
             return Contact("ill_conditioned", None, search.measure, count)
         pressure = state.pressure()
         tensile = under_tension(pressure, rounded)
         changed: Patches | None = None
-        coarseness = COARSE
+        coarseness = search.coarseness
         if not tensile and search.is_closed(state):
-            changed, narrow = search.mended(state, pressure)
-            if narrow:
-                return Contact("narrow_gaps", state if changed is None else None, search.measure, count, search.patches)
+            changed, doubtful = search.mended(state, pressure)
             if changed is None and search.is_at_rest(state):
-                return Contact("converged", state, search.measure, count, search.patches)
+                return Contact("narrow_gaps" if doubtful else "converged", state, search.measure, count, search.patches)
         if changed is None:
             changed, coarseness = search.moved(state, pressure, tensile)
         if changed is None:
@@ -165,7 +160,6 @@ class _Search:
     penetration: float
     coarseness: float = COARSEST
     closed_gap: float = COARSELY_CLOSED
-    opened: int = 0
     measure: float = np.inf
     remaining: float = np.inf
 
@@ -197,12 +191,14 @@ class _Search:
         return self.coarseness <= self.accuracy.tolerance and _closed(state, self.control, self.accuracy.residual)
 
     def mended(self, state: Evaluation, pressure: PatchPressure) -> tuple[Patches | None, bool]:
-        """Patches with gaps and contacts that are missing (None: nothing is), and whether gaps are too narrow here."""
-        changed, left = _with_opened_gaps(self.elastic, pressure)
-        self.opened += changed is not None
-        if left or self.opened > MOST_OPENED:
-            return changed, True
-        return changed or _with_new_contacts(self.elastic, state, self.accuracy.allowed), False
+        """Patches with gaps and contacts that are missing (None: nothing is), and whether gaps may be left over."""
+        opened, doubtful = _gaps_under_tension(self.elastic, pressure, self.accuracy.tolerance)
+        touching = _overlapping_crests(self.elastic, state, self.accuracy.allowed)
+        if opened.size == 0 and touching.size == 0:
+            return None, doubtful
+        left = np.concatenate([state.patches.left, opened[:, 1], touching[:, 0]])
+        right = np.concatenate([state.patches.right, opened[:, 0], touching[:, 1]])
+        return _between(left, right), doubtful
 
     def is_at_rest(self, state: Evaluation) -> bool:
         """Whether the steps still to be made are negligible, or shrink no more."""
@@ -219,7 +215,9 @@ class _Search:
             self.damping = np.where(sign * self.last_sign < 0, self.damping / 2, np.minimum(1.0, self.damping * 1.5))
         self.last_sign = sign
         moved = self.patches.moved(self.damping * _edge_steps(state, self.elastic.profile.max_order))
-        changed = _joined(self.elastic, _split(self.patches, moved, pressure, tensile), self.closed_gap)
+        changed = _joined(
+            self.elastic, _split(self.patches, moved, pressure, tensile), self.closed_gap, self.accuracy.tolerance
+        )
         if not tensile and self.coarseness > COARSE and _is_small(state, self.control, NEAR):
             return changed, COARSE
         wanted = self.accuracy.tolerance
@@ -251,51 +249,53 @@ def _edge_steps(state: Evaluation, max_order: int) -> FloatArray:
     return np.asarray(np.clip(newton, -INWARD * width, outward))
 
 
-def _joined(elastic: Elastic, patches: Patches, closed_gap: float) -> Patches | None:
+def _joined(elastic: Elastic, patches: Patches, closed_gap: float, tolerance: float) -> Patches | None:
     """Patches whose gaps are used up become one; None when nothing of the last gap is left."""
-    while True:
-        following = np.roll(patches.width, -1)
-        closed = patches.gap_after < _least_gap(elastic, np.minimum(patches.width, following), closed_gap)
-        if not np.any(closed):
-            return patches
-        if patches.count == 1:
-            return None if patches.gap_after[0] < 1e-7 * TWO_PI else patches
-        patches = patches.merged_after(int(np.flatnonzero(closed)[0]))
+    closed = patches.gap_after < _least_gap(elastic, patches.width, np.roll(patches.width, -1), closed_gap, tolerance)
+    if np.all(closed):
+        closed[np.argmax(patches.gap_after)] = False
+        patches = patches.merged_at(closed)
+        return None if patches.gap_after[0] < 1e-7 * TWO_PI else patches
+    return patches.merged_at(closed)
 
 
-def _least_gap(elastic: Elastic, width: FloatArray, closed_gap: float) -> FloatArray:
-    """Gaps that count as closed beside patches of these widths."""
-    return closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * width)
+def _least_gap(
+    elastic: Elastic, before: FloatArray, behind: FloatArray, closed_gap: float, tolerance: float
+) -> FloatArray:
+    """Gaps that count as closed between patches of these widths; the modes beside them are `coupling_modes`."""
+    narrower, wider = np.minimum(before, behind), np.maximum(before, behind)
+    resolved = wider * (np.log(tolerance) / (2 * MOST_MODES)) ** 2
+    closed = closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * narrower)
+    return np.asarray(np.maximum(closed, resolved))
 
 
-def _modes_beside_gaps(patches: Patches, tolerance: float) -> float:
-    """Modes of the patch with the narrowest gap beside it."""
-    clearance = np.minimum(patches.gap_before, patches.gap_after)
-    return float(np.max(chebyshev.coupling_modes(patches.width, clearance, tolerance)))
+def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure, tolerance: float) -> tuple[FloatArray, bool]:
+    """Gaps where the pressure inside patches dips below zero, (n, 2); whether there may be others, too narrow to open.
 
-
-def _with_opened_gaps(elastic: Elastic, pressure: PatchPressure) -> tuple[Patches | None, bool]:
-    """Patches with a gap where the pressure inside dips below zero between its nodes; None when it does nowhere.
-
-    A gap 2g wide that is taken for contact leaves a parabola of tension sqrt 2 g wide (Galin, chapter 2).  And whether
-    there may be one that is too narrow to be opened here.
+    A gap 2g wide that is taken for contact leaves a parabola of tension sqrt 2 g wide (Galin, chapter 2).
     """
-    left_over = False
+    found: list[tuple[float, float]] = []
+    doubtful = False
     for i, between in dips(pressure).items():
-        at, value, bend = min((minimum(pressure.charges[i], *span) for span in between), key=lambda found: found[1])
-        if not (value < DOUBTFUL * abs(float(pressure.charges[i][0])) and bend > 0):
-            continue
-        left_over = True
-        if value >= 0:
-            continue
-        first, last = pressure.left[i], pressure.right[i]
-        half = (last - first) / 2 * float(np.sqrt(-4 * value / bend))
-        middle = (first + last) / 2 + (last - first) / 2 * at
-        beside = np.array([min(middle - first, last - middle)])
-        if 2 * half > OPENING_GAP * float(_least_gap(elastic, beside, CLOSED_GAP)[0]) and half < 0.5 * float(beside[0]):
-            left, right = np.insert(pressure.left, i + 1, middle + half), np.insert(pressure.right, i, middle - half)
-            return ordered(left, right), False
-    return None, left_over
+        first, last, charge = pressure.left[i], pressure.right[i], pressure.charges[i]
+        for at, value, bend in sorted((minimum(charge, *span) for span in between), key=lambda dip: dip[1]):
+            if not (value < DOUBTFUL * abs(float(charge[0])) and bend > 0):
+                break
+            middle = (first + last) / 2 + (last - first) / 2 * at
+            half = (last - first) / 2 * float(np.sqrt(max(-4 * value / bend, 0.0)))
+            room = min([middle - first, last - middle, *(max(a - middle, middle - b) for a, b in found)])
+            least = _least_gap(elastic, middle - first, last - middle, CLOSED_GAP, tolerance)
+            if 2 * half > OPENING_GAP * least and half < 0.5 * room:
+                found.append((middle - half, middle + half))
+            else:
+                doubtful = True
+    return np.array(found).reshape(-1, 2), doubtful
+
+
+def _between(left: FloatArray, right: FloatArray) -> Patches:
+    """Patches that begin and end at these edges, each end belonging to the start before it."""
+    starts, stops = np.sort(left), np.sort(right)
+    return ordered(starts, stops)
 
 
 def _split(
@@ -315,8 +315,8 @@ def _split(
     return ordered(np.array(left), np.array(right))
 
 
-def _with_new_contacts(elastic: Elastic, state: Evaluation, allowed: float) -> Patches | None:
-    """Patches with a new one at every interpenetration; None when there is none.
+def _overlapping_crests(elastic: Elastic, state: Evaluation, allowed: float) -> FloatArray:
+    """Contacts where surfaces overlap in the gaps, left and right edges, (n, 2).
 
     Beside an edge with K < 0 the surfaces overlap until it has moved: no contact of its own.
     """
@@ -330,15 +330,12 @@ def _with_new_contacts(elastic: Elastic, state: Evaluation, allowed: float) -> P
     following = (low.gap + 1) % patches.count
     overlap_behind, overlap_ahead = OVERLAP * pending[patches.count + low.gap], OVERLAP * pending[following]
     bad = (low.depth < -allowed) & (behind > overlap_behind) & (ahead > overlap_ahead)
-    if not np.any(bad):
-        return None
-    fringe = np.minimum((low.position - patches.right[low.gap]), 0.5 * patches.gap_after[low.gap])
-    for position, depth, room in zip(low.position[bad], low.depth[bad], fringe[bad], strict=True):
-        if np.any((position - patches.left) % TWO_PI < patches.width):
-            continue
-        curvature = max(-float(elastic.profile.curvature(np.array([position]))[0]), 1e-12)
-        to_right = float(np.min((patches.left - position) % TWO_PI))
-        to_left = float(np.min((position - patches.right) % TWO_PI))
-        half = min(float(np.sqrt(-2 * depth / curvature)), 0.3 * to_right, 0.3 * to_left, 0.3 * float(room))
-        patches = patches.with_patch(position - half, position + half)
-    return patches
+    gap, position, depth = low.gap[bad], low.position[bad], low.depth[bad]
+    order = np.lexsort((position, gap))
+    gap, position, depth = gap[order], position[order], depth[order]
+    apart = np.where(np.diff(gap) == 0, np.diff(position), np.inf)
+    neighbour = np.minimum(np.append(np.inf, apart), np.append(apart, np.inf))
+    room = np.minimum(np.minimum(behind[bad], ahead[bad])[order], neighbour)
+    curvature = np.maximum(-elastic.profile.curvature(position), 1e-12)
+    half = np.minimum(np.sqrt(-2 * depth / curvature), 0.3 * room)
+    return np.stack([position - half, position + half], axis=1)

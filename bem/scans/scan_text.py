@@ -5,12 +5,10 @@ semicolon, comma, blanks) and which decimal mark they have is a *reading*.  Of a
 of one length is taken; two that explain as many rows by different numbers are refused (`0,5` may be two columns or a
 decimal comma; csv.Sniffer takes the likelier one), as is a file whose every comma may part thousands (`12,345`).  What
 stands before the first row is the header, of any length; after it every line must be a row.  `#` begins a comment.
-Encodings: UTF-8 and UTF-16 by their marks, else Latin-1.
 """
 
 from __future__ import annotations
 
-import codecs
 import math
 import re
 from collections import Counter
@@ -22,6 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.arrays import FloatArray
+from bem.geometry.ranges import MOST
+from bem.scans.scan_bytes import text_of
+from bem.scans.scan_refusal import Refusal, ScanFileError
+from bem.scans.scan_units import is_unit
 
 Row = tuple[float | None, ...]
 
@@ -34,24 +36,9 @@ MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf",
 COMMENT = re.compile(r"(?:^|\s)#(?!n/a)", re.IGNORECASE)
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # or a decimal comma
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:(?:,\d{3})+(?:,\d{3}|\.\d*)|(?:\.\d{3})+(?:\.\d{3}|,\d*))")
-FORTRAN = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+))[dD]([+-]?\d+)")
-SHAPE = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-
-
-class Refusal(NamedTuple):
-    """Why a scan cannot be used: the key of [profile] concerned, what was found, what is allowed."""
-
-    key: str
-    found: str
-    allowed: str
-
-
-class ScanFileError(ValueError):
-    """A scan that cannot be used; `refusals` says everything that is wrong with it."""
-
-    def __init__(self, refusals: Iterable[Refusal]) -> None:
-        self.refusals = tuple(refusals)
-        super().__init__("; ".join(f"{key}: {found}; allowed: {allowed}" for key, found, allowed in self.refusals))
+FORTRAN = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+))[dD]([+-]?\d+)")
+WORDED = re.compile(r"[+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?\s*([^\W\d]{1,12})")
+SHAPE = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 
 
 class Reading(NamedTuple):
@@ -92,8 +79,14 @@ class TextTable:
     lines: NDArray[np.int64]  # line of each row, from 1, (n_rows,)
     # lines before the first row that are not empty, with their numbers; comment signs removed
     header: tuple[tuple[int, str], ...]
+    remarks: tuple[tuple[int, str], ...]  # comments behind it, likewise
+    rows: tuple[str, ...]  # the text of each row
     encoding: str
     reading: Reading
+
+    def texts(self, column: int) -> list[str]:
+        """The cells of a column, from 0, as they are written."""
+        return [self.reading.cells(row)[column] for row in self.rows]
 
 
 def read_table(content: bytes, decimal: str | None = None) -> TextTable:
@@ -107,31 +100,20 @@ def read_table(content: bytes, decimal: str | None = None) -> TextTable:
     >>> table.values.tolist(), table.encoding, table.reading
     ([[0.0, 1.5], [0.1, nan], [0.2, 1.25]], 'latin-1', Reading(delimiter=';', decimal=','))
     """
-    text, encoding = _decoded(content)
-    lines = [(number, bare) for number, line in enumerate(text.splitlines(), 1) if (bare := _without_comment(line))]
-    try:
-        reading, width = _reading_of(lines, decimal)
-        table, numbers = _rows(lines, reading, width)
-    except ScanFileError as error:
-        spelling = _spelling(lines, decimal) if any(refusal.key == "file" for refusal in error.refusals) else None
-        raise (error if spelling is None else ScanFileError([spelling, *error.refusals])) from None
-    header = list(_texts(text, lines, reading, width))
-    if not reading.delimiter or not np.isnan(table[:, -1]).all() or width == 1:
-        return TextTable(table, numbers, tuple(header), encoding, reading)
-    return TextTable(table[:, :-1], numbers, tuple(header), encoding, reading)  # every line ends with the delimiter
-
-
-def _decoded(content: bytes) -> tuple[str, str]:
-    """The text and its encoding."""
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        try:
-            return content.decode("utf-16"), "utf-16"
-        except UnicodeDecodeError as error:
-            raise ScanFileError([Refusal("file", f"is not text: {error.reason}", "a text file")]) from error
-    try:
-        return content.decode("utf-8-sig"), "utf-8"
-    except UnicodeDecodeError:
-        return content.decode("latin-1"), "latin-1"
+    decoded = text_of(content)
+    if decoded is None:
+        raise ScanFileError([Refusal("file", f"is no text: a zero byte at {content.find(0)}", "a text file")])
+    text, encoding = decoded
+    whole = text.splitlines()
+    lines = [(number, bare) for number, line in enumerate(whole, 1) if (bare := _without_comment(line))]
+    reading, width = _reading_of(lines, decimal)
+    table, numbers, rows = _rows(lines, reading, width, decimal)
+    first = int(numbers[0])
+    header = tuple(_bared(enumerate(whole[: first - 1], 1)))
+    remarks = tuple(_bared((n, line) for n, line in enumerate(whole[first:], first + 1) if line.lstrip()[:1] == "#"))
+    if reading.delimiter and np.isnan(table[:, -1]).all() and width > 1:
+        table = table[:, :-1]  # every line ends with the delimiter
+    return TextTable(table, numbers, header, remarks, rows, encoding, reading)
 
 
 def _without_comment(line: str) -> str:
@@ -142,7 +124,7 @@ def _without_comment(line: str) -> str:
 
 def _reading_of(lines: Sequence[tuple[int, str]], decimal: str | None) -> tuple[Reading, int]:
     """How the file is to be read, and its number of columns."""
-    judged = lines if len(lines) <= 2 * JUDGED else [*lines[:JUDGED], *lines[-JUDGED:]]
+    judged = _judged(lines)
     found: list[tuple[int, Reading, int, dict[int, Row]]] = []
     for reading in READINGS:
         if decimal is not None and reading.decimal != decimal:
@@ -156,7 +138,8 @@ def _reading_of(lines: Sequence[tuple[int, str]], decimal: str | None) -> tuple[
     most = max((count for count, *_ in found), default=0)
     if most < FEWEST:
         allowed = f"a text file with at least {FEWEST} lines of numbers"
-        raise ScanFileError([Refusal("file", f"holds {most} samples", allowed)])
+        last = f": line {lines[-1][0]} is {lines[-1][1][:40]!r}" if lines else ""
+        raise ScanFileError([*_spelling(judged, decimal), Refusal("file", f"holds {most} samples{last}", allowed)])
     best = [item for item in found if item[0] == most]
     _, reading, width, rows = best[0]
     for _, other, columns, others in best[1:]:
@@ -189,10 +172,14 @@ def _has_number(row: Row) -> bool:
     return any(value is not None for value in row)
 
 
-def _texts(text: str, lines: Sequence[tuple[int, str]], reading: Reading, width: int) -> Iterator[tuple[int, str]]:
-    """The header: all lines before the first row, comments without their sign."""
-    first = next(n for n, line in lines if _is_row(reading.row(line), width))
-    for number, line in enumerate(text.splitlines()[: first - 1], 1):
+def _judged(lines: Sequence[tuple[int, str]]) -> Sequence[tuple[int, str]]:
+    """The lines that tell how a file is to be read."""
+    return lines if len(lines) <= 2 * JUDGED else [*lines[:JUDGED], *lines[-JUDGED:]]
+
+
+def _bared(lines: Iterable[tuple[int, str]]) -> Iterator[tuple[int, str]]:
+    """Lines that are not empty, comments without their sign."""
+    for number, line in lines:
         bare = line.strip().lstrip("#%!;/").strip()
         if bare:
             yield number, bare
@@ -202,38 +189,54 @@ def _is_row(row: Row | None, width: int) -> bool:
     return row is not None and len(row) == width and _has_number(row)
 
 
-def _rows(lines: Sequence[tuple[int, str]], reading: Reading, width: int) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Rows from the first one on, (n_rows, width), and their lines; every other line is a mistake."""
+def _rows(
+    lines: Sequence[tuple[int, str]], reading: Reading, width: int, decimal: str | None
+) -> tuple[FloatArray, NDArray[np.int64], tuple[str, ...]]:
+    """Rows from the first one on, (n_rows, width), their lines and texts; every other line is a mistake."""
     start = next(k for k, (_, line) in enumerate(lines) if _is_row(reading.row(line), width))
     ragged: list[str] = []
     invalid: list[str] = []
+    wrong: list[tuple[int, str]] = []
     number, line = lines[start - 1]
     if start and number == lines[start][0] - 1 and _half_a_row(line, reading, width):
         invalid.append(f"line {number} ({line[:40]!r}) is no row of {width}")
+        wrong.append((number, line))
     body = lines[start:]
     quick = None if invalid else _quick(body, reading)
     if quick is not None and quick.shape == (len(body), width):
-        return quick, np.array([number for number, _ in body])
+        return _ordinary(quick, body)
     values: list[Row] = []
-    numbers: list[int] = []
+    kept: list[tuple[int, str]] = []
     for number, line in body:
         row = reading.row(line)
         if row is None:
             invalid.append(f"line {number} ({line[:40]!r}) holds more than numbers")
+            wrong.append((number, line))
         elif len(row) != width:
             ragged.append(f"line {number} has {len(row)} column{'s' * (len(row) != 1)}, others have {width}")
         else:
             values.append(row)
-            numbers.append(number)
+            kept.append((number, line))
     mistakes = [
         *(Refusal("file", text, "the same number of columns in every line") for text in _shortened(ragged)),
         *(Refusal("file", text, f"numbers, or a word for a missing one such as NaN, {_marks(reading)}: correct the "
                   "line, remove it or begin it with #") for text in _shortened(invalid)),
     ]  # fmt: skip
     if mistakes:
-        raise ScanFileError(mistakes)
-    table = np.array([[math.nan if value is None else value for value in row] for row in values])
-    return table, np.array(numbers)
+        raise ScanFileError([*_spelling(_judged(wrong), decimal), *mistakes])
+    return _ordinary(np.array([[math.nan if value is None else value for value in row] for row in values]), kept)
+
+
+def _ordinary(
+    table: FloatArray, body: Sequence[tuple[int, str]]
+) -> tuple[FloatArray, NDArray[np.int64], tuple[str, ...]]:
+    """Rows with their lines and texts; ScanFileError for numbers beyond all magnitudes."""
+    beyond = [f"line {body[k][0]} ({body[k][1][:40]!r}) holds a number beyond {MOST:g}"
+              for k in np.flatnonzero((np.abs(table) > MOST).any(axis=1)).tolist()]  # fmt: skip
+    if beyond:
+        allowed = f"numbers up to {MOST:g}, or a word for a missing one such as NaN"
+        raise ScanFileError([Refusal("file", text, allowed) for text in _shortened(beyond)])
+    return table, np.array([number for number, _ in body]), tuple(line for _, line in body)
 
 
 def _quick(lines: Sequence[tuple[int, str]], reading: Reading) -> FloatArray | None:
@@ -250,24 +253,26 @@ def _quick(lines: Sequence[tuple[int, str]], reading: Reading) -> FloatArray | N
     return table if np.isfinite(table).all() else None
 
 
-def _spelling(lines: Sequence[tuple[int, str]], decimal: str | None) -> Refusal | None:
-    """What makes no row of the first line with a Fortran exponent (`1.0D-05`) or parted thousands (`1,200,000`)."""
+def _spelling(lines: Sequence[tuple[int, str]], decimal: str | None) -> list[Refusal]:
+    """What makes no row of the first line whose numbers are spelt in a way that is known, but not read."""
     for number, line in lines:
-        if not any(form.search(line) for form in (FORTRAN, GROUPED, THOUSANDS)):
-            continue
+        told = f"line {number} ({line[:40]!r})"
         for reading in READINGS:
             cells = reading.cells(line)
             rest = [cell for cell in cells if reading.row(cell) is None]
             if rest and all(FORTRAN.fullmatch(cell) for cell in rest):
                 spelt = FORTRAN.sub(r"\1E\2", rest[0])
                 allowed = f"an exponent with E, {spelt}: replace D by E in the file"
-                return Refusal("file", f"line {number} ({line[:40]!r}) has exponents with D", allowed)
+                return [Refusal("file", f"{told} has exponents with D", allowed)]
+            if rest and all((match := WORDED.fullmatch(cell)) and is_unit(match[1]) for cell in rest):
+                allowed = "numbers alone: name their unit in the heading"
+                return [Refusal("file", f"{told} has units after its numbers, as in {rest[0][:20]!r}", allowed)]
             if reading.delimiter == "," or len(cells) == 1:
                 continue
             if rest and all(GROUPED.fullmatch(c) or (decimal == "." and THOUSANDS.fullmatch(c)) for c in rest):
                 allowed = "numbers without marks between thousands: remove them from the file"
-                return Refusal("file", f"line {number} ({line[:40]!r}) has thousands parted", allowed)
-    return None
+                return [Refusal("file", f"{told} has thousands parted", allowed)]
+    return []
 
 
 def _half_a_row(line: str, reading: Reading, width: int) -> bool:

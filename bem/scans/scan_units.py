@@ -1,36 +1,25 @@
-"""Units of a scan: those that its file states, those that the scene gives, and that they agree.
+"""Units of a scan: the words for them, and that those of its file and those of the scene agree.
 
-A file states units in the heading of its columns (`x [mm]`, `h (µm)`, `x / mm`, `h in nm`, `x_mm`, or a line of units
-alone), which is the last line before the numbers, or in lines such as `X unit: mm`, `Height unit = um`.
-They are taken where the heading names one for every column used.  `Unit: um` without an axis, and a heading that names
-some only, are not enough, but must not contradict the scene.  Nothing is inferred from the size of the numbers.
+The words are those of words.toml.  Nothing is inferred from the size of the numbers.  What a file states and nobody
+understands is refused by its name: it is not the same as no statement.
 """
 
 from __future__ import annotations
 
-import re
+import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
-from bem.scans.scan_keys import METRES
-from bem.scans.scan_text import Reading, Refusal, TextTable
+from bem.scans.scan_keys import METRES, UNITS
+from bem.scans.scan_refusal import Refusal
+from bem.scans.scan_words import folded, table
 
-ALLOWED = ", ".join(f'"{unit}"' for unit in METRES)
-SPELT = {"µm": "um", "μm": "um", "micron": "um", "microns": "um", "mum": "um"}
-SPELT |= {
-    f"{prefix}{stem}{end}": f"{sign}m"
-    for prefix, sign in (("", ""), ("milli", "m"), ("micro", "u"), ("nano", "n"))
-    for stem in ("meter", "metre")
-    for end in ("", "s")
-}
-OTHERS = ("pm", "cm", "dm", "km", "å", "angstrom", "inch", "in", "mil", "px", "pixel", "pixels", "v", "mv", "deg")
-MARKED = re.compile(r"[\[({<]\s*([^\[\](){}<>\s]+)\s*[\])}>]|/\s*([^\s/;,]+)(?=$|[\s;,])|\b(?:in)\s+([^\s;,]+)")
-LAST = re.compile(r"(?:^|[\s_])([^\s_]+)$")
-BEFORE = re.compile(
-    r"(?:^|[^a-z])(x|lateral|horizontal|z|h|height|vertical)[\s_.-]*(?:axis)?[\s_.-]*units?\b(.*)", re.I
-)
-BEHIND = re.compile(r"^units?\s*(?:of|for|in)?[\s_.-]*(x|lateral|horizontal|z|h|height|vertical)\b(.*)", re.I)
-ALONE = re.compile(r"^units?\b(.*)", re.I)
+
+@cache
+def _spelt() -> dict[str, str]:
+    """Units as scenes spell them, by all ways to spell them."""
+    return {word: unit for unit, words in table("units").items() for word in (unit, *words)}
 
 
 class Statement(NamedTuple):
@@ -43,39 +32,38 @@ class Statement(NamedTuple):
 
 
 def unit_of(word: str) -> str | None:
-    """The unit that a word means, as the scene writes it or, where the scene does not know it, as it is.
+    """The unit that a word means, as scenes spell it.
 
     Examples
     --------
-    >>> unit_of("µm"), unit_of("Millimetres"), unit_of("cm"), unit_of("MM"), unit_of("Gauss")
-    ('um', 'mm', 'cm', 'mm', None)
+    >>> unit_of("µm"), unit_of("Millimetres"), unit_of("cm"), unit_of("MM"), unit_of("Å"), unit_of("M"), unit_of("ft")
+    ('um', 'mm', 'cm', 'mm', 'angstrom', None, None)
     """
-    if word in METRES:
-        return word
-    lower = word.lower()
-    if word.isupper() and lower in METRES and len(word) > 1:
-        return lower
-    return SPELT.get(lower, word if lower in OTHERS else None)
+    word = unicodedata.normalize("NFKC", word.strip().rstrip("."))
+    if len(word) <= 2 and word != word.casefold() and word != word.upper():
+        return None  # Mm, Nm, pM are other units
+    return None if word == "M" else _spelt().get(folded(word))
 
 
-def statements(table: TextTable, columns: tuple[int | None, int] | None) -> tuple[Statement, ...]:
-    """All units that the header of a table states.
+def is_unit(word: str) -> bool:
+    """Whether a word is a unit, of a length or of something else."""
+    return unit_of(word) is not None or any(folded(word) in words for words in table("others").values())
 
-    `columns` are those of x (None: there is none) and h, from 0; None where columns have no headings, as in a map.
+
+def stated_unit(text: str) -> str:
+    """The unit of a text that names one: as scenes spell it or, if it is none of theirs, the text.
+
+    Examples
+    --------
+    >>> stated_unit("[µm]"), stated_unit("1 um"), stated_unit("0.5 um"), stated_unit("mm (millimetre)")
+    ('um', 'um', '0.5 um', 'mm')
     """
-    found = [item for number, line in table.header for item in _said(number, line)]
-    if columns is None:
-        return tuple(found)
-    for number, line in table.header[-1:]:
-        units = _of_columns(line, table.reading, table.values.shape[1])
-        named = {
-            axis: unit
-            for axis, column in zip("xh", columns, strict=True)
-            if column is not None and (unit := units[column])
-        }
-        enough = len(named) == sum(column is not None for column in columns)
-        found += [Statement(axis, unit, number, enough) for axis, unit in named.items()]
-    return tuple(found)
+    words = [bare for word in text.split() if (bare := word.strip("[](){}<>\"',;"))]
+    if len(words) > 1 and words[0] in ("1", "1.0", "in"):
+        words = words[1:]
+    units = {unit_of(word) for word in words}
+    unit = next(iter(units)) if len(units) == 1 else None
+    return " ".join(words) if unit is None else unit
 
 
 def resolved(
@@ -93,10 +81,10 @@ def resolved(
         clash = next((item for item in own if item.unit != (given or next(iter(sure), item.unit))), None)
         if foreign is not None:
             found = f"is {foreign.unit!r} in {_place(foreign)}"
-            refusals.append(Refusal(key, found, f"a file in one of {ALLOWED}: convert it"))
+            refusals.append(Refusal(key, found, f"a file in one of {UNITS}: convert it, and name the unit there"))
         elif clash is not None and given:
             found = f'= "{given}" contradicts the file, which says "{clash.unit}" in {_place(clash)}'
-            refusals.append(Refusal(key, found, "one that agrees with the file; correct whichever is wrong"))
+            refusals.append(Refusal(key, found, f'{key} = "{clash.unit}", or correct the file'))
         elif clash is not None:
             said = ", ".join(f'"{item.unit}" in {_place(item)}' for item in own)
             refusals.append(Refusal(key, f"has more than one value in the file: {said}", "correct the file"))
@@ -109,7 +97,7 @@ def resolved(
             )
             if loose is not None and loose.axis:
                 hint = f"line {loose.line} names {loose.unit!r}, but not all columns have a unit there"
-            refusals.append(Refusal(key, f"is missing: {hint}", f"one of {ALLOWED}"))
+            refusals.append(Refusal(key, f"is missing: {hint}", f"one of {UNITS}"))
     return units, [*refusals, *_unplaced(units, stated, axes)]
 
 
@@ -123,48 +111,8 @@ def _unplaced(units: Mapping[str, str], stated: Sequence[Statement], axes: str) 
     for item in stated:
         if not item.axis and len(units) == len(axes) and item.unit not in units.values():
             found = f'contradict the file, which says "{item.unit}" in {_place(item)}'
-            yield Refusal(f"unit_{axes[-1]}", found, "units that agree with the file; correct whichever is wrong")
-
-
-def _said(number: int, line: str) -> Iterator[Statement]:
-    """Units that a line states of an axis by its name, or of none."""
-    for pattern in (BEFORE, BEHIND):
-        match = pattern.search(line)
-        if match is not None:
-            unit = _first_unit(match[2])
-            if unit is not None:
-                yield Statement("x" if match[1][0].lower() in "xl" or match[1].lower() == "horizontal" else "h", unit,
-                                number, True)  # fmt: skip
-            return
-    match = ALONE.search(line)
-    if match is not None and (unit := _first_unit(match[1])) is not None:
-        yield Statement("", unit, number, False)
-
-
-def _first_unit(text: str) -> str | None:
-    """The first unit among the words of a text."""
-    return next((unit for word in re.split(r"[\s:=;,\"'()\[\]]+", text) if word and (unit := unit_of(word))), None)
-
-
-def _of_columns(line: str, reading: Reading, width: int) -> list[str | None]:
-    """The unit of each column that a heading names."""
-    cells = reading.cells(line)
-    if ALONE.search(line) or "=" in line or ":" in line or any(re.fullmatch(r"[-+.,\d]+", cell) for cell in cells):
-        return [None] * width
-    if len(cells) == width:
-        return [_of_cell(cell) for cell in cells]
-    marked = [unit for match in MARKED.finditer(line) if (unit := unit_of(next(filter(None, match.groups()))))]
-    return list(marked) if len(marked) == width else [None] * width
-
-
-def _of_cell(cell: str) -> str | None:
-    """The unit in the heading of one column: marked by brackets or a stroke, or its last word."""
-    words = [next(filter(None, match.groups())) for match in MARKED.finditer(cell)]
-    last = LAST.search(cell)
-    found = [unit for word in words if (unit := unit_of(word))]
-    if len(found) > 1:
-        return None
-    unit = found[0] if found else None
-    if unit is None and last is not None and (word := unit_of(last[1])) in METRES and (word != "m" or cell == "m"):
-        return word  # "x m" and "h_m" may be names
-    return unit
+            right = " or ".join(f'unit_{axis} = "{item.unit}"' for axis in axes)
+            allowed = (
+                f"{right}, or correct the file" if item.unit in METRES else f"a file in one of {UNITS}: convert it"
+            )
+            yield Refusal(f"unit_{axes[-1]}", found, allowed)

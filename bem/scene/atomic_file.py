@@ -20,3 +20,9 @@ def write_atomically(path: Path, content: str | bytes) -> None:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def remove_remains(path: Path) -> None:
+    """Remove temporary files of this name, of processes that died while they wrote; nobody else may write it."""
+    for remains in path.parent.glob(f".{path.name}.[0-9]*"):
+        remains.unlink(missing_ok=True)

@@ -30,17 +30,22 @@ from bem.scene.scene import Scene
 PER_INCREMENT, PER_CREST, PER_TARGET = 6.2, 18.2, 6.3  # evaluations with adhesion
 LOADED = 0.5  # increments under a given load count so much: fewer states are stored on the way
 BEGINNING = 5.0  # increments of a leg under load, at most, though the contact hardly moves: the first ones are short
-PER_BARE_TARGET = 6.9  # without
+PER_BARE_TARGET = 6.0  # without, of few crests
+FEW_CRESTS, MORE_BY_CREST = 40, 0.35  # these, and the power with which more of them take more evaluations
 AREA = 2.5  # geometric overlap over the area of contact
 LEAST_AREA = 1e-3
 FINE = 6.5  # rms slope over rms height and least wavenumber, from which the area at a separation falls like its inverse
 OPENS = 0.2  # of E* h'_rms: complete contact has opened before its mean pressure falls to this
 LAYER_UNKNOWNS = 10.0  # for each thickness of contact
 EQUAL = 9  # digits to which crests that touch at once are of one height
+LAYER_GIGABYTES = 0.25  # by square of thousands of unknowns
+HARMONIC_GIGABYTES = 1.4e-5
+LONG_SECONDS, MANY_GIGABYTES = 3600.0, 8.0  # of which a run warns before it begins
+CLOCKS = (("years", 3.156e7), ("days", 86400.0), ("hours", 3600.0))
 KERNEL_SECONDS, KERNEL_RUNS = 0.7e-3, 7  # of the reference kernel; the least of so many runs counts
-MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cube of thousands of unknowns; bare ones
-    "compiled": ((0.51, 0.0052, 4e-5, 0.19, 34.0), (2.1, 0.0043)),
-    "NumPy": ((1.02, 0.0225, 5.4e-4, 0.18, 41.0), (3.8, 0.0063)),
+MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cube of thousands of unknowns; bare: three
+    "compiled": ((0.51, 0.0052, 4e-5, 0.19, 34.0), (1.5, 0.06, 0.006)),
+    "NumPy": ((1.02, 0.0225, 5.4e-4, 0.18, 41.0), (3.0, 0.12, 0.008)),
 }
 
 
@@ -69,6 +74,7 @@ class Cost:
     evaluations: float
     milliseconds: float  # of one evaluation, on the machine of the constants
     layer_share: float  # of these, what the layer adds
+    gigabytes: float = 0.0  # of memory
 
     @property
     def seconds(self) -> float:
@@ -107,20 +113,42 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
     crests = np.sort(np.round(surface.crests[1] / surface.max_height, EQUAL) * surface.max_height)
     legs = _legs(scene, surface, levels, crests)
     lowest = min(leg.plane for leg in legs)
-    bare = PER_BARE_TARGET * len(legs)
+    crowds = np.array([crests.size - int(np.searchsorted(crests, leg.plane, side="right")) for leg in legs])
+    bare = PER_BARE_TARGET * float(np.sum(np.maximum(1.0, crowds / FEW_CRESTS) ** MORE_BY_CREST))
     of_patches, of_bare = MILLISECONDS[kernels]
     least, by_crest, by_harmonic, layer, by_cube = of_patches
     above = crests.size - int(np.searchsorted(crests, lowest, side="right"))
     area = 1 - float(np.searchsorted(levels, lowest, side="right")) / levels.size
-    extra = 0.0
+    extra, gigabytes = 0.0, HARMONIC_GIGABYTES * surface.max_order
     if scene.layer is not None:
         unknowns = LAYER_UNKNOWNS * area * surface.period / scene.layer.thickness
         extra = layer + by_cube * (unknowns / 1000) ** 3
+        gigabytes += LAYER_GIGABYTES * (unknowns / 1000) ** 2
     if scene.adhesion is None:
-        plain = of_bare[0] + of_bare[1] * surface.max_order
-        return Cost(legs, bare, bare, plain + extra, extra / (plain + extra))
+        plain = of_bare[0] + of_bare[1] * float(crowds.mean()) + of_bare[2] * surface.max_order
+        return Cost(legs, bare, bare, plain + extra, extra / (plain + extra), gigabytes)
     plain = least + by_crest * above + by_harmonic * surface.max_order
-    return Cost(legs, bare, sum(leg.evaluations for leg in legs), plain + extra, extra / (plain + extra))
+    evaluations = sum(leg.evaluations for leg in legs)
+    return Cost(legs, bare, evaluations, plain + extra, extra / (plain + extra), gigabytes)
+
+
+def warning_of(cost: Cost) -> str:
+    """What has to be said before hours are spent or memory is filled; empty where neither is predicted.
+
+    Examples
+    --------
+    >>> warning_of(Cost((), 0.0, 1e6, 2.7e6, 0.9, 12.0)).partition(" of one core")[2]
+    ' and 12 GB of memory are predicted: a thicker layer, fewer harmonics or targets, or a larger max_increment'
+    >>> warning_of(Cost((), 0.0, 100.0, 1.0, 0.0, 0.1))
+    ''
+    """
+    if cost.seconds < LONG_SECONDS and cost.gigabytes < MANY_GIGABYTES:
+        return ""
+    unit, size = next(((unit, size) for unit, size in CLOCKS if cost.seconds >= size), ("s", 1.0))
+    return (
+        f"{cost.seconds / size:.2g} {unit} of one core and {cost.gigabytes:.2g} GB of memory are predicted: "
+        "a thicker layer, fewer harmonics or targets, or a larger max_increment"
+    )
 
 
 def _legs(scene: Scene, surface: Profile, levels: FloatArray, crests: FloatArray) -> tuple[Leg, ...]:

@@ -5,6 +5,7 @@ Limits: states in the order of the path, the two branches apart; error bars are 
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -19,9 +20,19 @@ CURVES = {  # quantities against which the mean pressure is drawn: label and fac
 BRANCHES = {"loading": "o-", "unloading": "s--"}
 
 
+class ShownFigure(Figure):
+    """A figure that a notebook shows, whether pyplot is in use there or not."""
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows."""
+        drawn = io.BytesIO()
+        self.savefig(drawn, format="png")
+        return drawn.getvalue()
+
+
 def curves(states: Sequence[Any], quantities: Sequence[str] = tuple(CURVES)) -> Figure:
     """Mean pressure against each of some quantities of `CURVES`."""
-    figure = Figure(figsize=(6.4 * len(quantities), 4.8), layout="constrained")
+    figure = ShownFigure(figsize=(6.4 * len(quantities), 4.8), layout="constrained")
     for place, quantity in enumerate(quantities, 1):
         label, factor = CURVES[quantity]
         axes = figure.add_subplot(1, len(quantities), place, xlabel=label, ylabel="mean pressure / Pa")
@@ -38,7 +49,7 @@ def curves(states: Sequence[Any], quantities: Sequence[str] = tuple(CURVES)) -> 
 def shape(fields: dict[str, NDArray[Any]], name: str) -> Figure:
     """Displaced surface and rigid profile of a stored shape, by its number in the names of the fields."""
     x, displacement, gap = (1e6 * fields[f"{quantity}_{name}"] for quantity in ("x", "displacement", "gap"))
-    figure = Figure(layout="constrained")
+    figure = ShownFigure(layout="constrained")
     axes = figure.add_subplot(xlabel="x / µm", ylabel="height / µm")
     axes.plot(x, displacement - gap, color="0.5", label="rigid profile")
     axes.plot(x, displacement, label="deformed surface")

@@ -6,7 +6,8 @@ Units: m, Pa, J/m^2 of nominal area, Pa m^1/2, Pa/m, s.  The files that hold the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from numpy.typing import NDArray
@@ -19,6 +20,13 @@ STATUSES = (*FINAL_STATUSES, "unreachable", "not_converged", "interrupted")
 
 class NotFiniteError(ArithmeticError):
     """A number of a state came out as NaN or infinite: such a state does not exist."""
+
+
+class EnergyGainedError(ArithmeticError):
+    """A jump leads up, by more than its error: an event before it was missed, or it ends in a state it cannot reach."""
+
+
+UNPHYSICAL = NotFiniteError, EnergyGainedError
 
 
 @dataclass(frozen=True)
@@ -59,6 +67,7 @@ class ErrorEstimate:
 class Certificate:
     """A-posteriori checks of a state; `min_gap` and `mean_gap_error` in m, the rest dimensionless.
 
+    `closure` is the largest |G/w - 1|, without adhesion |K| over that of a flat punch, with K recomputed by the audit.
     None: it has no meaning for the state, or its file is older.  `reasons` names each demand that is not met, with its
     limit and place.
     """
@@ -74,7 +83,7 @@ class Certificate:
     mean_gap_error: float | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class State:
     """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
 
@@ -83,6 +92,10 @@ class State:
     separation, and where the state asked for does not exist.  `total_displacement` is None there on a compressible
     layer.  `events` is the number of events up to this state; None in results that did not store it.  The status is
     `not_converged` where the certificate is not ok.
+
+    A target that was not met has its row too, `unreachable` or `not_converged`, and `certificate.reasons` says why.  It
+    is that of surfaces apart where no contact carries a tension.  Where no state was found, only the quantity under
+    control is a number, and all others are NaN (null in the file).
 
     Raises
     ------
@@ -113,7 +126,24 @@ class State:
     target: bool
     events: int | None = None
 
+    def __repr__(self) -> str:
+        if not self.found:
+            return f"<State {self.status}: {'; '.join(self.certificate.reasons)}>"
+        judged = "certified" if self.certificate.ok else "not certified"
+        return (
+            f"<State {self.status} ({self.branch}): separation {self.separation:.6g} m, {self.mean_pressure:.6g} Pa, "
+            f"contact fraction {self.contact_fraction:.6g}, patches {self.n_patches}, {judged}>"
+        )
+
+    @property
+    def found(self) -> bool:
+        """Whether the state was asked for, or passed on the way: not the row of a target that was not met."""
+        return self.status != "unreachable" and not math.isnan(self.contact_fraction)
+
     def __post_init__(self) -> None:
+        unknown = math.isnan(self.contact_fraction) and self.target and not self.edges
+        if unknown and self.status in ("unreachable", "not_converged"):
+            return
         numbers = {name: value for name, value in vars(self).items() if isinstance(value, float)}
         if self.status in ("complete_contact", "unreachable") and math.isnan(self.mean_pressure):
             del numbers["mean_pressure"]
@@ -151,6 +181,16 @@ class Event:
     position: float | None
     energy_released: float | None
     error_estimate: EventError
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """What a path adds to a result at once: a state, events and warnings since the last one, and fields, if any."""
+
+    events: tuple[Event, ...]
+    state: State
+    fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    warnings: tuple[Caution, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -193,6 +233,8 @@ class Result(Views):
     warnings : tuple of Caution
     profile_preparation : tuple of dict
         What was done to the samples of a scan, step by step (scan_preparation.py).
+    cut_sensitivity : tuple of dict
+        What half and twice the cut of a scan change of the contact fraction at the first target (cut_sensitivity.py).
     """
 
     scene: dict[str, Any]
@@ -206,8 +248,20 @@ class Result(Views):
     groups: dict[str, float] = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
     profile_preparation: tuple[dict[str, Any], ...] = ()
+    cut_sensitivity: tuple[dict[str, Any], ...] = ()
+
+    def with_entries(self, entries: Iterable[Entry]) -> Result:
+        """The same with these states, their events and their fields beside its own."""
+        kept = tuple(entries)
+        return replace(
+            self,
+            states=tuple(entry.state for entry in kept),
+            events=tuple(event for entry in kept for event in entry.events),
+            fields=self.fields | {name: values for entry in kept for name, values in entry.fields.items()},
+            warnings=(*self.warnings, *(warning for entry in kept for warning in entry.warnings)),
+        )
 
     @property
     def targets(self) -> tuple[State, ...]:
-        """The states at targets."""
+        """The states at targets, one row each, whether it was met or not."""
         return tuple(state for state in self.states if state.target)

@@ -19,14 +19,27 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 UNITS = {
-    **dict.fromkeys(("penetration", "separation", "total_displacement", "position", "certificate_min_gap"), "m"),
+    **dict.fromkeys(("penetration", "separation", "total_displacement", "position"), "m"),
+    **dict.fromkeys(("certificate_min_gap", "certificate_mean_gap_error"), "m"),
     **dict.fromkeys(("elastic_energy", "adhesion_energy", "total_energy", "energy_released"), "J/m^2"),
     **{"mean_pressure": "Pa", "stress_intensity_max": "Pa m^1/2", "contact_stiffness": "Pa/m", "cpu_seconds": "s"},
 }
+FIELD_UNITS = {  # of fields.npz, by the names without the numbers of states
+    **dict.fromkeys(("x", "displacement", "gap", "patch_width", "gap_width"), "m"),
+    **dict.fromkeys(("scan_x", "scan_h", "profile_x", "profile_h"), "m"),
+    **{"pressure": "Pa", "sigma": "Pa", "sigma_bounds": "Pa", "P": "1/Pa", "tail_coefficient": "Pa^2"},
+    **{"q": "rad/m", "slope_q": "rad/m", "C_h": "m^3", "C_u": "m^3", "C_sigma": "Pa^2 m"},
+}
+COORDINATES = {"branch", "target", "separation", "penetration", "mean_pressure", "event_kind", "event_penetration"}
+COORDINATES |= {"field_q", "field_scan_x", "field_profile_x"}
 SAMPLED = {  # fields of fields.npz on points of their own, by the name of these; {k} is the number in theirs
     **dict.fromkeys(("x", "displacement", "gap", "pressure", "patch"), "point_{k}"),
     **dict.fromkeys(("q", "C_h", "C_u", "C_sigma"), "wavenumber"),
     **dict.fromkeys(("sigma", "P"), "level_{k}"),
+    **dict.fromkeys(("patch_width", "patch_share"), "contact_{k}"),
+    **dict.fromkeys(("gap_width", "gap_share"), "opening_{k}"),
+    **dict.fromkeys(("scan_x", "scan_h"), "scan_point"),
+    **dict.fromkeys(("profile_x", "profile_h"), "profile_point"),
 }
 SHOWN = 10  # states of a view in a notebook
 
@@ -59,7 +72,10 @@ class Views:
         return _columns(kind, getattr(self, of))
 
     def to_xarray(self) -> Any:
-        """States, events (`event_...`) and fields as an `xarray.Dataset` with units (extra `xarray`).
+        """States, events (`event_...`) and fields as an `xarray.Dataset` (extra `xarray`).
+
+        Every number has its unit ("1" where it has none).  Coordinates are the numbers of states and events, branch,
+        separation, penetration and mean pressure of states, and the points on which fields are sampled.
 
         Raises
         ------
@@ -73,13 +89,17 @@ class Views:
         found: dict[str, Any] = {}
         for of, dimension, prefix in (("states", "state", ""), ("events", "event", "event_")):
             for name, column in self.to_table(of).items():  # type: ignore[arg-type]
-                unit = UNITS.get(name.removeprefix("error_estimate_"))
-                found[prefix + name] = (dimension, column, {} if unit is None else {"units": unit})
+                unit = UNITS.get(name.removeprefix("error_estimate_"), "1")
+                found[prefix + name] = (dimension, column, {"units": unit} if column.dtype.kind == "f" else {})
         for name, values in self.fields.items():
             stem, _, k = name.rpartition("_") if name.rpartition("_")[2].isdigit() else (name, "", "")
             along = SAMPLED.get(stem, f"of_{name}").format(k=k)
-            found[f"field_{name}"] = (along if values.ndim else (), values)
-        return xarray.Dataset(found, attrs={"title": self.scene.get("title", ""), "status": self.status})
+            attributes = {"units": FIELD_UNITS.get(stem, "1")} if values.dtype.kind == "f" else {}
+            found[f"field_{name}"] = (along if values.ndim else (), values, attributes)
+        of_points = [name for name in found if name.rpartition("_")[0] in ("field_x", "field_sigma")]
+        dataset = xarray.Dataset(found, attrs={"title": self.scene.get("title", ""), "status": self.status})
+        counted = {name: np.arange(dataset.sizes[name]) for name in ("state", "event")}
+        return dataset.assign_coords(counted).set_coords([*(COORDINATES & set(found)), *of_points])
 
     def plot(self) -> Figure:
         """Mean pressure against contact fraction and against separation, with its estimated error, by matplotlib."""
@@ -89,8 +109,8 @@ class Views:
     def __repr__(self) -> str:
         words = [f"{len(self.states)} states", f"{sum(state.target for state in self.states)} at targets"]
         words.append(f"{len(self.events)} events")
-        if self.states:
-            last = self.states[-1]
+        if found := [state for state in self.states if state.found]:
+            last = found[-1]
             words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")
         return f"<Result {self.status}: {', '.join(words)}>"
 

@@ -23,7 +23,7 @@ from pydantic import ValidationError
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown
-from bem.scans.scan_keys import DEFAULTS, SCAN_KEYS
+from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
@@ -50,6 +50,7 @@ from bem.scene.scene_tables import (
     SolidTable,
     StoredStart,
     Table,
+    said_of,
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.targets import expanded, found, merged, origin
@@ -60,7 +61,7 @@ if TYPE_CHECKING:
 __all__ = ["LoadingTable", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene:
     """A checked and resolved scene; tables absent from the file are None.
 
@@ -94,6 +95,12 @@ class Scene:
     scan: Scan | None = field(default=None, compare=False)
     cut_by_default: bool = False
     start_state: State | None = None
+
+    def __repr__(self) -> str:
+        count, control = len(self.loading.targets), self.loading.control
+        tables = ", ".join(name for name in ("layer", "adhesion") if getattr(self, name) is not None)
+        kind = f"{self.profile.kind} profile{', ' * bool(tables)}{tables}"
+        return f"<Scene {self.title!r}: {kind}, {count} target{'s' * (count != 1)} of {control}>"
 
     def surface(self) -> Profile:
         """The profile, SI units."""
@@ -139,10 +146,10 @@ def load_scene(path: Path | str) -> Scene:
     """
     path = Path(path)
     try:
-        data = tomllib.loads(path.read_text("utf-8"))
+        data = tomllib.loads(path.read_text("utf-8-sig"))
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
     return parse_scene(data, path.parent)
 
@@ -229,7 +236,7 @@ def _split(
         if key not in model.model_fields:
             mistakes.append(Mistake(path, f"= {shown(raw[key])} is unknown", unknown_key(key, model.model_fields)))
             continue
-        allowed = str(model.model_fields[key].description)
+        allowed = str(said_of(model, key)["allowed"])
         if key not in raw:
             mistakes.append(Mistake(path, "is missing", allowed))
         elif wrong:
@@ -241,12 +248,12 @@ def _split(
 
 def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[Scan | None, list[Mistake]]:
     """The samples of profile.file, prepared, if the profile has any and says properly how they are to be read."""
-    wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS)) if key not in profile]
+    wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
     from bem.scans.scan_file import read_scan
     from bem.scans.scan_preparation import prepare
-    from bem.scans.scan_text import ScanFileError
+    from bem.scans.scan_refusal import ScanFileError
 
     name = profile["file"]
     try:
@@ -311,7 +318,8 @@ def _profile(values: Mapping[str, Any], scan: Scan | None) -> ProfileTable:
         return profile
     read = scan.steps[0]
     units = {key: read[key] for key in ("unit_x", "unit_h")}
-    defaults = DEFAULTS | units | {"period": scan.period, "harmonics": min(scan.max_harmonics, SAMPLED_HARMONICS)}
+    carried = SAMPLED_HARMONICS if profile.cutoff_short is None else min(scan.carrying, MOST_HARMONICS)
+    defaults = DEFAULTS | units | {"period": scan.period, "harmonics": min(scan.max_harmonics, carried)}
     update = {key: value for key, value in defaults.items() if key not in values}
     if profile.harmonics == "all":
         update["harmonics"] = min(scan.max_harmonics, MOST_HARMONICS)
@@ -324,6 +332,9 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
         if shape in missed:
             value = scene.output.shapes[k]
             yield Mistake(f"output.shapes[{k}]", f"= {value:g} is never met", "a value the loading path passes")
+    if scene.output.cut_sensitivity and (scene.scan is None or scene.start_state is not None):
+        allowed = "false, or a scan in [profile] and loading.initial no stored state"
+        yield Mistake("output.cut_sensitivity", "= true", allowed)
     for name in OUTPUTS[1:]:
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):

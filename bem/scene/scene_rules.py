@@ -16,12 +16,12 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import Mistake as Mistake
 from bem.geometry.ranges import harmonic_mistakes
 from bem.geometry.ranges import shown as shown
-from bem.scans.scan_keys import DEFAULTS, SCAN_KEYS
+from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 
 if TYPE_CHECKING:
     from bem.scans.scan_preparation import Scan
 
-SAMPLED_HARMONICS = 1000  # default cut of a scan
+SAMPLED_HARMONICS = 1000  # default cut of a scan that is not filtered
 REQUIRED = {
     "self_affine": ("period", "hurst", "rms_height", "harmonics"),
     "harmonics": ("period", "orders", "amplitudes", "phases"),
@@ -30,10 +30,10 @@ REQUIRED = {
 OPTIONAL = {
     "self_affine": ("seed",),
     "harmonics": (),
-    "samples": ("period", "harmonics", *SCAN_KEYS, *DEFAULTS),
+    "samples": ("period", "harmonics", *SCAN_KEYS, *DEFAULTS, *CUTOFFS),
 }
 FLAWS = (1e-12, 0.95)  # loading.flaw over the period: what is left in contact beside a wider one is no flaw
-THICKNESSES = (1e-5, 1e12)  # layer.thickness over the period: 280,000 terms of the kernel; half-space to any accuracy
+THICKNESSES = (6e-5, 1e12)  # layer.thickness over the period: the audit of a state takes 65,536 modes; half-space
 MOST_TARGET_HARMONICS = 1e9  # targets times harmonics: weeks on one core
 LARGEST_RATIO = 1e50  # of lengths, pressures and energies to the scales of the profile, and its inverse the least
 RANGE = ("start", "stop", "count")
@@ -51,6 +51,17 @@ class SceneError(ValueError):
     def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[Mistake, ...]]]:
         """What a worker process hands back is the same error."""
         return SceneError, (self.mistakes,)
+
+
+def as_said(limit: float) -> float:
+    """A limit as a mistake prints it: the number that is said is allowed itself.
+
+    Examples
+    --------
+    >>> 1e-5 * 0.01, as_said(1e-5 * 0.01)
+    (1.0000000000000001e-07, 1e-07)
+    """
+    return float(f"{limit:g}")
 
 
 def unknown_key(name: str, known: Collection[str]) -> str:
@@ -128,8 +139,8 @@ def loading_mistakes(
             "a number > 0 (m): mean-pressure control from complete contact with adhesion needs it",
         )
     flaw = values.get("flaw")
-    if flaw is not None and period is not None and not FLAWS[0] * period <= flaw <= FLAWS[1] * period:
-        lowest, highest = (share * period for share in FLAWS)
+    lowest, highest = (as_said(share * (period or 1.0)) for share in FLAWS)
+    if flaw is not None and period is not None and not lowest <= flaw <= highest:
         allowed = f"a number from {lowest:g} to {highest:g} (m), {FLAWS[0]:g} to {FLAWS[1]:g} times profile.period"
         yield Mistake("loading.flaw", f"= {flaw:g}", allowed)
 
@@ -142,10 +153,10 @@ def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[
     largest = float(np.max(np.abs(profile.amplitudes)))
     period = profile.period
     layer, adhesion, loading = (tables.get(name) for name in ("layer", "adhesion", "loading"))
-    if layer is not None and not THICKNESSES[0] * period <= layer["thickness"] <= THICKNESSES[1] * period:
-        lowest, highest = (share * period for share in THICKNESSES)
+    lowest, highest = (as_said(share * period) for share in THICKNESSES)
+    if layer is not None and not lowest <= layer["thickness"] <= highest:
         allowed = f"a number from {lowest:g} to {highest:g} (m), {THICKNESSES[0]:g} to {THICKNESSES[1]:g} periods"
-        yield Mistake("layer.thickness", f"= {layer['thickness']:g}", f"{allowed}: memory grows as its inverse")
+        yield Mistake("layer.thickness", f"= {layer['thickness']!r}", f"{allowed}: thinner ones cannot be audited")
     if largest == 0:
         return
     if not LARGEST_RATIO**-1 <= largest / period <= LARGEST_RATIO:

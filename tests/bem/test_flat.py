@@ -59,9 +59,10 @@ def test_tension_holds_once_joined_with_adhesion():
 
 
 def test_tension_parts_them_without_adhesion():
-    status, found = states("mean_pressure", [1e3, -1.0])
+    status, found = states("mean_pressure", [1e3, -1.0, 2e3])
     assert status == "unreachable"
-    assert [state.status for state in found] == ["complete_contact", "unreachable"]
+    assert [state.status for state in found] == ["complete_contact", "unreachable", "complete_contact"]
+    assert [state.mean_pressure for state in found if state.found] == [1e3, 2e3]
 
 
 def test_plate_moves_by_the_mean_compression():

@@ -8,7 +8,8 @@ from rough_surfaces import rough_scene
 
 from bem import record, solver, states
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.solver import NUMERICAL_FAILURES, solve
+from bem.missed import NUMERICAL_FAILURES, no_point, said_of
+from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 60e-6]
 LAYER = {"thickness": 0.002}
@@ -19,8 +20,10 @@ def test_a_plate_cannot_go_beyond_complete_contact_of_an_incompressible_layer():
     beyond = [5e-5, 3e-4]
     result = solve(rough_scene(beyond, adhesion=None, control="total_displacement", layer=LAYER))
     assert result.status == "unreachable"
-    assert [state.status for state in result.states] == ["converged"]
-    assert result.failure == "target 2 of 2, 0.0003: no state of this path is there"
+    assert [state.status for state in result.states] == ["converged", "unreachable"]
+    said = "target 2 of 2, total_displacement = 0.0003 m: no state of this path is there: complete contact is at "
+    assert result.failure.startswith(said)
+    assert "what may help" in result.failure
 
 
 def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():
@@ -30,8 +33,26 @@ def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():
     assert state.total_displacement == pytest.approx(scene.surface().max_height, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("control", "has_history", "remedies"),
+    [
+        ("mean_pressure", True, 4),
+        ("separation", True, 3),
+        ("separation", False, 1),
+    ],
+)
+def test_what_to_try_is_told_in_order(control, has_history, remedies):
+    error = no_point("not_converged", 1.0, control, has_history)
+    said = said_of(error, "target 1 of 1", control, 1.0)
+    marks = [f"({k}) {remedy}" for k, remedy in enumerate(error.remedies, 1)] if remedies > 1 else []
+    places = [said.index(mark) for mark in marks]
+    assert places == sorted(places)
+    assert len(error.remedies) == remedies
+    assert said.endswith("fewer profile.harmonics")
+
+
 @pytest.mark.parametrize("failure", [kind for kind in NUMERICAL_FAILURES if kind is not MemoryError])
-def test_numerical_failures_end_the_path_by_name(failure, monkeypatch):
+def test_numerical_failures_miss_the_target_by_name(failure, monkeypatch):
     described = record.equilibrium_state
 
     def failing(*arguments):
@@ -43,9 +64,29 @@ def test_numerical_failures_end_the_path_by_name(failure, monkeypatch):
     monkeypatch.setattr(record, "equilibrium_state", failing)
     result = solve(rough_scene(TARGETS))
     assert result.status == "not_converged"
-    assert result.failure == f"{failure.__name__}: reported here"
-    assert len(result.targets) == 1
+    assert f"target 2 of 3, separation = 5e-05 m: {failure.__name__}: reported here" in result.failure
+    assert [state.status for state in result.targets] == ["converged", "not_converged", "converged"]
     assert result.events
+
+
+@pytest.mark.parametrize(("errors", "ends"), [(0.9, False), (1.1, True)], ids=["within its error", "beyond it"])
+def test_a_jump_that_gains_energy_ends_the_path_by_name(errors, ends, monkeypatch):
+    described, detachments = record.event_of, []
+
+    def gaining(problem, event):
+        found = described(problem, event)
+        if found.kind != "detachment" or detachments:
+            return found
+        detachments.append(replace(found, energy_released=-errors * found.error_estimate.energy_released))
+        return detachments[0]
+
+    monkeypatch.setattr(record, "event_of", gaining)
+    result = solve(rough_scene(TARGETS))
+    assert (detachments[0] in result.events) == (not ends)
+    assert result.status == ("not_converged" if ends else "converged")
+    if ends:  # what lies behind the jump is not kept
+        assert "EnergyGainedError: detachment at a penetration of " in result.failure
+        assert [state.found for state in result.targets[:3]] == [True, True, False]
 
 
 def test_a_fault_of_the_program_is_not_called_a_numerical_failure(monkeypatch):
@@ -80,8 +121,9 @@ def test_no_state_is_converged_with_nan(monkeypatch):
 
     monkeypatch.setattr(states.certificate, "certify", open_gap)
     result = solve(rough_scene(TARGETS))
-    assert (result.status, result.states) == ("not_converged", ())
-    assert result.failure == "NotFiniteError: certificate.min_gap is nan"
+    assert result.status == "not_converged"
+    assert [state.found for state in result.states] == [False] * len(TARGETS)
+    assert result.failure.count("NotFiniteError: certificate.min_gap is nan") == len(TARGETS)
 
 
 def test_what_is_not_certified_is_not_called_converged(monkeypatch):
@@ -89,9 +131,9 @@ def test_what_is_not_certified_is_not_called_converged(monkeypatch):
     judged = states.certificate.certify
 
     def strict(profile, pressure, penetration, adhesion, **options):
-        demands = replace(options.pop("demands"), closure=1e-30 if pressure.left.size == 3 else 1e-8)
-        exact = replace(adhesion, intensity_rounding=None)
-        return judged(profile, pressure, penetration, exact, **options, demands=demands)
+        closure = 1e-30 if pressure.left.size == 3 else 1e-8
+        demands = replace(options.pop("demands"), closure=closure, intensity_rounding=None)
+        return judged(profile, pressure, penetration, adhesion, **options, demands=demands)
 
     monkeypatch.setattr(states.certificate, "certify", strict)
     result = solve(rough_scene(TARGETS))

@@ -11,6 +11,7 @@ from rough_surfaces import rough_scene
 from bem import solver
 from bem.continuation.path import Path
 from bem.loading.path_point import Failed
+from bem.nonadhesive.convex_path import ConvexPath
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
@@ -227,15 +228,80 @@ def test_a_far_way_up_without_adhesion_is_no_separation():
     assert abs(far[1].contact_fraction - direct.contact_fraction) <= 1e-10
 
 
-def test_a_state_between_targets_that_cannot_be_refined_ends_the_path(monkeypatch):
-    """It would be stored at the accuracy between targets, under the name of a converged one."""
+def test_a_state_between_targets_that_cannot_be_refined_is_not_stored(monkeypatch):
+    """It would be stored at the accuracy between targets, under the name of a converged one; the target is missed."""
     refine, asked = Path.refine, []
 
     def failing(path, point, direction):
         asked.append(point.value)
-        return refine(path, point, direction) if len(asked) < 3 else Failed(point.value, "not_converged")
+        return Failed(point.value, "not_converged") if len(asked) == 3 else refine(path, point, direction)
 
     monkeypatch.setattr(Path, "refine", failing)
     found = solve(rough_scene(TARGETS))
     assert found.status == "not_converged"
-    assert (len(asked), len(found.states)) == (3, 2)
+    assert [state.found for state in found.states[:3]] == [True, True, False]
+    assert all(state.certificate.ok for state in found.states if state.found)
+    assert [state.found for state in found.targets] == [False, True, True, True, True]
+
+
+class Stubborn:
+    """A path on which no point is found within a range of the control."""
+
+    def __init__(self, monkeypatch, low, high):
+        for path in (Path, ConvexPath):
+            monkeypatch.setattr(path, "advance", self.blocked(path.advance, low, high))
+
+    def blocked(self, advance, low, high):
+        def advanced(path, point, goal, separation=None):
+            for ahead in advance(path, point, goal, separation):
+                if low < ahead.value < high:
+                    yield Failed(ahead.value, "not_converged")
+                    return
+                yield ahead
+
+        return advanced
+
+
+def test_without_adhesion_every_other_target_is_solved_as_if_alone(monkeypatch):
+    whole = solve(rough_scene(TARGETS, adhesion=None))
+    height = rough_scene(TARGETS).surface().max_height
+    Stubborn(monkeypatch, (height - 51e-6) / 50e-6, (height - 34e-6) / 50e-6)
+    found = solve(rough_scene(TARGETS, adhesion=None))
+    assert found.status == "not_converged"
+    assert [state.found for state in found.targets] == [True, False, False, True, True]
+    for here, there in zip(found.targets, whole.targets, strict=True):
+        if here.found:
+            alike = {"evaluations": 0, "events": 0, "branch": "any"}
+            assert numbers(replace(here, **alike)) == numbers(replace(there, **alike))
+    assert [event.kind for event in found.events] == ["first_touch"]
+
+
+def test_with_adhesion_the_path_turns_where_it_stopped(monkeypatch):
+    """Its states are those of a path that goes to the last state kept, and back."""
+    height = rough_scene(TARGETS).surface().max_height
+    targets = [70e-6, 40e-6, 80e-6]
+    with monkeypatch.context() as patch:
+        Stubborn(patch, (height - 52e-6) / 50e-6, np.inf)
+        found = solve(rough_scene(targets))
+    assert [state.status for state in found.targets] == ["converged", "not_converged", "converged"]
+    assert found.targets[1].certificate.reasons == (found.failure,)
+    assert found.failure.startswith("target 2 of 3, separation = 4e-05 m: no equilibrium was found at ")
+    turned = found.states[found.states.index(found.targets[1]) - 1]
+    assert 52e-6 <= turned.separation < 56e-6
+    other = solve(rough_scene([70e-6, turned.separation, 80e-6]))
+    assert found.targets[-1].contact_fraction == pytest.approx(other.targets[-1].contact_fraction, abs=1e-10)
+    assert [event.kind for event in found.events] == [event.kind for event in other.events]
+
+
+@pytest.mark.parametrize("adhesion", [None, 0.03], ids=["without adhesion", "with adhesion"])
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
+def test_resumption_after_a_missed_target_ends_the_same_bit_for_bit(monkeypatch, adhesion, share):
+    height = rough_scene(TARGETS).surface().max_height
+    Stubborn(monkeypatch, (height - 40e-6) / 50e-6, np.inf)
+    scene = rough_scene(TARGETS, harmonics=12, adhesion=adhesion)
+    counts = []
+    whole = solve(scene, progress=counts.append)
+    assert [state.found for state in whole.targets] == [True, True, False, True, True]
+    _, resumed = halves(scene, max(1, int(share * len(counts))))
+    assert [numbers(state) for state in resumed.states] == [numbers(state) for state in whole.states]
+    assert repr((resumed.events, resumed.status, resumed.failure)) == repr((whole.events, whole.status, whole.failure))

@@ -250,3 +250,33 @@ def test_meshes_that_differ_by_little_share_factors(monkeypatch):
     )
     assert state.status == "converged"
     assert len(made) <= 20
+
+
+PULL_OFF = -138.61505301571006  # Pa, of the boundary elements for the wave below
+
+
+def wave_under(share):
+    """One wave on a thick layer under a share of the tension at which it lets go."""
+    return solve(
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        thickness=0.02,
+        period=0.01,
+        harmonics=([1], [5e-5], [0.0]),
+        work_of_adhesion=0.003,
+        control="mean_pressure",
+        value=share * PULL_OFF,
+        resolution=QUICK,
+    )
+
+
+@pytest.mark.parametrize("share", [0.95, 0.99])
+def test_contact_near_pull_off_is_found(share):
+    found = wave_under(share)
+    assert found.status == "converged"
+    assert found.min_eigenvalue > 0
+
+
+def test_tension_beyond_pull_off_is_refused():
+    with pytest.raises(InvalidProblemError, match=r"^value: detaches everything"):
+        wave_under(1.01)

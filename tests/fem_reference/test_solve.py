@@ -1,10 +1,12 @@
 """The public entry: prescribed edges, complete contact, controls, energies, fields, outcomes, bad input."""
 
+import re
+
 import numpy as np
 import pytest
 
 import fem_reference
-from fem_reference import InvalidProblemError, Resolution, solve
+from fem_reference import InvalidProblemError, Resolution, export, solve
 from fem_reference.face import interpolate
 
 QUICK = Resolution(2, 8, 8)
@@ -22,6 +24,13 @@ EDGES = np.array([[1e-3, 4e-3], [6e-3, 9e-3]])
 @pytest.fixture(scope="module")
 def prescribed():
     return solve(**LAYER, control="penetration", value=70e-6, edges=EDGES, work_of_adhesion=0.03, slope_term=True)
+
+
+def test_a_result_is_told_on_a_line(prescribed):
+    said = repr(prescribed)
+    assert said.startswith(f"<Result {prescribed.status}: mean pressure {prescribed.mean_pressure:.6g} +- ")
+    assert "patches 2" in said
+    assert len(said) < 200
 
 
 @pytest.mark.parametrize("control", ["total_displacement", "mean_pressure"])
@@ -191,3 +200,10 @@ def test_bad_input_names_the_argument(change, argument):
 
 def test_the_package_exports_its_entries():
     assert all(callable(getattr(fem_reference, name)) for name in fem_reference.__all__)
+
+
+def test_what_the_package_says_of_itself_is_there():
+    named = re.findall(r"`(\w+)`", fem_reference.__doc__)
+    assert {"solve", "refine", "write_fields", "read_layer_mesh"} <= set(named)
+    assert all(hasattr(fem_reference, name) or hasattr(export, name) for name in named)
+    assert "`fem_reference.export`" in fem_reference.__doc__

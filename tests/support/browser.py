@@ -4,6 +4,8 @@ import json
 import re
 import shutil
 import subprocess
+from base64 import b64encode
+from hashlib import sha256
 from html import unescape
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
@@ -27,6 +29,16 @@ addEventListener("message", (event) => {
 """
 
 
+def allowing(text):
+    """The page with a policy that knows what a test has changed: all scripts and style sheets as they now stand."""
+    for kind in ("script", "style"):
+        inline = re.findall(f"<{kind}>(.*?)</{kind}>", text, re.DOTALL)
+        known = " ".join(f"'sha256-{b64encode(sha256(one.encode()).digest()).decode()}'" for one in inline)
+        text, count = re.subn(f"{kind}-src [^;]*;", lambda _, kind=kind, known=known: f"{kind}-src {known};", text)
+        assert count == 1
+    return text
+
+
 def browse(folder, text, *options):
     """Open a page: what the browser printed."""
     path = folder / "page.html"
@@ -47,7 +59,7 @@ def console_of(done):
 def found_at(folder, text, look, width):
     """What a script leaves in `found` in a page of this width, also below that of the narrowest window; the console."""
     script = f"<script>const found = {{}}; {look} parent.postMessage(JSON.stringify(found), '*');</script></body>"
-    (folder / "page.html").write_text(text.replace("</body>", script), "utf-8")
+    (folder / "page.html").write_text(allowing(text.replace("</body>", script)), "utf-8")
     (folder / "frame.html").write_text(FRAME.replace("WIDTH", str(width)))
     done = opened(folder / "frame.html", "--dump-dom", "--virtual-time-budget=10000", "--window-size=1400,1000")
     found = re.search(r'<output id="found-by-test">(.*?)</output>', done.stdout, re.DOTALL)

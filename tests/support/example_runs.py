@@ -3,6 +3,7 @@
 import os
 
 from validation.studies.cost import Run, Task
+from validation.studies.cost_bare import BareRun
 from validation.studies.cost_breakdown import Breakdown, Evaluated
 
 
@@ -47,3 +48,11 @@ def apart(harmonics: int) -> Breakdown:
 
 def never_apart(harmonics: int) -> Breakdown:
     raise ZeroDivisionError("no stages")
+
+
+def bare(task):
+    return BareRun(task.harmonics, task.load, "converged", 0.1, 1.0, 100.0, 10, 2, 5, 1e-9)
+
+
+def bare_crash(task):
+    raise ZeroDivisionError("the grid")

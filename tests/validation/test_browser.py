@@ -1,9 +1,9 @@
 """The page in a real browser: headless Chromium opens it, follows every link, sorts, prints; nothing is complained of.
 
-A script is added to a copy of the page, looks at it from inside and writes what it found into the document, which the
-browser hands back; screens of two widths, typing and what a screen reader meets go through its DevTools.  The page
-forbids requests (its content security policy), and the browser puts every attempt on the console.  Without Chromium
-these tests are skipped.
+A script is added to a copy of the page and to its policy, looks at it from inside and writes what it found into the
+document, which the browser hands back; screens of two widths, typing and what a screen reader meets go through its
+DevTools.  The page forbids requests (its content security policy), and the browser puts every attempt on the console.
+Without Chromium these tests are skipped.
 """
 
 import json
@@ -11,7 +11,7 @@ import re
 from html import unescape
 
 import pytest
-from browser import BROWSER, browse, console_of
+from browser import BROWSER, allowing, browse, console_of
 from devtools import tab
 from report_parts import figure, row
 
@@ -94,7 +94,7 @@ def page():
 @pytest.fixture(scope="module")
 def seen(page, tmp_path_factory):
     """The page opened with the looking script: what that found, and the console."""
-    text = page.replace("</body>", f"<script>{LOOK}</script></body>")
+    text = allowing(page.replace("</body>", f"<script>{LOOK}</script></body>"))
     done = browse(tmp_path_factory.mktemp("page"), text, "--dump-dom")
     found = re.search(r'<output id="found-by-test">(.*?)</output>', done.stdout, re.DOTALL)
     assert found, done.stderr[-2000:]
@@ -226,7 +226,7 @@ SPOILT = {
 def test_a_spoilt_page_would_be_seen(page, tmp_path, fault):
     before, after, check = SPOILT[fault]
     assert before in page
-    (tmp_path / "page.html").write_text(page.replace(before, after), "utf-8")
+    (tmp_path / "page.html").write_text(allowing(page.replace(before, after)), "utf-8")
     with tab(tmp_path / "page.html") as opened:
         opened.show(390, 844)
         with pytest.raises(AssertionError):
@@ -242,5 +242,5 @@ COMPLAINTS = {
 
 @pytest.mark.parametrize("kind", COMPLAINTS)
 def test_what_must_not_be_there_would_be_seen(page, tmp_path, kind):
-    done = browse(tmp_path, page.replace("</body>", f"{COMPLAINTS[kind]}</body>"), "--dump-dom")
+    done = browse(tmp_path, allowing(page.replace("</body>", f"{COMPLAINTS[kind]}</body>")), "--dump-dom")
     assert len(console_of(done)) == 1

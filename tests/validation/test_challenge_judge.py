@@ -19,6 +19,7 @@ from validation.challenge.judging import judged, lost
 from validation.challenge.problem import FOLDER, names, problem
 from validation.challenge.record_standings import estimated
 from validation.challenge.solver_process import Returned, returned
+from validation.challenge.worker import LONGEST, plain
 from validation.report.challenge import challenge_page
 
 SOLVERS = """
@@ -65,6 +66,27 @@ def hangs(problem):
     child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
     Path("child").write_text(str(child.pid))
     time.sleep(60)
+
+def flees(problem):
+    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"], start_new_session=True)
+    Path("child").write_text(str(child.pid))
+    if problem["name"] == "steep":
+        time.sleep(60)
+    return exact(problem)
+
+def talks(problem):
+    raise RuntimeError("ah" * 10**6)
+
+def talks_of_it(problem):
+    raise NotImplementedError("ah" * 10**6)
+
+def fills(problem):
+    held = []
+    while True:
+        held.append(bytearray(10**6))
+
+def asks_too_much(problem):
+    np.ones(10**12)
 
 def declines(problem):
     raise NotImplementedError("lines only")
@@ -185,6 +207,30 @@ def _runs(process):
         return False
 
 
+@pytest.mark.parametrize(("name", "limit", "status"), [("westergaard", 60.0, "answered"), ("steep", 3.0, "timed out")])
+def test_a_child_in_a_session_of_its_own_ends_with_its_solver(solvers, name, limit, status):
+    assert returned("mine:flees", problem(name).text, limit).status == status
+    _ends(int((solvers / "child").read_text()))
+
+
+def test_texts_of_exceptions_are_cut(solvers):
+    text = problem("westergaard").text
+    for name, begin in (("talks", "RuntimeError: ahah"), ("talks_of_it", "ahah")):
+        message = returned(f"mine:{name}", text, 60.0).message
+        assert message.startswith(begin) and "ah..." in message and len(message) < LONGEST + 40
+    assert plain("a" * 10**6) == "a" * LONGEST + "..."
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limits of memory on this system")
+@pytest.mark.parametrize("name", ["fills", "asks_too_much"])
+def test_a_solver_that_meets_its_memory_limit_is_named(solvers, undrawn, name):
+    assert run("--solver", f"mine:{name}", "--only", "westergaard", "--memory-limit", "1.5") == 1
+    (found,) = json.loads((solvers / "out" / "challenge.json").read_text())["problems"]
+    assert {row["status"] for row in found["rows"]} == {"out of memory"}
+    assert found["message"].startswith("more than 1.5 GB; ") and "mine.py:" in found["message"]
+    assert run("--solver", "mine:exact", "--only", "westergaard", "--memory-limit", "1.5") == 0
+
+
 @pytest.mark.parametrize(
     ("name", "statuses"),
     [
@@ -249,6 +295,7 @@ def test_a_solver_of_an_installed_package_goes_by_its_name(solvers, undrawn, mon
     [
         *(("--executor", "slurm"), ("--jobs", "0"), ("--only", "st*,deep"), ("--baseline", "none.json")),
         *(("--digits", digits) for digits in ("nan", "-1", "16")),
+        *(("--memory-limit", memory) for memory in ("nan", "-1", "0", "1e7", "all")),
     ],
 )
 def test_options_that_cannot_be_are_bad_input_before_a_problem_runs(solvers, capsys, given):
@@ -410,3 +457,19 @@ def test_what_extrapolation_says_of_the_finest_grid():
     assert estimated(one, "contact_fraction", finest, limit) == pytest.approx(0.01 / scale, rel=1e-2)
     assert estimated(one, "gap_at", finest, limit) is None
     assert estimated(one, "separation", finest, limit) is None
+
+
+def test_a_time_limit_beyond_what_a_clock_can_wait_for_is_refused(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["challenge", "judge", "--time-limit", "1e300", "--solver", "a:b", "--out", "judged"])
+    assert ended.value.code == 2
+    assert "at most 9.22e+09 is needed" in capsys.readouterr().err
+
+
+def test_a_thread_that_a_solver_leaves_does_not_keep_its_answers(tmp_path, monkeypatch):
+    text = "import threading\nimport time\n\n\ndef solve(problem):\n"
+    text += "    threading.Thread(target=time.sleep, args=(600,)).start()\n    return {'a': 1.0}\n"
+    (tmp_path / "leaving.py").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    found = returned("leaving:solve", 'title = "any"', 60.0)
+    assert (found.status, found.answers) == ("answered", {"a": 1.0})

@@ -4,12 +4,16 @@ import json
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from report_parts import row
+from stored_states import stored_state
 
 import bem
+from bem.scene.result import ErrorEstimate
 from bem.scene.result_file import write_result
-from validation.command_line.comparison import LIMIT, Difference, compare_reports, compare_results
+from validation.command_line import comparison
+from validation.command_line.comparison import LIMIT, Difference, _numbers, compare_reports, compare_results
 from validation.command_line.front_door import main
 from validation.harness.schema import CaseRecord, Report, with_checksum
 from validation.report.render import ReportError
@@ -99,6 +103,31 @@ def test_a_difference_without_uncertainty(a, b, ratio):
     assert Difference("x", "here", a, b, 0.0).ratio == ratio
 
 
+@pytest.mark.parametrize(
+    ("a", "b", "told"),
+    [
+        (1.0, 1.05, "4.8 % apart"),
+        (-2e-9, 2e-9, "2e+02 % apart"),
+        (0.0, 0.0, "the same to rounding"),
+        (3.0, 3.0 * (1 + 5e-14), "the same to rounding"),
+        (1.0, math.nan, "one is no number"),
+    ],
+)
+def test_differences_are_told_in_percent_above_rounding(a, b, told):
+    assert f", {told}, " in str(Difference("x", "here", a, b, 1.0))
+
+
+def test_reports_do_not_differ_by_rounding(monkeypatch):
+    """Where a baseline lets a number not move at all, what rounding makes of it is still no difference."""
+    one, other = report_of(one=1.0), report_of(one=1.0 + 5e-14)
+    exact = comparison.quantities_of
+    monkeypatch.setattr(
+        comparison, "quantities_of", lambda case: [q.model_copy(update={"atol": 0.0, "rtol": 0.0}) for q in exact(case)]
+    )
+    assert compare_reports(one, other).differing == []
+    assert compare_reports(one, report_of(one=1.0 + 1e-12)).differing != []
+
+
 def report_of(**computed):
     """A report of one case for each name, with the value that it computed."""
     cases = [
@@ -174,3 +203,11 @@ def test_a_folder_that_holds_neither_is_told(tmp_path, monkeypatch, capsys, name
     monkeypatch.chdir(tmp_path)
     assert main(["compare", name, name]) == 2
     assert "neither result.json nor report.json there" in capsys.readouterr().err
+
+
+def test_numbers_that_differ_by_rounding_are_equal():
+    one = stored_state(mean_pressure=2e6, error_estimate=ErrorEstimate(mean_pressure=7e-12))
+    other = stored_state(mean_pressure=np.nextafter(2e6, 3e6), error_estimate=ErrorEstimate(mean_pressure=7e-12))
+    (number,) = _numbers(one, other, ErrorEstimate, "here")
+    assert number.a != number.b
+    assert not number.differs

@@ -9,7 +9,7 @@ import example_runs as examples
 import pytest
 
 from validation.harness.execution import Ended
-from validation.studies import cost, cost_breakdown, kept_answers
+from validation.studies import cost, cost_bare, cost_breakdown, kept_answers
 from validation.studies.cost import Drift, Task, drifts_of, exponents_of, judged, measured, tasks_of
 from validation.studies.cost_breakdown import dissected
 
@@ -136,8 +136,24 @@ def test_exponent_leaves_out_other_runs(change):
     assert exponents_of([*runs, outlier]) == exponents_of(runs)
 
 
-def study(folder, measure, tasks=PAIR, dissect=None):
-    return cost.run(folder, True, lambda note: None, tasks, measure, dissect)
+def study(folder, measure, tasks=PAIR, dissect=None, bare=None):
+    return cost.run(folder, True, lambda note: None, tasks, measure, dissect, bare)
+
+
+@pytest.mark.parametrize(("measure", "code"), [(examples.bare, 0), (examples.bare_crash, 1)])
+def test_loads_without_adhesion_are_told_stored_and_gate(measure, code, here, tmp_path, capsys):
+    assert study(tmp_path, examples.converge, bare=measure) == code
+    rows = json.loads((tmp_path / "cost.json").read_text())["without_adhesion"]["rows"]
+    assert [row[:2] for row in rows] == [[n, load] for n in (1000, 10_000) for load in (0.005, 0.01, 0.02)]
+    assert ("NOT MET: every load without adhesion certified" in capsys.readouterr().out) == bool(code)
+
+
+def test_a_load_without_adhesion_for_real():
+    found = cost_bare.measured(cost_bare.BareTask(50, 0.01))
+    assert found.status == "converged"
+    assert 0 < found.contact_fraction < 1
+    assert found.closure < 1e-8
+    assert min(found.cpu_seconds, found.peak_megabytes, found.unknowns, found.patches, found.evaluations) > 0
 
 
 def test_study_writes_and_prints_its_table(here, tmp_path, capsys):

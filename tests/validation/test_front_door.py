@@ -1,5 +1,6 @@
 """The command `linecontact`: examples that run, the commands of solver and harness, completion for shells."""
 
+import re
 import subprocess
 import sys
 import tomllib
@@ -13,7 +14,19 @@ from validation.command_line import examples
 from validation.command_line.front_door import main
 
 ROOT = Path(__file__).parents[2]
-COMMANDS = ("example", "check", "run", "report", "compare", "verify", "study", "replicate", "baseline")
+COMMANDS = (
+    "example",
+    "check",
+    "run",
+    "keys",
+    "schema",
+    "report",
+    "compare",
+    "verify",
+    "study",
+    "replicate",
+    "baseline",
+)
 
 
 def exit_code(*words):
@@ -64,6 +77,7 @@ def test_examples_are_listed_by_name(capsys):
     folder = ROOT / "validation" / "command_line" / "examples"
     files = {f"{name}.toml" for name in examples.DATA} | {file for data in examples.DATA.values() for file in data}
     files |= {f"{examples.OWN}/{file}" for file in examples.OWN_FILES}
+    files |= {f"guide/{script}" for script, *_ in examples.SCRIPTS.values()}
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     assert {name for name in there if "__pycache__" not in name} == files
 
@@ -101,6 +115,27 @@ def test_the_examples_show_what_they_are_named_after():
     assert scenes["no-adhesion"].adhesion is None
     assert scenes["steep-profile"].surface().rms_slope > 0.4
     assert scenes["steep-profile"].profile.hurst == 0.2
+
+
+GUIDE = {  # what each script prints: words, and a number behind them with what it may be off by
+    "guide-seal": (r"0\.2 MPa: touches on ([\d.]+) of the face in 24 strips", 0.7039, 6e-5),  # four digits are printed
+    "guide-pull-off": (r"pull_off at a tension of ([\d.]+) Pa", 223.135013, 6e-7),  # six decimals are printed
+    "guide-ensemble": (r"20 kPa: contact fraction ([\d.]+) \+- 0\.0079", 0.6558, 6e-5),
+    "guide-own-scan": (r"100 harmonics keep 100% of the rms slope: contact fraction ([\d.]+)", 0.2077, 6e-5),
+    "guide-fem": (r"mean_pressure: [\d.]+ \+- \S+ and [\d.]+ \+- \S+, ([\d.]+) of both", 0.0, 1.0),  # measured 0.12
+}
+
+
+@pytest.mark.parametrize("name", examples.SCRIPTS)
+def test_a_script_of_the_guide_is_written_and_runs(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert exit_code("example", name) == 0
+    script, *data = capsys.readouterr().out.splitlines()
+    assert examples.SCRIPTS[name] == (script, *data)
+    done = subprocess.run([sys.executable, "-W", "error", script], capture_output=True, text=True, check=True)
+    words, number, off = GUIDE[name]
+    assert float(re.search(words, done.stdout)[1]) == pytest.approx(number, abs=off)
+    assert len((tmp_path / script).read_text().splitlines()) <= 60
 
 
 def test_what_is_there_is_not_written_over(tmp_path, monkeypatch, capsys):

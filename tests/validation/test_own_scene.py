@@ -390,3 +390,10 @@ def test_the_page_in_a_browser(studied, tmp_path, width):
     assert (console, found["wide"], found["lost"], found["resources"]) == ([], False, [], [])
     assert min(found["verdict"]) >= 0  # on the first screen, all of it
     assert found["figures"] == [["img", True]]
+
+
+def test_a_scene_without_contact_ends_in_a_page_that_says_so(tmp_path, in_process):
+    loading = {"control": "separation", "targets": [3e-4]}
+    path = scene_file(tmp_path, loading=loading, output=None)
+    assert run(path, tmp_path / "out", QUICK, lambda note: None) == 0
+    assert "There is no contact at any target. " in (tmp_path / "out" / "study.html").read_text("utf-8")

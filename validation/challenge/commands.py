@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import sys
+import threading
 import tomllib
 from collections.abc import Callable
 from functools import partial
@@ -23,6 +25,7 @@ from validation.harness.runner import Note
 DONE, FAILED = 0, 1
 SOLVER = "from the dictionary of a problem to one of answers"
 DIGITS, TIME_LIMIT = 3.0, 600.0
+MOST_MEMORY = 1e6  # GB
 SHORT = 6  # numbers of a list that are shown
 
 
@@ -79,7 +82,9 @@ def _judge(options: argparse.Namespace) -> int:
         if options.solver is not None:
             name = options.solver
             spec = solvers().get(name, name)
-            found = run_judge.solved(spec, problems, options.time_limit, options.out, _say, workers)
+            found = run_judge.solved(
+                spec, problems, options.time_limit, options.out, _say, workers, options.memory_limit
+            )
         else:
             name = options.submission.name
             found = run_judge.submitted(options.submission, problems)
@@ -149,6 +154,9 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
         "--time-limit", type=_seconds, default=TIME_LIMIT, metavar="S", help="of each problem (default: 600)"
     )
     one.add_argument(
+        "--memory-limit", type=_gigabytes, metavar="GB", help="of each process of the solver (default: none)"
+    )
+    one.add_argument(
         "--baseline", type=Path, metavar="FILE", help="an earlier challenge.json: fail when digits are lost"
     )
     one.add_argument(
@@ -184,7 +192,13 @@ def _positive(most: float, needed: str, text: str) -> float:
 
 
 _digits = partial(_positive, MOST_DIGITS, f"a number of digits > 0 and <= {MOST_DIGITS:g}")
-_seconds = partial(_positive, sys.float_info.max, "a number of seconds > 0")
+_seconds = partial(_positive, threading.TIMEOUT_MAX, f"a number of seconds > 0, at most {threading.TIMEOUT_MAX:.3g}")
+
+
+def _gigabytes(text: str) -> float:
+    if importlib.util.find_spec("resource") is None:
+        raise argparse.ArgumentTypeError("this system has no limits of memory (resource.setrlimit)")
+    return _positive(MOST_MEMORY, f"a number of GB > 0, at most {MOST_MEMORY:g}", text)
 
 
 def _count(text: str) -> int:

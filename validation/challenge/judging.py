@@ -27,7 +27,8 @@ LOST = 0.5  # digits by which a quantity may fall behind a baseline: rounding mo
 class Row:
     """A quantity of a problem, judged.
 
-    A status is "right", "wrong", "missing", "not a number", "wrong shape", "not offered", "crashed" or "timed out".
+    A status is "right", "wrong", "missing", "not a number", "wrong shape", "not offered", "crashed", "out of
+    memory" or "timed out".
     """
 
     quantity: str

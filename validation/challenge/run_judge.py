@@ -2,7 +2,8 @@
 
 What a solver returned is kept in DIR/answers, so that an interrupted judgement continues; the key of an answer holds
 the problem, the file of the solver's module, the sources of the solvers of this project, and versions.  Another module
-that the solver imports is not seen: judge a changed one in a new folder.  What crashed or took too long is tried again.
+that the solver imports is not seen: judge a changed one in a new folder.  What crashed or took
+too long or too much memory is tried again.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import hashlib
 import importlib.util
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatch
@@ -88,11 +89,13 @@ def solved(
     folder: Path,
     report: Listener,
     workers: tuple[int, Opener] | None = None,
+    memory: float | None = None,
 ) -> Iterator[Returned]:
     """What a solver, "package.module:function", returns for each problem; from `folder` where it is kept there.
 
-    `limit` is in seconds for each problem; `workers` says how many at a time, and where: by default one after the
-    other, on this machine. ChallengeError where the solver cannot be imported.
+    `limit` is in seconds for each problem, `memory` in GB for each process of the solver; `workers` says how many at a
+    time, and where: by default one after the other, on this machine. ChallengeError where the solver cannot be
+    imported.
     """
     look_up(spec)
     store, source = Answers(folder / FOLDER, _key(), report), _digest(spec)
@@ -100,7 +103,7 @@ def solved(
     kept = {one.name: store.kept(Returned, one.name, *decides[one.name]) for one in problems}
     found = {name: answer for name, answer in kept.items() if answer is not None}
     texts = {one.name: one.text for one in problems if one.name not in found}
-    for name, answer in _returned(spec, limit, texts, workers):
+    for name, answer in _returned(partial(returned, spec, limit=limit, memory=memory), texts, workers):
         found[name] = answer
         spent = "" if answer.seconds is None else f" in {answer.seconds:.3g} s"
         report(Note(f"{name}: {answer.status}{spent}{': ' + answer.message if answer.message else ''}"))
@@ -110,16 +113,16 @@ def solved(
 
 
 def _returned(
-    spec: str, limit: float, texts: dict[str, str], workers: tuple[int, Opener] | None
+    ask: Callable[[str], Returned], texts: dict[str, str], workers: tuple[int, Opener] | None
 ) -> Iterator[tuple[str, Returned]]:
-    """Names of problems and what the solver returns for their texts, as they end."""
+    """Names of problems and what `ask` gives for their texts, as they end."""
     if workers is None:
         for name, text in texts.items():
-            yield name, returned(spec, text, limit)
+            yield name, ask(text)
         return
     jobs, opener = workers
     names_of = {text: name for name, text in texts.items()}
-    with closing(run_in_processes(partial(returned, spec, limit=limit), texts.values(), jobs, opener=opener)) as events:
+    with closing(run_in_processes(ask, texts.values(), jobs, opener=opener)) as events:
         for event in events:
             if isinstance(event, Ended):
                 answer = event.answer
@@ -147,12 +150,16 @@ def earlier(baseline: Path, problems: Sequence[Problem]) -> tuple[Judged, ...]:
     """
     try:
         content = json.loads(baseline.read_text("utf-8"))
-        if content["schema"] != SCHEMA:
-            raise ChallengeError(f"baseline {baseline}: schema {content['schema']!r} is not {SCHEMA!r}")
-        before = TypeAdapter(tuple[Judged, ...]).validate_python(content["problems"])
+        schema = content["schema"]
     except FileNotFoundError as error:
         raise ChallengeError(f"baseline {baseline}: no such file") from error
-    except (json.JSONDecodeError, UnicodeDecodeError, KeyError, TypeError, ValidationError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
+    if schema != SCHEMA:
+        raise ChallengeError(f"baseline {baseline}: schema {schema!r} is not {SCHEMA!r}")
+    try:
+        before = TypeAdapter(tuple[Judged, ...]).validate_python(content["problems"])
+    except (KeyError, ValidationError) as error:
         raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
     held = ", ".join(one.problem for one in before)
     if not {one.name for one in problems} & {one.problem for one in before}:

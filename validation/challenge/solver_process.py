@@ -1,7 +1,7 @@
 """A solver called on a problem in a process of its own, with a time limit: whatever it does, the judge goes on.
 
 The solver starts with one BLAS thread, the current folder first on its path, and what it prints kept as text.  At the
-time limit it is ended with all processes that it started.
+time limit, and when it has answered, it is ended with all processes that it started, in a session of their own or not.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import uuid
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from validation.challenge.problem import ChallengeError
+from validation.challenge.worker import GIGABYTE, MARK, end_marked
 from validation.harness.executors import THREAD_VARIABLES
 
 TAIL = 400  # characters of what a process that died had printed
@@ -29,7 +31,7 @@ LOOK_UP = 120.0  # s for the import of a solver
 class Returned:
     """What a solver returned for a problem."""
 
-    status: str  # "answered", "not offered", "crashed" or "timed out"
+    status: str  # "answered", "not offered", "crashed", "out of memory" or "timed out"
     message: str = ""
     answers: dict[str, Any] = field(default_factory=dict)  # as they came, not yet judged
     # and `cpu_seconds`: of the call alone, without the start of the process and the import of the solver
@@ -48,18 +50,20 @@ def look_up(spec: str) -> None:
         raise ChallengeError(f"solver {spec!r}: {last[0]}")
 
 
-def returned(spec: str, problem: str, limit: float) -> Returned:
-    """What a solver returns for the text of a problem within a limit in s."""
+def returned(spec: str, problem: str, limit: float, memory: float | None = None) -> Returned:
+    """What a solver returns for the text of a problem within a limit in s, and one in GB for each of its processes."""
+    mark = uuid.uuid4().hex
     with tempfile.TemporaryDirectory() as folder:
         file, printed = Path(folder) / "returned.json", Path(folder) / "printed.txt"
         command = [sys.executable, "-m", "validation.challenge.worker", spec, str(file)]
+        command += [] if memory is None else [str(int(memory * GIGABYTE))]
         with printed.open("wb") as log:
             process = subprocess.Popen(
                 command,
                 stdin=subprocess.PIPE,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                env=_environment(),
+                env=_environment() | {MARK: mark},
                 start_new_session=True,
             )
             try:
@@ -67,7 +71,7 @@ def returned(spec: str, problem: str, limit: float) -> Returned:
             except subprocess.TimeoutExpired:
                 return Returned("timed out", f"no answer in {limit:g} s")
             finally:
-                _end(process)
+                _end(process, mark)
         if not file.exists():
             text = printed.read_bytes().decode("utf-8", "replace")[-TAIL:]
             return Returned("crashed", ": ".join(filter(None, (_ending(process.returncode), text.strip()))))
@@ -90,11 +94,12 @@ def _environment() -> dict[str, str]:
     return {**os.environ, **dict.fromkeys(THREAD_VARIABLES, "1"), "PYTHONPATH": path}
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a process and those that it started."""
+def _end(process: subprocess.Popen[bytes], mark: str) -> None:
+    """End a process and those that it started: of its group, and with its mark."""
     if hasattr(os, "killpg"):
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
     else:
         process.kill()
     process.wait()
+    end_marked(mark)

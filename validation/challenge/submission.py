@@ -33,7 +33,10 @@ def read_submission(path: Path) -> Submitted:
         raise ChallengeError(f"submission {path}: UTF-8 is needed") from error
     if path.suffix not in (".json", ".csv"):
         raise ChallengeError(f"submission {path}: a name that ends in .json or .csv is needed")
-    found = _of_json(path, text) if path.suffix == ".json" else _of_csv(path, text)
+    try:
+        found = _of_json(path, text) if path.suffix == ".json" else _of_csv(path, text)
+    except csv.Error as error:
+        raise ChallengeError(f"submission {path}: {error}") from error
     for name in found:
         if name not in names():
             raise ChallengeError(f"submission {path}: problem {name!r}: one of {', '.join(names())} is needed")
@@ -43,7 +46,7 @@ def read_submission(path: Path) -> Submitted:
 def _of_json(path: Path, text: str) -> Submitted:
     try:
         content = json.loads(text)
-    except ValueError as error:  # also an integer of more digits than Python reads
+    except (ValueError, RecursionError) as error:  # also an integer of more digits than Python reads
         raise ChallengeError(f"submission {path}: {error}") from error
     if isinstance(content, dict) and isinstance(content.get("problem"), str):
         content = {content["problem"]: content.get("answers")}

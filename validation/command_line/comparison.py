@@ -1,9 +1,10 @@
 """Two results, or two verification reports, number by number: differences in units of their combined uncertainty.
 
 Results meet at targets (same control, branch and value) and at events (same sequence of kinds).  There the combined
-uncertainty is the sum u_a + u_b of the estimated errors, and numbers differ beyond 2 (u_a + u_b), as for the verdicts.
+uncertainty is the sum u_a + u_b of the estimated errors, never below rounding, and numbers differ beyond twice that, as
+for the verdicts.
 Reports meet at the quantities of their cases; there it is what a baseline would let the number move (baseline.py).
-Counts and words differ where they are not the same.
+Differences are told in percent of the larger number.  Counts and words differ where they are not the same.
 
 More than two reports have a history (validation/report/history.py).
 """
@@ -18,6 +19,7 @@ from typing import Any
 
 from bem.scene.result import ErrorEstimate, Event, EventError, Result, State
 from bem.scene.result_file import RESULT_FILE, read_result
+from bem.states import ROUNDING
 from validation.__main__ import REPORT_FILE, read_report
 from validation.harness.baseline import quantities_of
 from validation.harness.schema import Report, is_intact
@@ -49,13 +51,27 @@ class Difference:
         return math.inf if math.isnan(apart) or self.combined == 0 else apart / self.combined
 
     @property
+    def relative(self) -> float:
+        """Difference over the larger of the two; NaN where one is none."""
+        larger = max(abs(self.a), abs(self.b))
+        return abs(self.a - self.b) / larger if larger else 0.0
+
+    @property
+    def in_percent(self) -> str:
+        """The same in words; what rounding makes of a number is no difference."""
+        if self.a == self.b or self.relative <= ROUNDING:
+            return "the same to rounding"
+        return "one is no number" if math.isnan(self.relative) else f"{100 * self.relative:.2g} % apart"
+
+    @property
     def differs(self) -> bool:
         """Whether that is beyond the limit."""
         return not self.ratio <= self.limit
 
     def __str__(self) -> str:
-        values = f"{self.a:.12g} and {self.b:.12g}, {self.ratio:.3g} times the combined uncertainty {self.combined:.2g}"
-        return f"{self.where}: {self.quantity} {values}"
+        values = f"{self.a:.12g} and {self.b:.12g}, {self.in_percent}"
+        judged = f"{self.ratio:.3g} times the combined uncertainty {self.combined:.2g}"
+        return f"{self.where}: {self.quantity} {values}, {judged}"
 
 
 @dataclass(frozen=True)
@@ -177,17 +193,19 @@ def compare_reports(a: Report, b: Report) -> Comparison:
         others += [f"{name}: {key} is in one report only" for key in found[0].keys() ^ found[1].keys()]
         for key in (key for key in found[0] if key in found[1]):
             mine, theirs = found[0][key], found[1][key]
-            allowed = mine.atol + mine.rtol * abs(mine.value)
+            allowed = max(mine.atol + mine.rtol * abs(mine.value), ROUNDING * max(abs(mine.value), abs(theirs.value)))
             numbers.append(Difference(f"{name}: {key}", "case", mine.value, theirs.value, allowed, 1.0))
     return Comparison(tuple(numbers), tuple(others))
 
 
 def _paired(a: Result, b: Result, control: str) -> tuple[list[tuple[State, State]], dict[str, list[str]]]:
     """States of A and B at the same targets, in the order of A; the places of those that have no counterpart."""
-    free = list(b.targets)
-    scale = max((abs(getattr(state, control)) for state in (*a.targets, *free)), default=0.0)
+    met, free = (
+        [state for state in result.targets if not math.isnan(getattr(state, control))] for result in (a, b)
+    )  # not a pressure on the way that was missed
+    scale = max((abs(getattr(state, control)) for state in (*met, *free)), default=0.0)
     pairs, alone = [], []
-    for state in a.targets:
+    for state in met:
         value = getattr(state, control)
         fit = (s for s in free if s.branch == state.branch and abs(getattr(s, control) - value) <= SAME * scale)
         match = next(fit, None)
@@ -209,7 +227,8 @@ def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) ->
         errors = [getattr(side.error_estimate, name) for side in (a, b)]
         values = [getattr(side, name) for side in (a, b)]
         if None not in errors and None not in values:
-            yield Difference(name.replace("_", " "), where, values[0], values[1], sum(errors))
+            apart = max(sum(errors), ROUNDING * max(map(abs, values)))  # older results know no floor
+            yield Difference(name.replace("_", " "), where, values[0], values[1], apart)
 
 
 def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:

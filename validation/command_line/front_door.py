@@ -1,6 +1,6 @@
-"""The command `linecontact`: `check` and `run` go straight to the solver, all others through commands.py.
+"""The command `linecontact`: those of a scene go straight to the solver, all others through commands.py.
 
-The two do without the harness, whose loading takes longer than a small scene.
+They do without the harness, whose loading takes longer than a small scene.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-OF_A_SCENE = ("check", "run")
+OF_A_SCENE = ("check", "run", "keys", "schema")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -24,7 +24,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from bem.scene.atomic_file import write_atomically
 from validation.harness.compare import combined_tolerance
 from validation.harness.provenance import provenance, sources_digest, versions, working_tree
-from validation.harness.schema import CaseRecord, Row
+from validation.harness.schema import CaseRecord, Row, mistakes_in
 from validation.harness.verdict import case_verdicts
 
 FOLDER = Path(__file__).parents[1] / "baselines"
@@ -81,7 +81,9 @@ def read_baseline(case: str, folder: Path = FOLDER) -> Baseline | None:
         return None
     try:
         found = Baseline.model_validate_json(path.read_text("utf-8"))
-    except (ValidationError, ValueError) as error:
+    except ValidationError as error:
+        raise BaselineError(f"{path.name}: malformed baseline ({mistakes_in(error)})") from error
+    except ValueError as error:
         raise BaselineError(f"{path.name}: malformed baseline ({error})") from error
     if found.case != case:
         raise BaselineError(f"{path.name}: is the baseline of case {found.case!r}")

@@ -42,7 +42,7 @@ def kept(path: Path, form: type[Answer], key: str) -> Answer | None:
         return TypeAdapter(form).validate_python(content["answer"])
     except FileNotFoundError:
         return None
-    except (ValueError, KeyError, TypeError, ValidationError) as error:
+    except (ValueError, KeyError, TypeError, ValidationError, RecursionError) as error:
         raise DamagedError(f"{path.name} is damaged") from error
 
 

@@ -13,9 +13,8 @@ from re import fullmatch
 from typing import get_args
 
 from validation.harness.case import Case
-from validation.harness.schema import Level
+from validation.harness.schema import ID, Level
 
-ID = r"[A-Za-z0-9][A-Za-z0-9._-]*"
 LEVELS: tuple[Level, ...] = get_args(Level)
 CASES = "validation.cases"  # loaded by its name, with its list MODULES: cases import what runs them
 

@@ -149,7 +149,7 @@ def _expected_seconds(case: Case, store: Path, expected: Mapping[str, float]) ->
     """What the case took here before, also with other code; else what is expected of it; else a guess by level."""
     try:
         before = json.loads((store / f"{case.id}.json").read_text("utf-8"))["answer"]["seconds"]
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         before = None
     if isinstance(before, float) and before > 0:
         return before
@@ -183,7 +183,7 @@ def _kept(solved: Solved, case: Case, store: Path, code: str) -> CaseRecord:
     """The record, after it and its traceback were stored."""
     log = store / f"{case.id}.log"
     if solved.trace:
-        log.write_text(solved.trace, "utf-8")
+        log.write_text(solved.trace, "utf-8", "backslashreplace")
     else:
         log.unlink(missing_ok=True)
     _keep(solved.record, case, store, code)
@@ -213,9 +213,13 @@ def record_of(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
 
 
 def failed_record(case: Case, message: str, seconds: float) -> CaseRecord:
-    """What is reported of a case that crashed: kind and text of the exception in place of rows."""
+    """What is reported of a case that crashed: kind and text of the exception in place of rows.
+
+    Halves of surrogate pairs, which no file holds, stand in it by their escapes.
+    """
     record = record_of(case, Outcome(rows=()), seconds)
-    return record.model_copy(update={"status": "error", "message": message})
+    storable = message.encode("utf-8", "backslashreplace").decode()
+    return record.model_copy(update={"status": "error", "message": storable})
 
 
 def _key(case: Case, code: str) -> str:

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import Annotated, Any, Literal
+import math
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 SCHEMA = "linecontact-report/1"
 
@@ -21,6 +22,13 @@ Norm = Literal["absolute", "relative", "maximum over states", "ratio"]
 Level = Literal["quick", "standard", "full"]
 Text = Annotated[str, Field(min_length=1)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+ID = r"[A-Za-z0-9][A-Za-z0-9._-]*"
+Id = Annotated[str, Field(pattern=f"^{ID}$")]  # of elements of the page, and of files
+Beside = Annotated[str, Field(pattern=f"^{ID}(/{ID})*$")]  # the path of a file in the folder of the report
+Fact = str | int | float | bool | None | list[str | int | float] | dict[str, str | int | float | bool | None]
+LISTED = 3  # mistakes of a file that are told
+DRAWN = 1e250  # largest number of a figure: beyond it the margins of axes are no numbers
+Count = Annotated[int, Field(ge=-(2**63), lt=2**63)]
 
 
 class _Strict(BaseModel):
@@ -119,6 +127,9 @@ class Series(_Strict):
             raise ValueError(f"series {self.label!r}: {len(self.x)} values of x for {len(self.y)} of y")
         if (self.style in ("band", "bars")) != (self.upper is not None):
             raise ValueError(f"series {self.label!r}: a band or bars have an upper side, and nothing else has")
+        for value in (*self.x, *self.y, *(self.upper or ())):
+            if value is not None and DRAWN < abs(value) < math.inf:
+                raise ValueError(f"series {self.label!r}: {value:g}, at most {DRAWN:g} can be drawn")
         return self
 
 
@@ -135,11 +146,11 @@ class Panel(_Strict):
 class Figure(_Strict):
     """A solution above, and its signed error below where there is one; `files` lie beside the report, by their path."""
 
-    id: Text
+    id: Id
     caption: Text
     solution: Panel
     error: Panel | None = None
-    files: list[str] = []
+    files: list[Beside] = []
 
 
 class Table(_Strict):
@@ -153,7 +164,7 @@ class Table(_Strict):
 class CaseRecord(_Strict):
     """All that is reported of a case; `drawn` names its figures, so that one that went missing is noticed."""
 
-    id: Text
+    id: Id
     group: Text
     level: Level
     question: Text
@@ -165,7 +176,7 @@ class CaseRecord(_Strict):
     figures: list[Figure] = []
     drawn: list[str] = []
     tables: list[Table] = []
-    counts: dict[str, int] = {}
+    counts: dict[str, Count] = {}
     seconds: float = 0.0
     status: Literal["run", "error", "not run"] = "run"
     message: str = ""
@@ -184,13 +195,20 @@ class Report(_Strict):
     schema_: Literal["linecontact-report/1"] = Field("linecontact-report/1", alias="schema")
     level: str
     command: str
-    planned: int
-    provenance: dict[str, Any]
+    planned: Count
+    provenance: dict[str, Fact]
     cases: list[CaseRecord]
     changes: list[str] = []
     checksum: str = ""
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+def mistakes_in(error: ValidationError) -> str:
+    """What a file of another form has wrong, in one line; the first of many."""
+    found = [f"{'.'.join(map(str, one['loc'])) or 'content'}: {one['msg']}" for one in error.errors()]
+    more = [f"{len(found) - LISTED} more"] if len(found) > LISTED else []
+    return "; ".join([*found[:LISTED], *more])
 
 
 def with_checksum(report: Report) -> Report:

@@ -1,21 +1,23 @@
 """Figures as inline SVG, drawn from the numbers of the report alone: solution above, signed error below.
 
-Text stays text, ids are unique on the page, and equal numbers give equal SVG.
+Text stays text, ids are unique on the page, and equal numbers give equal SVG.  What is written into a page is the tree
+of the SVG, every text and value of it escaped; a text that cannot be drawn as mathematics is drawn as it is written.
 """
 
 from __future__ import annotations
 
 import io
-import re
 from contextlib import AbstractContextManager
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
 
 import numpy as np
+from markupsafe import Markup
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure, Panel, Series
+from validation.report.verification.typesetting import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,13 +85,29 @@ def _printed(canvas: Canvas, kind: str) -> bytes:
     with styled(**{"pdf.fonttype": 42}):
         layout = canvas.get_layout_engine()
         if layout is not None:
+            _make_drawable(canvas)
             layout.execute(canvas)
             canvas.set_layout_engine(None)
         canvas.savefig(stream, format=kind, metadata=WITHOUT_DATE[kind])
     return stream.getvalue()
 
 
-def svg_of(figure: Figure, prefix: str) -> str:
+def _make_drawable(canvas: Canvas) -> None:
+    """Leave in every text what can be drawn: an equation that cannot be set stays as it is written."""
+    from matplotlib.mathtext import MathTextParser
+    from matplotlib.text import Text
+
+    parse = MathTextParser("path").parse
+    for text in canvas.findobj(Text):
+        text.set_text(printable(text.get_text()))
+        if text.get_text().count("$") > 1:
+            try:
+                parse(text.get_text())
+            except (ValueError, RecursionError):
+                text.set_parse_math(False)
+
+
+def svg_of(figure: Figure, prefix: str) -> Markup:
     """The figure as an SVG element with a role, a title (its caption) and a description (its axes and curves).
 
     The prefix makes its ids unique on the page.
@@ -97,31 +115,53 @@ def svg_of(figure: Figure, prefix: str) -> str:
     return inline_svg(canvas_of(figure), prefix, figure.caption, described(figure))
 
 
-def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> str:
-    """A drawn figure as `svg_of` gives it; `description` is text of an SVG."""
-    text = _printed(canvas, "svg").decode()
-    element = text[text.index("<svg") :]
-    element = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', element)
-    element = re.sub(r'(xlink:href|href)="#([^"]+)"', rf'\1="#{prefix}-\2"', element)
-    element = re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", element)
-    names = f'role="img" aria-labelledby="{prefix}-title" aria-describedby="{prefix}-desc"'
-    said = f'<title id="{prefix}-title">{escape(title)}</title><desc id="{prefix}-desc">{description}</desc>'
-    return re.sub(r"<svg ([^>]*)>", lambda opening: f"<svg {names} {opening[1]}>{said}", element, count=1)
+def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> Markup:
+    """A drawn figure as `svg_of` gives it."""
+    root = ElementTree.fromstring(_printed(canvas, "svg"))
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if _plain(child.tag) in ("metadata", "style"):  # the style of every figure stands in style.css
+                parent.remove(child)
+    for element in root.iter():
+        element.tag = _plain(element.tag)
+        given = {_plain(name): value for name, value in element.attrib.items()}
+        element.attrib.clear()
+        element.attrib.update((name, _renamed(name, value, prefix)) for name, value in given.items())
+    root.attrib |= {"role": "img", "aria-labelledby": f"{prefix}-title", "aria-describedby": f"{prefix}-desc"}
+    for place, (tag, said) in enumerate((("title", title), ("desc", description))):
+        element = ElementTree.Element(tag, {"id": f"{prefix}-{tag}"})
+        element.text = printable(said)
+        root.insert(place, element)
+    return Markup(ElementTree.tostring(root, encoding="unicode"))
+
+
+def _plain(name: str) -> str:
+    """A name without its namespace: on a page none is written."""
+    return name.rpartition("}")[2]
+
+
+def _renamed(name: str, value: str, prefix: str) -> str:
+    """An attribute of an SVG with the prefix before the ids that it gives or names."""
+    if name == "id":
+        return f"{prefix}-{value}"
+    if name == "href":
+        return f"#{prefix}-{value.removeprefix('#')}"
+    return value.replace("url(#", f"url(#{prefix}-")
 
 
 def described(figure: Figure) -> str:
-    """What a figure shows, in words, as text of an SVG.
+    """What a figure shows, in words.
 
     Examples
     --------
     >>> from validation.harness.schema import Panel, Series
     >>> panel = Panel(xlabel="x", ylabel="load", series=[Series(label="a & b", x=[0.0], y=[1.0])])
     >>> described(Figure(id="one", caption="One point.", solution=panel))
-    'load against x: a &amp; b.'
+    'load against x: a & b.'
     """
     panels = [figure.solution] if figure.error is None else [figure.solution, figure.error]
     words = [f"{panel.ylabel} against {panel.xlabel}: {', '.join(s.label for s in panel.series)}." for panel in panels]
-    return escape(" ".join(words))
+    return " ".join(words)
 
 
 def _draw(axes: Axes, panel: Panel) -> None:
@@ -130,12 +170,23 @@ def _draw(axes: Axes, panel: Panel) -> None:
     for index, series in enumerate(panel.series):
         hue = (index if series.hue is None else series.hue) % len(COLOURS)
         _draw_series(axes, series, COLOURS[hue], MARKERS[hue])
-    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, xscale=panel.xscale, yscale=panel.yscale)
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel)
+    axes.set(xscale=_scale(panel.xscale, [x for series in panel.series for x in series.x]))
+    axes.set(yscale=_scale(panel.yscale, [y for series in panel.series for y in (*series.y, *(series.upper or ()))]))
     label_plainly(axes.xaxis, axes.yaxis)
+    if not axes.get_legend_handles_labels()[1]:
+        return
     if len(panel.series) > MOST_INSIDE:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=8.0)
-    else:
+    elif axes.get_legend_handles_labels()[1]:
         axes.legend()
+
+
+def _scale(asked: str, values: list[float | None]) -> str:
+    """The scale asked for, but a linear one where nothing is positive that a logarithmic one could show."""
+    return (
+        "linear" if asked == "log" and not any(value is not None and 0 < value < np.inf for value in values) else asked
+    )
 
 
 def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:

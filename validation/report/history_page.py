@@ -67,7 +67,8 @@ def _report(report: Report, k: int, rises: int) -> list[tuple[str, float | str]]
     failing = sum(count for verdict, count in counts(report.cases).items() if verdict in ("deviates", "error"))
     texts = [_date(report), _commit(report).removeprefix("commit ")]
     kernels = ", ".join(filter(None, (str(facts.get("blas", "")).rpartition(" ")[2], str(facts.get("kernels") or ""))))
-    numbers = [len(report.cases), failing, rises, facts.get("seconds")]
+    seconds = facts.get("seconds")
+    numbers = [len(report.cases), failing, rises, seconds if isinstance(seconds, int | float) else None]
     return [("✗ rises" if rises else "✓ in band", rises), (str(k), k), *((text, text) for text in (*texts, kernels)),
             *((number(value), "" if value is None else float(value)) for value in numbers)]  # fmt: skip
 

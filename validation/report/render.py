@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 import re
+from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date
@@ -14,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness.case import Case
@@ -24,9 +25,13 @@ from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted,
 from validation.report.figures import svg_of
 from validation.report.verification.all_results import first_sentence, scatter
 from validation.report.verification.row_views import budget_of, named, worst_place
-from validation.report.verification.typesetting import TypesettingError, subscripts, typeset, with_links
+from validation.report.verification.typesetting import printable, subscripts, typeset, unset, with_links
 
 PAGE = "report.html"
+POLICY = (  # attributes with a style are those of figures
+    "default-src 'none'; script-src {script}; style-src {style}; style-src-attr 'unsafe-inline'; img-src data:; "
+    "base-uri 'none'; form-action 'none'"
+)
 LANDING = "landing-"  # prefix of the ids of figures that open the page
 MARKS = {
     "agrees": "✓",
@@ -80,15 +85,11 @@ def write_html(report: Report, folder: Path) -> None:
 def render(report: Report) -> str:
     """The page as text.
 
-    ReportError where a case cites a source that is not in the bibliography, or has an equation that cannot be set.
+    ReportError where a case cites a source that is not in the bibliography, or the provenance has no date or commit.
     """
-    try:
-        return _rendered(report)
-    except TypesettingError as error:
-        raise ReportError(f"an equation cannot be set: {error}") from error
-
-
-def _rendered(report: Report) -> str:
+    absent = [name for name in ("date", "commit") if name not in report.provenance]
+    if absent:
+        raise ReportError(f"the provenance of the report has no {' and no '.join(absent)}")
     lines = {case.id: [_line(row) for row in case.rows] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
     return filled(
@@ -115,7 +116,11 @@ def _rendered(report: Report) -> str:
 
 
 def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = None, **values: Any) -> str:
-    """A page from its template, with the style and the script of all pages: nothing undefined, everything escaped."""
+    """A page from its template, with the style and the script of all pages: nothing undefined, everything escaped.
+
+    What is not escaped is `Markup` that this package has set; no template marks a value as safe.  The browser runs that
+    one script and that one style sheet, by their digests, whatever else stands in the page.
+    """
     made = Environment(
         loader=PackageLoader("validation.report", "."),
         autoescape=True,
@@ -125,7 +130,14 @@ def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = Non
     )
     made.filters |= {"number": number, "short": _short, "typeset": typeset, "with_links": with_links}
     made.filters |= {"subscripts": subscripts, "counted": counted} | dict(filters or {})
-    return made.get_template(template).render(style=asset("style.css"), script=asset("sort.js"), **values)
+    style, script = Markup(asset("style.css")), Markup(asset("sort.js"))
+    policy = Markup(POLICY).format(script=_source_of(script), style=_source_of(style))
+    return printable(made.get_template(template).render(style=style, script=script, policy=policy, **values))
+
+
+def _source_of(inline: str) -> Markup:
+    """What a policy calls an element with this text."""
+    return Markup("'sha256-{}'").format(b64encode(hashlib.sha256(inline.encode()).digest()).decode())
 
 
 def number(value: Any) -> str:
@@ -214,13 +226,13 @@ def _line(row: Row) -> Line:
 
 def _value(values: list[float | None], worst: int) -> Markup:
     """The value at the worst place; how many there are beside it."""
-    text = Markup(number(values[worst]))
-    return text if len(values) == 1 else text + Markup(f" <small>worst of {len(values)}</small>")
+    text = escape(number(values[worst]))
+    return text if len(values) == 1 else text + Markup(" <small>worst of {}</small>").format(len(values))
 
 
 def _spread(uncertainty: float) -> Markup:
     """The uncertainty of what was computed, where it has one."""
-    return Markup(f" <small>± {uncertainty:.2g}</small>") if uncertainty > 0 else Markup("")
+    return Markup(" <small>± {:.2g}</small>").format(uncertainty) if uncertainty > 0 else Markup("")
 
 
 def _short(commit: str) -> str:
@@ -232,7 +244,7 @@ def _sorted_as(value: float | None) -> float | str:
     return "" if value is None else value
 
 
-def _drawn(case: CaseRecord, prefix: str) -> list[tuple[str, str, str, list[str]]]:
+def _drawn(case: CaseRecord, prefix: str) -> list[tuple[str, str, Markup, list[str]]]:
     """Id, caption, SVG and files of the figures of a case whose id begins with `prefix`."""
     chosen = [figure for figure in case.figures if figure.id.startswith(prefix)]
     where = "top" if prefix else "case"
@@ -241,7 +253,7 @@ def _drawn(case: CaseRecord, prefix: str) -> list[tuple[str, str, str, list[str]
     ]
 
 
-def _overview(report: Report) -> tuple[str, str] | None:
+def _overview(report: Report) -> tuple[Markup, str] | None:
     """SVG and caption of the figure of all results."""
     figure = scatter(report)
     return None if figure is None else (svg_of(figure, "all-results"), figure.caption)
@@ -264,6 +276,13 @@ def bibliography(cases: Iterable[CaseRecord | Case]) -> list[tuple[str, str]]:
     if unknown:
         raise ReportError(f"sources not in the bibliography: {', '.join(unknown)}")
     return [(key, known[key]) for key in cited]
+
+
+def refuse_unset(cases: Iterable[Case]) -> None:
+    """Refuse equations that cannot be set, before any work, by a ReportError that names them."""
+    found = [f"case {case.id!r}: {why}" for case in cases for why in unset(case.equations)]
+    if found:
+        raise ReportError(f"an equation cannot be set: {'; '.join(found)}")
 
 
 def asset(name: str) -> str:

@@ -13,7 +13,7 @@ from bem.scene.result import Result, State
 from validation.harness.figure_data import axes, bars, drawn, marks, semilogy, trace
 from validation.harness.schema import Figure, Panel, Series
 from validation.report.run_words import axis_unit, quantity
-from validation.report.scan_figure import preparation_figure
+from validation.report.scan_figure import preparation_figure, spectrum_figure
 
 MOST_SHAPES = 8
 SAME = 1e-6  # relative distance within which a state is one at which a shape is asked for
@@ -30,9 +30,10 @@ def figures_of(result: Result) -> Iterator[Figure]:
         yield drawn("approach", "Mean pressure against separation.", _curves(result, "separation", unit, factor))
     if any(state.error_estimate.mean_pressure for state in result.states):
         yield drawn("errors", "Estimated errors of all states, in the order of the path.", _errors(result))
-    prepared = preparation_figure(result.fields, result.profile_preparation)
-    if prepared is not None:
-        yield prepared
+    for figure_of in (preparation_figure, spectrum_figure):
+        prepared = figure_of(result.fields, result.profile_preparation)
+        if prepared is not None:
+            yield prepared
     yield from _shapes(result)
 
 

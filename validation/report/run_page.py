@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from bem.command_line.console import scene_text
 from bem.scene.atomic_file import write_atomically
+from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
@@ -38,7 +41,8 @@ def write_run_page(folder: Path) -> Result:
 
 def render_run(result: Result) -> str:
     """The page of a run as text."""
-    shapes = len(shape_states(result))
+    found = replace(result, states=tuple(state for state in result.states if state.found))
+    shapes = len(shape_states(found))
     return filled(
         "run_page.jinja",
         title=result.scene["title"] or "A run",
@@ -47,16 +51,18 @@ def render_run(result: Result) -> str:
         good=succeeded(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
-        groups=[(name, _measure(name, value)) for name, value in result.groups.items()],
+        groups=[(name, _measure(name, value), MEANINGS.get(name, "")) for name, value in result.groups.items()],
         warnings=result.warnings,
         preparation=[_step(step) for step in result.profile_preparation],
-        figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(result)],
+        figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(found)],
         shapes_left_out=max(0, shapes - MOST_SHAPES),
         targets=[_target(state) for state in result.targets[:MOST_ROWS]],
-        events=list(_events(result))[:MOST_ROWS],
+        events=list(_events(found))[:MOST_ROWS],
         most=MOST_ROWS,
         certificate=list(_certificate(result)),
-        refused=[state for state in result.states if not state.certificate.ok],
+        found=found.states,
+        missed=[state for state in result.states if not state.found],
+        refused=[state for state in found.states if not state.certificate.ok],
         predicted=sum(effect.seconds for effect in result.effects),
         seconds=sum(state.cpu_seconds for state in result.states),
         evaluations=sum(state.evaluations for state in result.states),
@@ -70,9 +76,11 @@ def _target(state: State) -> list[tuple[str, float | str]]:
     cells: list[tuple[str, float | str]] = [(state.branch, state.branch)]
     for name in ("separation", "mean_pressure", "contact_fraction"):
         value = getattr(state, name)
-        cells.append((_known(value, getattr(estimate, name)), value))
-    cells.append((str(state.n_patches), state.n_patches))
-    judged = "certified" if state.certificate.ok else "refused"
+        cells.append(
+            ("–", "") if math.isnan(value) and not state.found else (_known(value, getattr(estimate, name)), value)
+        )
+    cells.append((str(state.n_patches), state.n_patches) if state.found else ("–", ""))
+    judged = "certified" if state.certificate.ok else "refused" if state.found else "–"
     return [*cells, (state.status.replace("_", " "), state.status), (judged, judged)]
 
 

@@ -45,15 +45,16 @@ def axis_unit(largest: float, unit: str) -> tuple[float, str]:
 
 def outcome(result: Result) -> str:
     """The first sentence of a page: how it ended, how much of it is certified, and where."""
-    certified, targets = sum(state.certificate.ok for state in result.states), len(result.targets)
+    found = [state for state in result.states if state.found]
+    certified, targets = sum(state.certificate.ok for state in found), sum(state.target for state in found)
     how = {"converged": "Converged", "not_converged": "Not converged"}.get(result.status, result.status.capitalize())
     words = [
         f"{how}: {counted(targets, 'state')} at targets ({len(result.scene['loading']['targets'])} in the scene)",
-        f"{certified} of {len(result.states)} states certified by the independent quadrature",
+        f"{certified} of {len(found)} states certified by the independent quadrature",
         counted(len(result.events), "event"),
     ]
-    if result.states:
-        last = result.states[-1]
+    if found:
+        last = found[-1]
         pressure = "any mean pressure" if math.isnan(last.mean_pressure) else quantity(last.mean_pressure, "Pa")
         words.append(f"last at {pressure} and contact fraction {last.contact_fraction:.6g}")
     why = "" if result.failure is None else f" Why: {result.failure}."

@@ -1,20 +1,23 @@
 """A scan before and after its preparation: heights as measured and as they are solved, and in words what was done.
 
 The numbers are those that a result stores (`Scan.drawn` in bem/scans/scan_preparation.py): scan_x, scan_h and
-profile_x, profile_h in m.  Both lines are drawn about their own mean.
+profile_x, profile_h in m.  Both lines are drawn about their own mean.  A second figure is the power spectrum of the
+scan, scan_density over scan_wavelength, with its noise floor and the profile's power law, as far as they are found, and
+the wavelengths at which it is cut and should be (bem/scans/noise_floor.py).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.harness.figure_data import axes, drawn, trace
+from bem.scans.scan_keys import CUTOFFS
+from validation.harness.figure_data import axes, drawn, loglog, trace
 from validation.harness.schema import Figure
-from validation.report.run_words import axis_unit
+from validation.report.run_words import axis_unit, quantity
 
 SAID = {
     "outliers": {"keep": "spikes found and kept: {count}", "replace": "spikes replaced: {count}"},
@@ -54,11 +57,74 @@ def preparation_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequenc
     return drawn("preparation", caption_of(steps), axes(f"x / {across}", f"height / {upward}", *series))
 
 
+def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[Mapping[str, Any]]) -> Figure | None:
+    """The power spectrum over wavelengths; None of a result without one, or of equal heights.
+
+    Examples
+    --------
+    >>> fields = {"scan_wavelength": np.array([8e-6, 2e-6]), "scan_density": np.array([4e-20, 1e-22])}
+    >>> found = {"step": "spectrum", "noise": "flat tail", "noise_density": 1e-22, "noise_rms": 5e-9}
+    >>> steps = [found, {"step": "filter", "cutoff_short": 5e-6}]
+    >>> [series.label for series in spectrum_figure(fields, steps).solution.series]
+    ['power spectrum of the scan', 'noise floor', 'cutoff_short, 5 µm']
+    """
+    kept = np.flatnonzero(fields.get("scan_density", np.zeros(0)) > 0)
+    if not kept.size:
+        return None
+    wavelength, density = (fields[name][kept] for name in ("scan_wavelength", "scan_density"))
+    length, unit = axis_unit(float(wavelength.min()), "m")
+    series = [trace("power spectrum of the scan", length * wavelength, density)]
+    facts = {key: value for step in steps for key, value in step.items() if step["step"] == "spectrum"}
+    if "noise_density" in facts:
+        ends = (wavelength.min(), wavelength.max())
+        series.append(trace("noise floor", [length * end for end in ends], [facts["noise_density"]] * 2, "dashed"))
+    if "exponent" in facts:
+        law = facts["law_at_1_per_m"] * wavelength ** facts["exponent"]
+        shown = (law > density.min()) & (law < density.max())
+        label = f"profile's power law, exponent {facts['exponent']:.2g}"
+        series.append(trace(label, length * wavelength[shown], law[shown], "dashed"))
+    height = [float(density.min()), float(density.max())]
+    series += [trace(f"{name}, {length * at:.3g} {unit}", [length * at] * 2, height) for name, at in _cuts(steps)]
+    return drawn("spectrum", _noise_in_words(facts), loglog(f"wavelength / {unit}", "density / m³", *series))
+
+
+def _noise_in_words(facts: Mapping[str, Any]) -> str:
+    """What the spectrum of a scan tells, in a sentence."""
+    if "noise_rms" not in facts:
+        return f"Power spectrum of the scan, one-sided: {facts['noise']}."
+    floor = f"a noise floor of {_rounded(facts['noise_rms'])} rms"
+    if "suggested_cutoff" not in facts:
+        return f"Power spectrum of the scan, one-sided: {floor}."
+    law = f"the profile, as the power {facts['exponent']:.2g} of the wavelength, falls below it"
+    return f"Power spectrum of the scan, one-sided: {floor}; {law} at {_rounded(facts['suggested_cutoff'])}."
+
+
+def _rounded(length: float) -> str:
+    """A length to three digits."""
+    return quantity(float(f"{length:.3g}"), "m")
+
+
+def _cuts(steps: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, float]]:
+    """Names and wavelengths (m) at which a scan is cut, and at which it is suggested to be."""
+    found = {step["step"]: step for step in steps}
+    if "period" in found.get("periodic", {}) and "cut" in found:
+        yield "harmonics end", found["periodic"]["period"] / found["cut"]["harmonics"]
+    for key in CUTOFFS:
+        if key in found.get("filter", {}):
+            yield key, found["filter"][key]
+    if "suggested_cutoff" in found.get("spectrum", {}):
+        yield "suggested cut", found["spectrum"]["suggested_cutoff"]
+
+
 def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:
     """What was done to a scan, in a sentence."""
     samples = next(step["samples"] for step in steps if step["step"] == "read")
     done = [SAID.get(step["step"], {}).get(step.get("method", ""), "").format_map(step) for step in steps
             if step.get("count") != 0]  # fmt: skip
+    for step in steps:
+        if step["step"] == "filter":
+            cuts = (f"{key} {quantity(step[key], 'm')}" for key in CUTOFFS if key in step)
+            done.append("Gaussian filter " + ", ".join(cuts))
     cut = next((step for step in steps if step["step"] == "cut"), None)
     if cut is not None:
         done.append(f"{cut['harmonics']} of {cut['of']} harmonics keep {cut['slope_share_kept']:.1%} of the rms slope")

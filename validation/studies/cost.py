@@ -4,7 +4,8 @@ The benchmark (quick) runs seeds 0, 1, 2 with 1000 harmonics to 0.025 E*, each a
 again at a quarter of the increment: contact fraction and separation at the loads asked for must not change beyond
 1e-6 of themselves.  The full study does so for seeds 0 to 30; it adds seed 0 with 125 to 8000 harmonics and fits
 exponents, of the whole curve and of its part up to a contact fraction of a fifth.  Seed 0 is also taken
-apart, stage by stage and against patches (cost_breakdown.py), in a run of its own.  A run that fails is a line with
+apart, stage by stage and against patches (cost_breakdown.py), in a run of its own.  Without adhesion single loads are
+solved up to 100,000 harmonics (cost_bare.py).  A run that fails is a line with
 its message; finished runs are kept (answers.py).  Counts, memory and digits gate; seconds are reported, they are those
 of the machine at hand.
 """
@@ -28,6 +29,8 @@ from validation.harness.runner import Listener, Note
 from validation.harness.schema import Table
 from validation.references import adapters
 from validation.report.study_figures import Line, Plot, write_svg
+from validation.studies import cost_bare
+from validation.studies.cost_bare import BareRun, BareTask
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences
 from validation.studies.kept_answers import Answers, answers_in
@@ -115,6 +118,7 @@ def run(
     tasks: Sequence[Task] | None = None,
     measure: Callable[[Task], Run] | None = None,
     dissect: Callable[[int], Breakdown] | None = dissected,
+    bare: Callable[[BareTask], BareRun] | None = cost_bare.measured,
 ) -> int:
     """Run the study, print its table, write cost.json; 1 when anything that gates is not reached.
 
@@ -128,6 +132,8 @@ def run(
         Another measurement than `measured`, importable by name.
     dissect : callable, optional
         What takes a number of harmonics apart, importable by name; None leaves that out.
+    bare : callable, optional
+        What measures a load without adhesion, importable by name; None leaves that out.
     """
     folder.mkdir(parents=True, exist_ok=True)
     chosen = tasks_of(quick) if tasks is None else list(tasks)
@@ -136,16 +142,24 @@ def run(
     for done, task in enumerate(chosen, 1):
         runs.append(_measured(measure or measured, task, answers))
         report(Note(f"[{done}/{len(chosen)}] {_line(runs[-1])}"))
-        _write(folder, facts, runs, len(chosen), [])
+        _write(folder, facts, runs, len(chosen), [], [])
+    dry: list[BareRun] = []
+    if bare is not None:
+        for load in cost_bare.tasks_of(quick):
+            dry.append(cost_bare.measured_alone(bare, load, answers))
+            report(Note(cost_bare.line(dry[-1])))
+            _write(folder, facts, runs, len(chosen), [], dry)
     apart: list[Breakdown] = []
     if dissect is not None:
         for harmonics in sorted({task.harmonics for task in chosen if task.seed == 0 and task.increment == INCREMENT}):
             apart.append(_taken_apart(dissect, harmonics, answers))
-            _write(folder, facts, runs, len(chosen), apart)
-    met = judged(runs, drifts_of(runs))
+            _write(folder, facts, runs, len(chosen), apart, dry)
+    met = judged(runs, drifts_of(runs)) + _certified(dry)
     print(HEADING)
     for found in runs:
         print(_line(found))
+    for single in dry:
+        print(cost_bare.line(single))
     for name, order in exponents_of(runs).items():
         print(f"{name} grows as harmonics^{order:.2f}")
     for line in breakdown_sentences(apart):
@@ -268,6 +282,13 @@ def judged(runs: Sequence[Run], drifts: Sequence[Drift]) -> list[tuple[str, str,
     ]
 
 
+def _certified(dry: Sequence[BareRun]) -> list[tuple[str, str, bool, bool]]:
+    """Whether all loads without adhesion were solved and certified, where any were."""
+    failed = [f"{found.harmonics}, {found.load:g} E*: {found.status}" for found in dry if found.status != "converged"]
+    name = "every load without adhesion certified"
+    return [(name, "; ".join(failed) or f"{len(dry)} loads", not failed, True)] if dry else []
+
+
 def _growth(runs: Sequence[Run]) -> list[tuple[str, str, bool, bool]]:
     """The exponent of the time to a contact fraction of a fifth, where more than one number of harmonics ran."""
     exponent = exponents_of(runs).get("cpu_seconds_to_a_fifth")
@@ -277,7 +298,14 @@ def _growth(runs: Sequence[Run]) -> list[tuple[str, str, bool, bool]]:
     return [(name, f"exponent {exponent:.2f}", exponent <= EXPONENT, False)]
 
 
-def _write(folder: Path, facts: dict[str, Any], runs: Sequence[Run], planned: int, apart: Sequence[Breakdown]) -> None:
+def _write(
+    folder: Path,
+    facts: dict[str, Any],
+    runs: Sequence[Run],
+    planned: int,
+    apart: Sequence[Breakdown],
+    dry: Sequence[BareRun],
+) -> None:
     """cost.json with the runs so far."""
     drifts = drifts_of(runs)
     table = Table(
@@ -291,11 +319,12 @@ def _write(folder: Path, facts: dict[str, Any], runs: Sequence[Run], planned: in
         "planned": planned,
         "runs": [asdict(found) for found in runs],
         "table": table.model_dump(mode="json"),
+        "without_adhesion": cost_bare.table_of(dry).model_dump(mode="json"),
         "drifts": [asdict(drift) for drift in drifts],
         "exponents": exponents_of(runs),
         "breakdown": [asdict(found) | {"patch_exponents": patch_exponents(found)} for found in apart],
         "stage_exponents": stage_exponents(apart),
-        "met": {name: bool(good) for name, _, good, _ in judged(runs, drifts)},
+        "met": {name: bool(good) for name, _, good, _ in [*judged(runs, drifts), *_certified(dry)]},
     }
     write_json(folder / FILE, content)
 

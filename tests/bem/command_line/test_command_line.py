@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,9 +18,9 @@ import bem.__main__ as command_line
 from bem.audit import certificate
 from bem.command_line.checkpoint import Checkpoint
 from bem.command_line.console import LineReporter, reporter, summary, summary_line
-from bem.scene.effects import effects_of
+from bem.record import Record
 from bem.scene.result import Progress, Result
-from bem.scene.result_file import provenance, read_result, write_result
+from bem.scene.result_file import read_result, write_result
 from bem.scene.scene import load_scene
 
 SCENE = """
@@ -63,7 +64,9 @@ class FakeSolver:
         self.stop_at, self.how, self.visited = stop_at, how, []
 
     def __call__(self, scene, progress=None, on_state=None, resume=None):
-        states = [] if resume is None else list(resume.states)
+        record, states = Record(scene), [] if resume is None else list(resume.states)
+        for state in states:
+            record.add(state, {})
         targets = scene.loading.targets
         status = "converged"
         for index in range(len(states), len(targets)):
@@ -74,13 +77,11 @@ class FakeSolver:
                 break
             progress(replace(PROGRESS, target_index=index, n_targets=len(targets)))
             self.visited.append(targets[index])
-            states.append(fake_state(targets[index]))
-            resolved = scene.resolved()
-            on_state(Result(resolved, effects_of(scene), provenance(resolved), tuple(states), (), "interrupted"))
+            record.add(fake_state(targets[index]), {})
+            on_state(record)
         x = np.linspace(0, 0.01, 5)
         fields = {"x_0": x, "displacement_0": x, "gap_0": x, "pressure_0": x, "patch_0": np.zeros(5)}
-        resolved = scene.resolved()
-        return Result(resolved, effects_of(scene), provenance(resolved), tuple(states), (), status, fields)
+        return replace(record.result(status), fields=fields)
 
 
 @pytest.fixture
@@ -343,16 +344,17 @@ def test_plots_are_drawn_when_asked_for(scene, tmp_path, solver):
     assert all(content.startswith(b"\x89PNG") for content in drawn.values())
 
 
-def test_checkpoint_is_written_for_a_target_but_seldom_in_between(scene, tmp_path):
-    times = iter([0.0, 0.0, 0.1, 1.0, 1.5, 9.0, 9.0, 9.1])
-    checkpoint = Checkpoint(load_scene(scene), tmp_path / "out", None, clock=lambda: next(times))
-    between = replace(fake_state(5e-5), target=False)
-    stored = []
-    for state in (fake_state(6e-5), between, between, between):
-        kept = (*checkpoint.result.states, state)
-        checkpoint.keep(replace(checkpoint.result, states=kept))
-        stored.append(len(read_result(tmp_path / "out").states))
-    assert stored == [1, 1, 1, 4]
+def test_every_state_is_in_the_journal_and_now_and_then_in_the_result(scene, tmp_path):
+    """A write of result.json takes 0.1 s here, so that the next one comes a second later."""
+    times = iter([0.0, 0.1, 0.5, 1.0, 1.2, 1.3])
+    checkpoint, record = Checkpoint(tmp_path, clock=lambda: next(times)), Record(load_scene(scene))
+    kept, shown = [], []
+    for separation in (6e-5, 5.8e-5, 5.6e-5, 5.4e-5):
+        record.add(fake_state(separation), {})
+        checkpoint.keep(record)
+        kept.append(len(read_result(tmp_path).states))
+        shown.append(len(json.loads((tmp_path / "result.json").read_text())["states"]))
+    assert (kept, shown) == ([1, 2, 3, 4], [1, 1, 1, 4])
 
 
 def test_figures_bars_and_layer_are_not_imported_to_check(scene):
@@ -434,3 +436,67 @@ def test_what_is_not_certified_ends_with_exit_code_1(scene, tmp_path, monkeypatc
     assert run(scene, tmp_path / "out") == 1
     assert capsys.readouterr().out.startswith("not_converged (")
     assert "not_converged" in {state.status for state in read_result(tmp_path / "out").states}
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", "2>&- >&-"])
+def test_a_closed_stream_stops_no_run(closed, scene, tmp_path):
+    command = f'"{sys.executable}" -m bem run "{scene}" --out "{tmp_path / "out"}" {closed}'
+    assert subprocess.run(command, shell=True, check=False, stdout=subprocess.DEVNULL).returncode == 0
+    assert read_result(tmp_path / "out").status == "converged"
+
+
+def test_a_title_that_the_terminal_has_no_letters_for_is_escaped(scene):
+    scene.write_text(scene.read_text().replace('"wave"', '"Контакт"'), "utf-8")
+    terminal = os.environ | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    process = subprocess.run([sys.executable, "-m", "bem", "check", str(scene)], env=terminal, capture_output=True)
+    assert process.returncode == 0
+    assert b"\\u041a" in process.stdout
+
+
+def test_a_folder_that_is_removed_while_a_run_writes_there_is_one_error(scene, tmp_path, solver, monkeypatch, capsys):
+    fake, out = solver(), tmp_path / "out"
+
+    def removing(scene, progress=None, on_state=None, resume=None):
+        def keep(record):
+            on_state(record)
+            shutil.rmtree(out)
+
+        return fake(scene, progress, keep, resume)
+
+    monkeypatch.setattr(command_line, "solve", removing)
+    assert run(scene, out, "--quiet") == 1
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "journal.jsonl" in said
+
+
+@pytest.mark.parametrize("words", [["check"], ["run", "--out", "out"]])
+def test_hours_and_gigabytes_are_said_before_anything_is_computed(words, tmp_path, monkeypatch, capsys):
+    scene = SCENE.format(harmonics=1000, targets="60e-6") + "[layer]\nthickness = 1e-6\n"
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(scene)
+    monkeypatch.setattr(command_line, "solve", FakeSolver())
+    command_line.main([words[0], "scene.toml", *words[1:]])
+    (said,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: cost: ")]
+    assert " hours of one core and " in said or " days of one core and " in said
+    assert " GB of memory are predicted" in said
+
+
+def test_nothing_is_said_of_a_cost_that_is_none(tmp_path, monkeypatch, capsys):
+    (tmp_path / "scene.toml").write_text(SCENE.format(harmonics=20, targets="60e-6"))
+    command_line.main(["check", str(tmp_path / "scene.toml")])
+    assert "warning: cost" not in capsys.readouterr().err
+
+
+def test_check_and_run_refuse_the_same_flaw(tmp_path, capsys):
+    scene = SCENE.format(harmonics=20, targets="60e-6").replace("50e-6\n", "3.1e-7\nseed = 1192680793\n", 1)
+    scene = scene.replace("[output]\nshapes = [50e-6]\n", "").replace("0.7", "0.3206928286489916")
+    scene = scene.replace("1.0e6", "503989810615.0363").replace("0.5\n", "0.49\n").replace("0.01\n", "1.678e-5\n")
+    scene = scene.replace("0.03", "5.7555e-19").replace('"separation"', '"mean_pressure"').replace("60e-6", "2.1e7")
+    (tmp_path / "scene.toml").write_text(scene + 'initial = "complete_contact"\nflaw = 2.6827e-08\n')
+    said = []
+    for words in (["check"], ["run", "--out", str(tmp_path / "out")]):
+        assert command_line.main([words[0], str(tmp_path / "scene.toml"), *words[1:]]) == 2
+        said.append(capsys.readouterr().err.splitlines()[-1])
+    assert said[0] == said[1]
+    assert "where it would open the pressure shuts a part of it" in said[0]

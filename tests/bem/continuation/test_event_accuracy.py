@@ -144,13 +144,19 @@ def test_a_target_just_before_a_symmetry_breaks_is_met_before_it_does(order):
 
 
 def test_the_error_of_a_broken_symmetry_is_that_along_its_branch():
-    """On a layer its eigenvalue hardly changes at fixed edges: errors were 590 and 850 times as large."""
+    """On a layer its eigenvalue hardly changes at fixed edges: errors were 590 and 850 times as large.
+
+    Where two gaps are left, rounding decides how the end is found, and so whether it is called by its bifurcation or by
+    the contact it ends in: its place, its energy and what they are in error by are the same.
+    """
     data = crests(5, 0.12, 0.0, "separation", [0.2 * AMPLITUDE, 0.8 * AMPLITUDE], layer=1e-3, increment=0.04)
     data["loading"]["initial"] = "complete_contact"
-    events = [event for event in solve(parse_scene(data)).events if event.kind == "bifurcation"]
-    assert len(events) == 3
-    errors = [event.error_estimate.energy_released / event.energy_released for event in events]
-    assert max(errors[1:]) <= 1.6e-9  # measured 5.5e-10
+    released = [event for event in solve(parse_scene(data)).events if event.energy_released]
+    assert len(released) == 3
+    for event, energy in zip(released[1:], (3.12163064992, 3.29478221747), strict=True):  # at all increments and phases
+        error = event.error_estimate.energy_released
+        assert abs(event.energy_released - energy) <= error
+        assert error <= 1.6e-9 * energy  # measured 5.5e-10
 
 
 def rough(seed, work, control="separation", layer=None, slope_term=True, increment=LARGEST, **profile):

@@ -148,21 +148,29 @@ def test_a_stored_state_is_a_start(tmp_path):
 
 
 def test_a_tension_no_branch_carries_keeps_the_states_before_it():
-    pressures = [0.2 * WAVE.full_contact_pressure, -5 * WAVE.full_contact_pressure, 0.0]
-    result = solve(scene("mean_pressure", pressures))
+    """And those behind: the surfaces came apart, touch again without a load, and are pressed together again."""
+    pressed = 0.2 * WAVE.full_contact_pressure
+    result = solve(scene("mean_pressure", [pressed, -5 * WAVE.full_contact_pressure, pressed]))
     assert result.status == "unreachable"
-    assert [state.status for state in result.targets] == ["converged", "unreachable"]
-    assert result.targets[0].certificate.ok
-    assert result.events[-1].kind == "pull_off"
+    assert [state.status for state in result.targets] == ["converged", "unreachable", "converged"]
+    assert [event.kind for event in result.events] == ["first_touch", "pull_off", "first_touch"]
+    first, missed, again = result.targets
+    assert first.certificate.ok
+    assert (missed.mean_pressure, missed.contact_fraction, missed.found) == (0.0, 0.0, False)
+    assert result.states[result.states.index(missed) - 1].status == "separated"
+    assert again.contact_fraction == pytest.approx(first.contact_fraction, abs=1e-10)
 
 
 def test_a_tension_at_the_start_is_unreachable():
     result = solve(scene("mean_pressure", [-100.0]))
     assert result.status == "unreachable"
-    assert result.targets == ()
+    assert [(state.status, state.mean_pressure, state.found) for state in result.states] == [
+        ("unreachable", 0.0, False)
+    ]
 
 
 def test_a_penetration_beyond_complete_contact_is_unreachable():
-    result = solve(scene("penetration", [5e-5, 1.5e-4]))
+    result = solve(scene("penetration", [5e-5, 1.5e-4, 4e-5]))
     assert result.status == "unreachable"
-    assert [state.status for state in result.targets] == ["converged"]
+    assert [state.status for state in result.targets] == ["converged", "unreachable", "converged"]
+    assert "target 2 of 3, penetration = 0.00015 m" in result.failure

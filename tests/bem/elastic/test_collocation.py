@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from rough_surfaces import cut, short_waved
 
 from bem.audit.dense import SmoothKernel, evaluate_dense
-from bem.elastic import hierarchical
+from bem.elastic import collocation, hierarchical
 from bem.elastic.collocation import Elastic, Resolution, evaluate, finer, resolve
 from bem.elastic.compliance import Compliance
-from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.hierarchical import IllConditionedSystemError, Waves
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 
@@ -227,6 +227,11 @@ def test_patches_in_the_field_of_the_others_do_not_know_the_difference(rough):
 class OneMode:
     """An addition 0.3 cos x to the kernel."""
 
+    columns = 2
+
+    def waves(self, x):
+        return Waves(np.sqrt(0.3) * np.stack([np.cos(x), np.sin(x)]), np.ones(2))
+
     def matrix(self, x):
         return 0.3 * np.cos(np.subtract.outer(x, x))
 
@@ -237,7 +242,9 @@ class OneMode:
         return np.full(width.shape, 24.0)
 
 
-def test_addition_to_the_kernel_agrees_with_the_dense_reference(rough):
+@pytest.mark.parametrize("few", [0.0, 1.0], ids=["in the matrix", "as waves"])
+def test_addition_to_the_kernel_agrees_with_the_dense_reference(rough, few, monkeypatch):
+    monkeypatch.setattr(collocation, "FEW_WAVES", few)
     patches, penetration, plain = rough
     state = evaluate(Elastic(ROUGH, Compliance(OneMode())), patches, penetration, 1e-12)
     kernel = SmoothKernel(lambda x: 0.3 * np.cos(x), lambda x: -0.3 * np.sin(x))
@@ -254,10 +261,15 @@ def test_too_many_unknowns_are_refused_by_name():
         evaluate(Elastic(WAVE), patches, 1.0, 1e-12)
 
 
-def test_system_that_is_not_positive_definite_is_refused_by_name():
+@pytest.mark.parametrize("few", [0.0, 1.0], ids=["in the matrix", "as waves"])
+def test_system_that_is_not_positive_definite_is_refused_by_name(few, monkeypatch):
     """An addition that gives the mean a compliance of the wrong sign."""
+    monkeypatch.setattr(collocation, "FEW_WAVES", few)
 
     class Wrong(OneMode):
+        def waves(self, x):
+            return Waves(np.full((1, x.size), np.sqrt(10.0)), np.ones(1))
+
         def matrix(self, x):
             return np.full((x.size, x.size), 10.0)
 

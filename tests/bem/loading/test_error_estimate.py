@@ -97,3 +97,19 @@ def test_wrong_edges_without_adhesion_are_corrected_to_second_order(control, qua
     needed = getattr(quantities_of(exact).minus(quantities_of(state)), quantity)
     # measured 2e-4
     assert correction == pytest.approx(needed, rel=5e-4, abs=1e-13)
+
+
+@pytest.mark.parametrize("amplitude", [1e-12, 1e-5], ids=["complete", "partial"])
+def test_no_estimate_is_below_the_rounding_of_its_number(amplitude):
+    wave = Profile.from_harmonics(0.01, [1], [amplitude], [0.0])
+    result = solve(
+        profile=wave,
+        solid={"youngs_modulus": 1e9, "poisson_ratio": 0.5},
+        adhesion={"work_of_adhesion": 1e-3},
+        loading={"control": "mean_pressure", "targets": [2e6 / 3]},
+    )
+    (state,) = result.targets
+    estimates = {name: error for name, error in asdict(state.error_estimate).items() if error is not None}
+    assert estimates["mean_pressure"] > 0
+    for name, error in estimates.items():
+        assert error >= np.spacing(abs(getattr(state, name) or 0.0)) or getattr(state, name) == 0, name

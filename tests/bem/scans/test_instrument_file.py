@@ -68,7 +68,7 @@ def test_undefined_heights_are_missing(topography, tmp_path):
         ("um", {"row": 0, "decimal": "."}, "decimal", "text files"),
         ("um", {"row": 0, "spacing": 1.0}, "spacing", "is in the file"),
         (None, {"row": 0}, "unit_x", "does not state it"),
-        ("inch", {"row": 0, **UNITS}, "unit_x", "'inch'"),
+        ("ft", {"row": 0, **UNITS}, "unit_x", "'ft'"),
     ],
 )
 def test_what_is_not_clear_is_refused(unit, values, key, said, topography, tmp_path):
@@ -92,18 +92,58 @@ def test_library_that_is_not_there_is_named_with_the_remedy(monkeypatch, tmp_pat
         read_scan(tmp_path / "scan.opd", UNITS)
 
 
-def test_one_of_several_channels_has_to_be_named(monkeypatch, tmp_path):
-    def channel(name):
-        surface = SimpleNamespace(heights=lambda: MAP[:, 0] + len(name), is_uniform=True)
-        surface.positions = lambda: np.arange(8.0)
-        return SimpleNamespace(
-            name=name, unit="µm", is_height_channel=True, physical_sizes=(8.0,), topography=lambda: surface
-        )
+def channel(name, unit="µm"):
+    surface = SimpleNamespace(heights=lambda: MAP[:, 0] + len(name), is_uniform=True)
+    surface.positions = lambda: np.arange(8.0)
+    return SimpleNamespace(
+        name=name, unit=unit, is_height_channel=True, physical_sizes=(8.0,), topography=lambda: surface
+    )
 
-    reader = SimpleNamespace(channels=[channel("trace"), channel("retrace")], format=lambda: "made up")
+
+def test_one_of_several_channels_has_to_be_named(monkeypatch, tmp_path):
+    reader = SimpleNamespace(
+        channels=[channel("trace"), channel("retrace")], format=lambda: "made up", close=lambda: None
+    )
     library = SimpleNamespace(open_topography=lambda path: reader)
     monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library)
     (tmp_path / "scan.bin").write_bytes(b"\x00")
     with pytest.raises(ScanFileError, match=r"2 channels of heights; allowed: one of 0 \(trace\), 1 \(retrace\)"):
         read_scan(tmp_path / "scan.bin", {})
     assert read_scan(tmp_path / "scan.bin", {"channel": 1}).facts["channel"] == "retrace"
+
+
+def library_of(opened, *channels):
+    def open_topography(path):
+        opened.append(path)
+        return SimpleNamespace(channels=channels, format=lambda: "made up", close=lambda: opened.append("closed"))
+
+    return SimpleNamespace(open_topography=open_topography)
+
+
+def test_library_is_given_the_path_and_the_file_is_closed(monkeypatch, tmp_path):
+    """Some formats are known by their file names only."""
+    opened = []
+    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library_of(opened, channel("Topography", "Å")))
+    (tmp_path / "scan.nms").write_bytes(b"\x00\x01\x02" * 100)
+    scan = read_scan(tmp_path / "scan.nms", {})
+    assert opened == [str(tmp_path / "scan.nms"), "closed"]
+    np.testing.assert_allclose(scan.x, np.arange(8) * 1e-10, rtol=1e-12)
+    assert (scan.facts["unit_x"], scan.facts["unit_h"]) == ("angstrom", "angstrom")
+
+
+@pytest.mark.parametrize("name", ["Phase", "Phase [Fwd]", "Amplitude_error", "Lateral friction"])
+def test_channel_that_is_no_height_is_not_taken(name, monkeypatch, tmp_path):
+    (tmp_path / "scan.bin").write_bytes(b"\x00\x01\x02" * 100)
+    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library_of([], channel(name)))
+    with pytest.raises(ScanFileError, match="no channel of heights"):
+        read_scan(tmp_path / "scan.bin", {})
+    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library_of([], channel(name), channel("ZSensor")))
+    assert read_scan(tmp_path / "scan.bin", {}).facts["channel"] == "ZSensor"
+
+
+@pytest.mark.parametrize("unit", ["deg", "V", "ft", ""])
+def test_unit_of_another_kind_is_refused_by_its_name(unit, monkeypatch, tmp_path):
+    (tmp_path / "scan.bin").write_bytes(b"\x00\x01\x02" * 100)
+    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library_of([], channel("Z", unit)))
+    with pytest.raises(ScanFileError, match=f"unit_h: is '{unit}' in what its instrument wrote"):
+        read_scan(tmp_path / "scan.bin", UNITS)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bem.geometry.profile import Profile
-from bem.scans.scan_file import RawScan
+from bem.scans.scan_file import RawScan, read_scan
 from bem.scans.scan_preparation import DRAWN, prepare
 from bem.scans.scan_text import ScanFileError
 
@@ -28,7 +28,7 @@ def test_a_good_line_is_left_as_it_is():
     scan = prepare(raw(), {})
     np.testing.assert_allclose(scan.h, H - H.mean(), rtol=0, atol=1e-20)
     assert [step["step"] for step in scan.preparation(99)] == [
-        *("read", "outliers", "missing", "spacing", "detrend", "periodic", "cut")
+        *("read", "dropouts", "outliers", "missing", "spacing", "detrend", "spectrum", "periodic", "cut")
     ]
     assert (step_of(scan, "outliers")["count"], step_of(scan, "missing")["count"]) == (0, 0)
 
@@ -82,10 +82,13 @@ def test_spikes_are_counted_and_replaced_on_request(method, places):
         pytest.param(np.round(20 * np.cos(2 * np.pi * X / X[-1])), id="in steps"),
         pytest.param(np.sign(np.sin(2 * np.pi * (X + 0.3e-5) * 4 / X[-1])), id="grooves"),
         pytest.param(np.zeros(COUNT), id="flat"),
+        pytest.param(np.arange(COUNT) > 100, id="a step"),
+        pytest.param(np.maximum(np.cos(8 * np.pi * X / X[-1]), 0.5), id="cut off"),
     ],
 )
-def test_what_is_no_spike_is_none(h):
-    assert step_of(prepare(raw(np.arange(h.size) * 1.0, h), {}), "outliers")["count"] == 0
+def test_what_is_no_spike_and_no_dropout_is_none(h):
+    scan = prepare(raw(np.arange(h.size) * 1.0, np.array(h, dtype=float)), {})
+    assert (step_of(scan, "outliers")["count"], step_of(scan, "dropouts")["count"]) == (0, 0)
 
 
 @pytest.mark.parametrize("method", TRENDS)
@@ -122,6 +125,79 @@ def test_window_goes_to_zero_at_the_ends_and_leaves_the_middle():
     assert step_of(scan, "periodic")["taper"] == 0.1
 
 
+@pytest.mark.parametrize(
+    ("h", "share"),
+    [
+        pytest.param(np.cos(np.pi * np.arange(64)), 0.0, id="alternating"),
+        pytest.param(
+            2e-3 * np.cos(np.pi * np.arange(64)) + 1e-3 * np.sin(np.pi * np.arange(64) / 32),
+            1 / np.hypot(1, 64 * np.sqrt(2)),
+            id="in turn",
+        ),
+        pytest.param(np.cos(2 * np.pi * np.arange(63) / 63), 1.0, id="odd number"),
+    ],
+)
+def test_order_of_half_the_samples_counts_as_slope(h, share):
+    """Waves of rms slope 2 pi / 64 1e-3 / sqrt 2 and pi 2e-3: the second has 64 sqrt 2 times that of the first."""
+    scan = prepare(raw(np.arange(h.size) * 1e-6, h * 1e-6), {})
+    assert scan.slope_share(scan.max_harmonics) == pytest.approx(share, rel=1e-5, abs=1e-12)
+
+
+NOISE = np.random.default_rng(5).normal(0.0, 1e-8, COUNT)
+
+
+@pytest.mark.parametrize("value", [-9999e-6, 9999e-6, 0.0, 32767e-6, 12e-6])
+@pytest.mark.parametrize(
+    ("places", "told"),
+    [
+        pytest.param(range(60, 70), "samples 61 to 70", id="block"),
+        pytest.param(range(5), "samples 1 to 5", id="beginning"),
+        pytest.param(range(190, 200), "samples 191 to 200", id="end"),
+        pytest.param([20, 21, 60, 61, 62, 64, 66, 67], "samples 21 to 22, samples 61 to 63, sample 65, ..", id="many"),
+    ],
+)
+def test_value_for_nothing_seen_is_a_missing_height(value, places, told):
+    h, places = H + NOISE + 5e-5, list(places)
+    h[places] = value
+    with pytest.raises(ScanFileError) as caught:
+        prepare(raw(h=h), {"outliers": "replace"})
+    (refusal,) = caught.value.refusals
+    assert (refusal.key, f"dropouts: {value:.9g} m in {told}" in refusal.found) == ("missing", True), refusal
+    bridged = prepare(raw(h=h), {"missing": "interpolate", "detrend": "none"})
+    gaps = h.copy()
+    gaps[places] = np.nan
+    expected = prepare(raw(h=gaps), {"missing": "interpolate", "detrend": "none"})
+    np.testing.assert_array_equal(bridged.h, expected.h)
+    assert (step_of(bridged, "dropouts")["count"], step_of(bridged, "dropouts")["places"]) == (len(places), told)
+
+
+def test_value_for_nothing_seen_may_be_a_height_on_request():
+    h = H + 5e-5
+    h[60:70] = 0.0
+    kept = prepare(raw(h=h), {"dropouts": "keep", "detrend": "none"})
+    np.testing.assert_array_equal(kept.h, h)
+    assert step_of(kept, "dropouts")["places"] == "samples 61 to 70"
+
+
+def test_zeros_amid_heights_about_zero_are_dropouts():
+    """The heights cross zero elsewhere: a block that jumps there and back is told apart from these."""
+    h = 1e-6 * np.cos(2 * np.pi * np.arange(COUNT) / COUNT) + NOISE / 10
+    h[0:20], h[150] = 0.0, 0.0
+    assert step_of(prepare(raw(h=h), {"missing": "interpolate"}), "dropouts")["places"] == "samples 1 to 20"
+
+
+def test_dropouts_count_as_missing():
+    with pytest.raises(ScanFileError, match="lacks 101 of 200 heights"):
+        prepare(raw(h=np.where(np.arange(COUNT) < 101, -9.999e-3, H)), {"missing": "interpolate"})
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.01, -0.3])
+def test_tilt_is_looked_for(tilt):
+    found = step_of(prepare(raw(h=tilt * X + np.cos(16 * np.pi * X / (COUNT * SPACING)) * 1e-6), {}), "detrend")
+    assert found["tilt"] == pytest.approx(tilt, abs=4e-5)  # measured 1.5e-5, of the wave
+    assert found["rms_without_tilt"] == pytest.approx(1e-6 / np.sqrt(2), rel=2e-4)  # measured 7.5e-5
+
+
 def test_unequal_spacing_is_refused():
     x = X.copy()
     x[70] += 0.01 * SPACING
@@ -152,6 +228,8 @@ def test_share_of_the_slope_is_that_of_the_profile(harmonics):
     noise = np.random.default_rng(4).normal(0.0, 1e-7, COUNT)
     scan = prepare(raw(h=H + noise), {})
     slopes = [Profile.from_samples(scan.x, scan.h, cut).rms_slope for cut in (harmonics, scan.max_harmonics)]
+    last = np.mean(scan.h * np.cos(np.pi * np.arange(COUNT)))  # of cos(pi x / dx), which no harmonic kept has
+    slopes[1] = np.hypot(slopes[1], np.pi / scan.spacing * last)
     cut = scan.preparation(harmonics)[-1]
     assert scan.slope_share(harmonics) == pytest.approx(slopes[0] / slopes[1], rel=1e-9)
     assert (cut["slope_share_kept"], cut["rms_slope"][1]) == pytest.approx((slopes[0] / slopes[1], slopes[0]), rel=1e-9)
@@ -167,7 +245,30 @@ def test_what_is_drawn_is_short_and_keeps_the_extremes():
     h = np.random.default_rng(1).normal(size=count)
     h[777], h[50_000] = 30.0, np.nan
     drawn = prepare(raw(np.arange(count) * 1.0, h), {"missing": "interpolate"}).drawn()
-    assert {values.size for values in drawn.values()} == {DRAWN}
+    assert {drawn[f"{name}_{axis}"].size for name in ("scan", "profile") for axis in "xh"} == {DRAWN}
+    assert drawn["scan_wavelength"].size == drawn["scan_density"].size < 200
     assert np.nanmax(drawn["scan_h"]) == 30.0
     assert np.nanmin(drawn["scan_h"]) == np.nanmin(h)
     assert (np.diff(drawn["profile_x"]) >= 0).all()
+
+
+def test_trace_of_a_stylus_is_prepared_as_it_was_ground(tmp_path):
+    """8000 points with noise, tilt, gaps and a spike: what is left is the line, but where it was not seen."""
+    count, touched = 8000, [1200, 1201, 1202, 3000, 4555, 6001]
+    x, rng = np.arange(count) * 5e-4, np.random.default_rng(3)
+    ground = 1e6 * Profile.self_affine(count * 5e-7, 0.8, 5e-7, 2000, 1).height(x * 1e-3)
+    h = ground + 0.35 + 1.8 * x + 0.004 * rng.standard_normal(count)
+    lines = [f"{a:.4f}\t{b:.4f}" for a, b in zip(x, h, strict=True)]
+    for k in touched:
+        lines[k] = f"{x[k]:.4f}\t" + ("99.9" if k == 3000 else "")
+    (tmp_path / "steel.txt").write_text("Profilometer\nDate: 2024-05-02\nX [mm]\tZ [um]\n" + "\n".join(lines) + "\n")
+    values = {"missing": "interpolate", "outliers": "replace", "detrend": "line"}
+    scan = prepare(read_scan(tmp_path / "steel.txt", values), values)
+    counts = [step_of(scan, name)["count"] for name in ("dropouts", "outliers", "missing")]
+    assert (counts, step_of(scan, "outliers")["first"]) == ([0, 1, 5], "line 3004")
+    expected = prepare(raw(x * 1e-3, h * 1e-6), {"detrend": "line"})
+    assert scan.spacing == pytest.approx(5e-7, rel=1e-12)
+    np.testing.assert_allclose(
+        np.delete(scan.h, touched), np.delete(expected.h, touched), rtol=0, atol=1.2e-10
+    )  # measured 5.4e-11, half a digit
+    assert np.abs(scan.h - expected.h).max() < 4e-8  # measured 1.4e-8, at the samples filled

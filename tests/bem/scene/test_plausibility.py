@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import bem
-from bem.scene.plausibility import cautions_of, groups_of
+from bem.command_line.console import groups_text
+from bem.scene.plausibility import MEANINGS, cautions_of, groups_of
 from bem.scene.scene import SceneError, parse_scene
 
 LENGTH, RMS = 10.0, 0.05  # of the scan, mm
@@ -64,6 +65,7 @@ def test_groups_are_those_of_the_surface():
     q = 2 * np.pi / 0.02
     h = 3e-5 * np.cos(q * x) - 1e-5 * np.cos(4 * q * x + 1.0)
     slope = -3e-5 * q * np.sin(q * x) + 4e-5 * q * np.sin(4 * q * x + 1.0)
+    curvature = -3e-5 * q**2 * np.cos(q * x) + 16e-5 * q**2 * np.cos(4 * q * x + 1.0)
     modulus = 1e6 / (1 - 0.3**2)
     pressure = modulus / 2 * (3e-5 * q * np.cos(q * x) - 4e-5 * q * np.cos(4 * q * x + 1.0))  # that presses it flat
     expected = {
@@ -73,6 +75,7 @@ def test_groups_are_those_of_the_surface():
         "pressure_scale": modulus * np.sqrt(np.mean(slope**2)),
         "thickness_over_period": 0.2,
         "adhesion_over_elastic_energy": 0.05 / np.mean(pressure * h / 2),
+        "tabor_parameter": (0.05**2 / np.sqrt(np.mean(curvature**2)) / (modulus**2 * 3e-10**3)) ** (1 / 3),
         "least_target": 1e-5 / np.sqrt(np.mean(h**2)),
         "largest_target": 3e-5 / np.sqrt(np.mean(h**2)),
     }
@@ -192,6 +195,59 @@ def test_period_with_its_end_point_is_named(count, periodic, told, tmp_path):
     assert ("the last height equals the first" in found.get("profile.file", "")) == told
 
 
+OWN_TILT = float(np.polyfit(X, ROUGH.height(X), 1)[0])
+TILTS = [(0.06, "mean", True), (0.06, "none", True), (0.06, "line", False), (0.0, "mean", False)]
+
+
+@pytest.mark.parametrize("periodic", ["as_is", "mirror", "window"])
+@pytest.mark.parametrize(("tilt", "detrend", "told"), TILTS)
+def test_tilt_that_dominates_is_named_with_its_remedy(tilt, detrend, told, periodic, tmp_path):
+    """A tilt of 0.06 over 10 mm is 0.17 mm rms, beside 0.05 mm of roughness with a tilt of its own."""
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X) + (tilt - OWN_TILT) * X]), delimiter=",")
+    message = said(scan_scene(tmp_path, periodic=periodic, detrend=detrend, harmonics="all")).get("profile.detrend", "")
+    assert ('detrend = "line" takes it away' in message, "a tilt of 0.06 is" in message) == (told, told)
+
+
+@pytest.mark.parametrize("phase", np.linspace(0, np.pi, 7))
+def test_wave_of_one_period_is_no_tilt(phase, tmp_path):
+    """A line takes at most 6 / pi^2 of its mean square: the rms height falls by 1.6 at most."""
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, RMS * np.sin(2 * np.pi * X / LENGTH + phase)]), delimiter=",")
+    assert "profile.detrend" not in said(scan_scene(tmp_path, harmonics="all"))
+
+
+def test_heights_that_alternate_are_named(tmp_path):
+    """Two scans in turn: all harmonics keep little of the slope, so more of them is no remedy."""
+    h = ROUGH.height(X) + 0.01 * np.cos(np.pi * np.arange(COUNT))
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, h]), delimiter=",", fmt="%.12g")
+    found = said(scan_scene(tmp_path, harmonics="all"))
+    assert "alternate from sample to sample" in found["profile.file"]
+    assert "profile.harmonics" not in found
+
+
+def test_rounded_positions_are_told(tmp_path):
+    (tmp_path / "scan.csv").write_text(
+        "\n".join(f"{a:.1f},{b:.6g}" for a, b in zip(X * 6.6, ROUGH.height(X), strict=True))
+    )
+    message = said(scan_scene(tmp_path))["profile.unequal_spacing"]
+    assert "positions are printed to 0.0001 m and taken at equal steps of 0.000165 m" in message
+
+
+def test_dropouts_that_are_kept_are_named(tmp_path):
+    h = ROUGH.height(X)
+    h[30:35] = -99.0
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, h]), delimiter=",", fmt="%.12g")
+    assert (
+        "5 samples may be dropouts, -99 mm in lines 31 to 35"
+        in said(scan_scene(tmp_path, dropouts="keep"))["profile.dropouts"]
+    )
+    assert "profile.dropouts" not in said(scan_scene(tmp_path, missing="interpolate"))
+
+
+def test_length_that_the_positions_have_not_is_named(tmp_path):
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X)]), delimiter=",", header="Scan length: 12 mm")
+    assert "'Scan length: 12 mm') is not what the positions say" in said(scan_scene(tmp_path))["profile.file"]
+
+
 def test_spikes_that_are_kept_are_named(tmp_path):
     h = ROUGH.height(X)
     h[30] += 1.0
@@ -226,6 +282,56 @@ def test_work_beyond_sense_is_refused():
     path = {"control": "separation", "start": 3e-5, "stop": 1e-5, "count": 100_000}
     with pytest.raises(SceneError, match=r"loading\.targets are 100000; allowed: 50000 with 20000 harmonics"):
         parse_scene(WAVE | {"profile": profile, "loading": path})
+
+
+@pytest.mark.parametrize(("slope", "told", "unit"), [(0.49, False, False), (0.51, True, False), (1.1, True, True)])
+def test_slopes_that_are_not_small_are_named(slope, told, unit):
+    factor = slope / groups_of(parse_scene(WAVE))["rms_slope"]
+    scene = changed("profile.amplitudes", [factor * height for height in WAVE["profile"]["amplitudes"]])
+    message = said(scene).get("rms_slope", "")
+    assert ("beyond the limit of small slopes" in message, "unit of the heights" in message) == (told, unit)
+
+
+@pytest.mark.parametrize("by_file", [False, True])
+@pytest.mark.parametrize(
+    ("unit_x", "unit_h", "about"),
+    [("m", "mm", {"profile.period"}), ("mm", "m", {"rms_height", "rms_slope"}), ("um", "um", {"loading.targets"})],
+)
+def test_units_that_the_file_states_are_not_doubted(unit_x, unit_h, about, by_file, tmp_path):
+    """What is out of the ordinary in any case is told, without a question for the unit."""
+    columns, heading = np.column_stack([X, ROUGH.height(X)]), f"x [{unit_x}],h [{unit_h}]"
+    np.savetxt(tmp_path / "scan.csv", columns, delimiter=",", fmt="%.12g", header=heading if by_file else "")
+    units = {} if by_file else {"unit_x": unit_x, "unit_h": unit_h}
+    profile = {"kind": "samples", "file": "scan.csv", "harmonics": "all", **units}
+    found = said(parse_scene({**WAVE, "profile": profile}, tmp_path))
+    assert about & set(found)
+    assert any("unit_" in message and '"?' in message for message in found.values()) != by_file
+
+
+def test_every_group_is_explained_where_it_is_printed(folder):
+    groups = bem.solve(scan_scene(folder, loading=PRESSURE, harmonics=10)).groups | groups_of(parse_scene(WAVE))
+    assert set(groups) == set(MEANINGS)
+    lines = groups_text(groups, ()).splitlines()
+    assert all(MEANINGS[name] and line.endswith(MEANINGS[name]) for name, line in zip(groups, lines, strict=True))
+
+
+def test_the_share_of_slope_is_that_of_the_cut(folder):
+    """One definition: the slope after the cut over that before it is the group."""
+    scene = scan_scene(folder, harmonics=10)
+    cut = scene.preparation()[-1]
+    assert cut["rms_slope"][1] / cut["rms_slope"][0] == pytest.approx(cut["slope_share_kept"], rel=1e-12)
+    assert cut["slope_share_kept"] == groups_of(scene)["slope_share_kept"]
+    assert cut["rms_slope"][1] == pytest.approx(groups_of(scene)["rms_slope"], rel=1e-12)
+
+
+@pytest.mark.parametrize(("tabor", "told"), [(5.1, False), (4.9, True)])
+def test_forces_that_reach_beyond_the_edge_are_named(tabor, told):
+    """From the work of adhesion that gives a Tabor parameter: mu grows as its power 2/3."""
+    scene = parse_scene(WAVE)
+    work = 0.05 * (tabor / groups_of(scene)["tabor_parameter"]) ** 1.5
+    scene = changed("adhesion.work_of_adhesion", work)
+    assert groups_of(scene)["tabor_parameter"] == pytest.approx(tabor, rel=1e-12)
+    assert ("tabor_parameter" in said(scene)) == told
 
 
 def test_all_harmonics_are_for_scans():

@@ -1,9 +1,12 @@
 """Result files: bit-for-bit round trip, atomic replacement, and corruption that is named."""
 
 import hashlib
+import io
 import json
 import math
 import os
+import re
+import zipfile
 from dataclasses import fields, replace
 
 import numpy as np
@@ -13,8 +16,8 @@ from hypothesis import strategies as st
 from stored_states import stored_state
 
 from bem.scene import result_file
-from bem.scene.result import Effect, ErrorEstimate, Event, EventError, NotFiniteError, Result, State
-from bem.scene.result_file import CorruptResultError, provenance, read_result, write_result
+from bem.scene.result import Effect, Entry, ErrorEstimate, Event, EventError, NotFiniteError, Result, State
+from bem.scene.result_file import CorruptResultError, Journal, provenance, read_result, write_result
 
 SCENE = {"title": "é", "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.1 + 0.2}}
 STATE = stored_state(
@@ -33,7 +36,11 @@ RESULT = Result(
         Event("pull_off", 0.0, -1.0, None, None, EventError(1e-15, None, None)),
     ),
     status="converged",
-    fields={"x_0": np.linspace(0, 1, 5), "pressure_0": np.array([np.nan, 1.0]), "patch_0": np.array([0, 1])},
+    fields={
+        **{name: np.linspace(0, 1, 5) for name in ("x_0", "displacement_0", "gap_0")},
+        "pressure_0": np.array([np.nan, 1.0]),
+        "patch_0": np.array([0, 1]),
+    },
 )
 
 
@@ -114,7 +121,7 @@ def test_keys_of_the_file(tmp_path):
     write_result(RESULT, tmp_path)
     content = json.loads((tmp_path / "result.json").read_text())
     known = {"schema", "scene", "effects", "provenance", "states", "events", "status", "failure", "checksum"}
-    assert set(content) == known | {"groups", "warnings", "profile_preparation"}
+    assert set(content) == known | {"groups", "warnings", "profile_preparation", "cut_sensitivity"}
 
 
 def test_changed_number_is_corruption(tmp_path):
@@ -200,3 +207,115 @@ def test_provenance_holds_no_path_and_the_digest_of_the_scene(tmp_path):
     facts = provenance(SCENE)
     assert facts["scene_sha256"] == result_file.digest(SCENE)
     assert not any("/" in str(value) for value in facts.values())
+
+
+def restated(folder, change):
+    """A result of which `change` alters the content, under a checksum that is right."""
+    write_result(RESULT, folder)
+    path = folder / "result.json"
+    content = json.loads(path.read_text())
+    del content["checksum"]
+    change(content)
+    path.write_text(json.dumps(content | {"checksum": result_file.digest(content)}))
+
+
+WRONG = {
+    "states[0] is 5, not a table": lambda c: c["states"].insert(0, 5),
+    "states is {}, not a list": lambda c: c.update(states={}),
+    "states[0].edges is 'x', not a list": lambda c: c["states"][0].update(edges="x"),
+    "states[0].edges[0][1] is [], not a number": lambda c: c["states"][0].update(edges=[[0.1, []]]),
+    "states[0].penetration is '1', not a number": lambda c: c["states"][0].update(penetration="1"),
+    "states[0].target is 1, not true or false": lambda c: c["states"][0].update(target=1),
+    "states[0].n_patches is 2.5, not an integer": lambda c: c["states"][0].update(n_patches=2.5),
+    "states[0].separation is an integer too large": lambda c: c["states"][0].update(separation=10**400),
+    "states[0] has an unknown key, 'more'": lambda c: c["states"][0].update(more=1),
+    "states[0].certificate is None, not a table": lambda c: c["states"][0].update(certificate=None),
+    "events[0].kind is None, not a text": lambda c: c["events"][0].update(kind=None),
+    "scene is [], not a table": lambda c: c.update(scene=[]),
+    "scene.loading.control is 'time', not one of separation": lambda c: c["scene"].update(loading={"control": "time"}),
+    "scene.profile.kind is 5, not one of self_affine": lambda c: c["scene"].update(profile={"kind": 5}),
+    "provenance is 3, not a table": lambda c: c.update(provenance=3),
+    "groups.a is 'b', not a number": lambda c: c.update(groups={"a": "b"}),
+    "status is None, not a text": lambda c: c.update(status=None),
+}
+
+
+@pytest.mark.parametrize("said", WRONG)
+def test_a_value_of_another_type_is_named_whatever_the_checksum(said, tmp_path):
+    restated(tmp_path, WRONG[said])
+    with pytest.raises(CorruptResultError, match=re.escape(said)):
+        read_result(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, '{"schema": "linecontact-result/1", "a": ' + "[" * 900 + "]" * 900 + "}"]
+)
+def test_deep_nesting_is_corruption(text, tmp_path):
+    (tmp_path / "result.json").write_text(text)
+    with pytest.raises(CorruptResultError):
+        read_result(tmp_path)
+
+
+@pytest.mark.parametrize("lacking", ["x_0", "displacement_0", "gap_0", "pressure_0", "patch_0"])
+def test_a_shape_that_lacks_an_array_is_named(lacking, tmp_path):
+    fields = {name: values for name, values in RESULT.fields.items() if name != lacking}
+    write_result(replace(RESULT, fields=fields), tmp_path)
+    with pytest.raises(CorruptResultError, match=f"without {lacking}"):
+        read_result(tmp_path)
+
+
+def archive(**members):
+    """An npz file of these members, by default not compressed."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as file:
+        for name, (raw, compression) in members.items():
+            file.writestr(name, raw, compression)
+    return buffer.getvalue()
+
+
+def npy(array):
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
+
+
+PLAIN = npy(np.arange(3.0))
+ARCHIVES = {
+    "deflated": ({"x_0.npy": (npy(np.zeros(10**6)), zipfile.ZIP_DEFLATED)}, "compressed"),
+    "lzma": ({"x_0.npy": (PLAIN, zipfile.ZIP_LZMA)}, "compressed"),
+    "no array": ({"x_0.npy": (b"abc", zipfile.ZIP_STORED)}, "corrupt"),
+    "another name": ({"../x.npy": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
+    "no ending": ({"x_0": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
+    "a larger shape": ({"x_0.npy": (PLAIN.replace(b"(3,)", b"(9,)"), zipfile.ZIP_STORED)}, "not what it holds"),
+    "text": ({"x_0.npy": (npy(np.array(["a"])), zipfile.ZIP_STORED)}, "not what it holds"),
+}
+
+
+@pytest.mark.parametrize("kind", ARCHIVES)
+def test_fields_are_looked_at_before_they_are_unpacked(kind, tmp_path):
+    members, said = ARCHIVES[kind]
+    raw = archive(**members)
+    restated(tmp_path, lambda c: c["provenance"].update(fields_sha256=hashlib.sha256(raw).hexdigest()))
+    (tmp_path / "fields.npz").write_bytes(raw)
+    with pytest.raises(CorruptResultError, match=said):
+        read_result(tmp_path)
+
+
+def test_a_journal_is_the_result_of_its_folder_but_for_a_line_cut_off(tmp_path):
+    journal = Journal(tmp_path)
+    journal.begin(RESULT, [Entry((), replace(STATE, events=0), {"C_u_0": np.arange(2.0)})])
+    journal.add(Entry(RESULT.events, replace(STATE, events=2), {}))
+    kept = read_result(tmp_path)
+    assert (kept.status, len(kept.states), kept.events) == ("interrupted", 2, RESULT.events)
+    assert set(kept.fields) == {*RESULT.fields, "C_u_0"}
+    journal.path.write_bytes(journal.path.read_bytes()[:-9])
+    assert len(read_result(tmp_path).states) == 1
+
+
+def test_a_damaged_line_of_a_journal_is_named(tmp_path):
+    journal = Journal(tmp_path)
+    journal.begin(RESULT, [Entry((), STATE)] * 3)
+    raw = journal.path.read_bytes().split(b"\n")
+    journal.path.write_bytes(b"\n".join([*raw[:2], raw[2].replace(b"0.1", b"0.2"), *raw[3:]]))
+    with pytest.raises(CorruptResultError, match=r"line 3.*checksum"):
+        read_result(tmp_path)

@@ -3,6 +3,7 @@
 import importlib
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -55,7 +56,21 @@ def test_dataset(result):
     shape = next(name for name in result.fields if name.startswith("x_")).removeprefix("x_")
     assert dataset[f"field_x_{shape}"].dims == dataset[f"field_gap_{shape}"].dims == (f"point_{shape}",)
     assert dataset["field_C_h"].dims == dataset["field_C_u_0"].dims == ("wavenumber",)
-    assert {f"field_{name}" for name in result.fields} <= set(dataset)
+    assert {f"field_{name}" for name in result.fields} <= set(dataset.variables)
+
+
+def test_a_dataset_has_coordinates_and_units(result):
+    pytest.importorskip("xarray")
+    dataset = result.to_xarray()
+    k = next(name for name in result.fields if name.startswith("x_")).removeprefix("x_")
+    pressure = dataset[f"field_pressure_{k}"]
+    assert pressure.coords[f"field_x_{k}"].attrs["units"] == "m"
+    assert dataset["contact_fraction"].coords["mean_pressure"].attrs["units"] == "Pa"
+    assert dataset["field_C_sigma_0"].coords["field_q"].attrs["units"] == "rad/m"
+    assert dataset.indexes["state"].tolist() == list(range(len(result.states)))
+    numbers = {name: variable for name, variable in dataset.variables.items() if variable.dtype.kind == "f"}
+    assert all("units" in variable.attrs for variable in numbers.values())
+    assert numbers["contact_fraction"].attrs["units"] == "1"
 
 
 def test_dataset_without_its_extra_is_told(result, monkeypatch):
@@ -70,6 +85,52 @@ def test_plot_shows_both_branches_and_their_errors(result):
     for axes in figure.axes:
         assert axes.get_legend_handles_labels()[1] == ["loading", "unloading"]
         assert len(axes.containers) == 2
+
+
+def test_a_figure_shows_itself_in_a_notebook(result):
+    """Without pyplot nothing else tells a notebook how to show a figure."""
+    png = result.plot()._repr_png_()
+    assert png.startswith(b"\x89PNG")
+    assert len(png) > 10_000
+
+
+def test_states_scenes_and_results_are_told_on_a_line(result):
+    state = result.targets[-1]
+    scene = bem.parse_scene(ROUGH | {"title": "a wave"})
+    said = [repr(state), repr(scene), repr(result), repr(scene.surface())]
+    assert max(map(len, said)) < 200
+    assert "\n" not in "".join(said)
+    assert f"{state.mean_pressure:.6g} Pa" in said[0]
+    assert said[0].endswith("certified>")
+    assert "'a wave'" in said[1]
+    assert said[3].startswith(f"<Profile of {scene.profile.harmonics} harmonics in a period of ")
+    missed = replace(state, status="unreachable", edges=(), contact_fraction=float("nan"), target=True)
+    assert repr(missed).startswith("<State unreachable: ")
+
+
+def test_an_ensemble_is_one_table(result):
+    table = bem.ensemble_table([result, result])
+    assert list(table) == ["member", *result.to_table()]
+    assert table["member"].tolist() == [0] * len(result.states) + [1] * len(result.states)
+    assert table["mean_pressure"].tolist() == 2 * result.to_table()["mean_pressure"].tolist()
+    events = bem.ensemble_table({"first": result, "second": result}, "events")
+    assert events["member"].tolist() == ["first"] * len(result.events) + ["second"] * len(result.events)
+
+
+def test_profiles_of_an_ensemble_are_one_table():
+    profiles = [bem.Profile.self_affine(0.01, 0.8, 1e-6, 20, seed) for seed in (1, 2)]
+    table = bem.ensemble_table(profiles)
+    assert len({column.size for column in table.values()}) == 1
+    for k, profile in enumerate(profiles):
+        mine = table["member"] == k
+        assert np.std(table["height"][mine]) == pytest.approx(profile.rms_height, rel=1e-12)
+
+
+@pytest.mark.parametrize("kinds", ["none", "both"])
+def test_an_ensemble_is_of_one_kind(kinds, result):
+    members = [result, bem.Profile.from_harmonics(0.01, [1], [1e-6])] if kinds == "both" else []
+    with pytest.raises(ValueError, match="at least one Result, or at least one Profile"):
+        bem.ensemble_table(members)
 
 
 def test_words_are_few(result):

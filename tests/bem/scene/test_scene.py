@@ -407,3 +407,37 @@ def test_error_survives_the_way_between_processes():
         parse_scene({})
     again = pickle.loads(pickle.dumps(caught.value))
     assert (str(again), again.mistakes) == (str(caught.value), caught.value.mistakes)
+
+
+@pytest.mark.parametrize("nested", ["[" * 100_000 + "]" * 100_000, "{a=" * 100_000 + "1" + "}" * 100_000])
+def test_a_scene_that_is_nested_too_deeply_is_one_mistake(nested, tmp_path):
+    (tmp_path / "scene.toml").write_text(f"[output]\nshapes = {nested}\n")
+    with pytest.raises(SceneError, match=r"1 mistake in the scene:\n.*is not TOML"):
+        load_scene(tmp_path / "scene.toml")
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("profile.seed", 10**399),
+        ("solid.youngs_modulus", 10**399),
+        ("profile", {"kind": "samples", "file": "a\0b.csv", **METRES}),
+        ("loading.initial", {"result": "a\0b", "state": 0}),
+        ("loading.targets", [10**399]),
+    ],
+)
+def test_a_value_that_no_number_or_file_can_be_is_one_mistake(path, value):
+    (mistake,) = mistakes_of(scene_with(path, value))
+    assert mistake.path.startswith(path)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.99, 1e-7 / (6e-5 * 0.01)])
+def test_the_thinnest_layer_that_is_said_to_be_allowed_is(share):
+    thickness = share * 6e-7
+    data = scene_with("layer", {"thickness": thickness})
+    if share == 1.0:
+        assert parse_scene(data).layer.thickness == 6e-7
+        return
+    (mistake,) = mistakes_of(data)
+    assert mistake.found == f"= {thickness!r}"
+    assert mistake.allowed.startswith("a number from 6e-07 to ")

@@ -86,7 +86,7 @@ def _restarted() -> Outcome:
     loading: dict[str, Any] = {"control": "separation", "targets": list(RESTARTED)}
     whole_scene = parse_scene({**posed, "loading": loading})
     kept: list[Result] = []
-    whole = bem.solve(whole_scene, on_state=kept.append)
+    whole = bem.solve(whole_scene, on_state=lambda record: kept.append(record.result("interrupted")))
     first = next(index for index, state in enumerate(whole.states) if state.target)
     before = len(kept[first].events)
     taken_up = bem.solve(whole_scene, resume=kept[first])

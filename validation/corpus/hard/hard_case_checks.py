@@ -130,7 +130,7 @@ def doubled(tables: Table, scene: Scene, result: Result) -> list[str]:
 def uniform_load(tables: Table, scene: Scene, result: Result) -> list[str]:
     """A flat profile carries exactly the load asked for, at separation zero."""
     expected = [(target, 0.0, 1.0) for target in scene.loading.targets]
-    found = [(state.mean_pressure, state.separation, state.contact_fraction) for state in result.targets]
+    found = [(state.mean_pressure, state.separation, state.contact_fraction) for state in result.targets if state.found]
     return [] if found == expected else [f"flat profile gives {found}"]
 
 
@@ -317,7 +317,7 @@ def _compare(
     """Contact fractions, pressures and edges of two results; `carried` takes the edges of the other to ours."""
     if other.status != result.status:
         return [f"{name}: status {other.status}, not {result.status}"]
-    ours, theirs = result.targets, other.targets
+    ours, theirs = ([state for state in each.targets if state.found] for each in (result, other))
     if last_only:
         ours, theirs = ours[-1:], theirs[-1:]
     if len(ours) != len(theirs):

@@ -156,7 +156,7 @@ def compared(
     """
     if other.status != result.status:
         return [Finding(made.kind, f"status {other.status}, not {result.status}")]
-    ours, theirs = result.targets, other.targets
+    ours, theirs = ([state for state in each.targets if state.found] for each in (result, other))
     ours = ours if made.last is None else ours[len(ours) - made.last :]
     if len(ours) != len(theirs):
         return [Finding(made.kind, f"{len(theirs)} targets, not {len(ours)}")]
@@ -184,7 +184,7 @@ def _differing(
 ) -> list[Finding]:
     """What differs; every state and avalanche is placed as suits it, because among equals each chooses anew."""
     made = ways[0]
-    ours, theirs = result.targets, other.targets
+    ours, theirs = ([state for state in each.targets if state.found] for each in (result, other))
     ours = ours if made.last is None else ours[len(ours) - made.last :]
     findings = []
     for k, (one, two) in enumerate(zip(ours, theirs, strict=True)):

@@ -106,7 +106,9 @@ def run_case(case: RandomCase, full: bool = False) -> Outcome:
         observed=(drawn.expected if named else result.status,),
         converged=result.status == "converged",
         correct=not findings and (named or result.status == "converged"),
-        refused_reason=f"{result.status} after {len(result.targets)} targets" if named else None,
+        refused_reason=f"{result.status} after {sum(state.found for state in result.targets)} targets"
+        if named
+        else None,
         findings=tuple(map(str, findings)),
         seconds=seconds,
         kinds=tuple(finding.kind for finding in findings),

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 
 import matplotlib as mpl
+from markupsafe import Markup
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
@@ -61,13 +61,13 @@ def drawn_standings(title: str, recorded: Sequence[Curve], judged: Curve | None 
     return canvas
 
 
-def standings_svg(prefix: str, title: str, recorded: Sequence[Curve], judged: Curve | None = None) -> str:
+def standings_svg(prefix: str, title: str, recorded: Sequence[Curve], judged: Curve | None = None) -> Markup:
     """The same as an element of a page, described in words."""
     every = [*recorded, judged] if judged is not None else list(recorded)
     words = [
         f"{curve.label}: " + ", ".join(_word(x, y) for x, y in curve.points) + "." for curve in every if curve.points
     ]
-    return inline_svg(drawn_standings(title, recorded, judged), prefix, title, escape(" ".join(words)))
+    return inline_svg(drawn_standings(title, recorded, judged), prefix, title, " ".join(words))
 
 
 def error_of_digits(digits: Sequence[float]) -> float:

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from markupsafe import Markup
+
 from validation.report.challenge.challenge_figures import Curve, error_of_digits, standings_svg
 from validation.report.render import filled
 
@@ -105,7 +107,7 @@ def overall_curves(entries: Iterable[Problem]) -> list[Curve]:
     return [_curve(solver, settings) for solver, settings in by_solver.items()]
 
 
-def _figure(problem: Problem, entries: Sequence[Problem], solver: str) -> str:
+def _figure(problem: Problem, entries: Sequence[Problem], solver: str) -> Markup:
     of_problem = [entry for entry in entries if entry["problem"] == problem["problem"]]
     title = f"{problem['problem']}: error against seconds"
     return standings_svg(problem["problem"], title, overall_curves(of_problem), _curve(solver, [[problem]]))

@@ -1,17 +1,30 @@
 """Equations of cases as MathML, DOIs and arXiv numbers as links: text with `$...$` and references becomes markup.
 
-Between dollar signs stands LaTeX, which latex2mathml converts when the page is rendered, so that the page needs no
-script.  A command that it does not know it would hand on as it stands, backslash included: that is refused.
+Between dollar signs stands LaTeX, which latex2mathml reads into a tree when the page is rendered, so that the page
+needs no script.  Of that tree only elements and attributes of MathML that set symbols are written, every text and value
+escaped: a link or a style in it, or a command that is not known, makes the equation one that cannot be set, and such a
+one is shown as it is written.  `unset` names it before the work; what is found on the page afterwards loses no verdict.
 """
 
 from __future__ import annotations
 
 import re
-from xml.etree import ElementTree
+from collections.abc import Iterator
+from html import unescape
+from xml.etree.ElementTree import Element
 
-from latex2mathml.converter import convert
+from latex2mathml.converter import Converter
 from markupsafe import Markup, escape
 
+ELEMENTS = re.compile(
+    "math|maction|menclose|merror|mfrac|mi|mn|mo|mover|mpadded|mphantom|mroot|mrow|mspace|msqrt|mstyle|msub|msubsup|"
+    "msup|mtable|mtd|mtext|mtr|munder|munderover"
+)
+ATTRIBUTES = re.compile(
+    "accent|accentunder|columnalign|columnlines|columnspacing|depth|display|displaystyle|fence|form|height|largeop|"
+    "linebreak|linethickness|lspace|mathbackground|mathcolor|mathsize|mathvariant|maxsize|minsize|movablelimits|"
+    "notation|rowlines|rowspacing|rspace|scriptlevel|separator|stretchy|voffset|width|xmlns"
+)
 FUNCTIONS = "sin|cos|tan|arcsin|sinh|cosh|ln"
 # a function, with its power or not, before anything but an operator: a thin space is due there
 _NAME = rf"<mi>(?:{FUNCTIONS})</mi>"
@@ -19,38 +32,98 @@ _APPLIED = re.compile(rf"((?:<msup>{_NAME}<mn>\d</mn></msup>)|{_NAME})(?=<m(?!o|
 _REFERENCE = re.compile(
     r"(?P<doi>doi:(?P<number>10\.\d{4,9}/[^\s,;]*[^\s,;.)]))|(?P<arxiv>arXiv:(?P<paper>\d{4}\.\d{4,5}))"
 )
+_NO_PAGE_HOLDS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 class TypesettingError(ValueError):
-    """A text whose equations cannot be set."""
+    """An equation that cannot be set."""
 
 
 def typeset(text: str) -> Markup:
-    """A plain text as markup: LaTeX between dollar signs as MathML, everything else escaped.
+    r"""A plain text as markup: LaTeX between dollar signs as MathML, everything else escaped.
 
-    TypesettingError for an odd number of dollar signs, or LaTeX that the converter does not know.
+    An equation that cannot be set is shown as it is written, dollar signs included.
 
     Examples
     --------
     >>> typeset("load < K, whatever $H$").replace(' xmlns="http://www.w3.org/1998/Math/MathML" display="inline"', "")
     Markup('load &lt; K, whatever <math><mrow><mi>H</mi></mrow></math>')
-    >>> typeset("from $a on")
-    Traceback (most recent call last):
-    ...
-    validation.report.verification.typesetting.TypesettingError: from $a on: an equation begins at $ and does not end
+    >>> typeset(r"from $\nonsense$ & $a on")
+    Markup('from <code>$\\nonsense$</code> &amp; $a on')
     """
+    return Markup("").join(escape(plain) if latex is None else _set_or_shown(latex) for plain, latex in _pieces(text))
+
+
+def unset(text: str) -> list[str]:
+    r"""Why equations of a text cannot be set, a sentence for each; empty where all can.
+
+    Examples
+    --------
+    >>> unset(r"$K$"), unset("from $a on"), unset(r"$\nonsense$")
+    ([], ['from $a on: an equation begins at $ and does not end'], ['$\\nonsense$: \\nonsense is not known'])
+    """
+    found = [] if text.count("$") % 2 == 0 else [f"{text}: an equation begins at $ and does not end"]
+    for _, latex in _pieces(text):
+        if latex is not None:
+            try:
+                _mathml(latex)
+            except TypesettingError as error:
+                found.append(str(error))
+    return found
+
+
+def printable(text: str) -> str:
+    r"""A text without what no page can hold: control characters and halves of surrogate pairs by their escapes.
+
+    Examples
+    --------
+    >>> printable("a\x00b\udc80\n")
+    'a\\x00b\\udc80\n'
+    """
+    return _NO_PAGE_HOLDS.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def _pieces(text: str) -> Iterator[tuple[str, str | None]]:
+    """Plain text with None, and LaTeX; a dollar sign without its other one is plain text."""
     pieces = text.split("$")
     if len(pieces) % 2 == 0:
-        raise TypesettingError(f"{text}: an equation begins at $ and does not end")
-    return Markup("").join(_mathml(piece) if place % 2 else escape(piece) for place, piece in enumerate(pieces))
+        pieces[-2:] = ["$".join(pieces[-2:])]
+    for place, piece in enumerate(pieces):
+        yield (piece, None) if place % 2 == 0 else ("", piece)
+
+
+def _set_or_shown(latex: str) -> Markup:
+    try:
+        return _mathml(latex)
+    except TypesettingError:
+        return Markup("<code>${}$</code>").format(latex)
 
 
 def _mathml(latex: str) -> Markup:
-    found = convert(latex)
-    written = "".join(ElementTree.fromstring(found).itertext())
-    if "\\" in written:
-        raise TypesettingError(f"${latex}$: a command that the converter does not know")
-    return Markup(_APPLIED.sub(r'\1<mspace width="0.17em"/>', found))
+    """The MathML of LaTeX; TypesettingError where the converter cannot read it, or it asks for more than symbols."""
+    try:
+        found = Converter().convert_to_element(latex)
+    except Exception as error:  # the converter raises whatever comes, RecursionError where the nesting is deep
+        raise TypesettingError(f"${latex}$: {type(error).__name__}") from error
+    try:
+        return Markup(_APPLIED.sub(r'\1<mspace width="0.17em"/>', _written(found)))
+    except (TypesettingError, RecursionError) as error:
+        raise TypesettingError(f"${latex}$: {error}") from error
+
+
+def _written(element: Element) -> Markup:
+    """An element of MathML as markup."""
+    if not ELEMENTS.fullmatch(element.tag):
+        raise TypesettingError(f"<{element.tag}> is no symbol")
+    beyond = [name for name in element.keys() if not ATTRIBUTES.fullmatch(name)]  # noqa: SIM118 (no mapping)
+    if beyond:
+        raise TypesettingError(f"{', '.join(beyond)} sets no symbol")
+    given = unescape(element.text or "")  # the converter names characters as entities
+    if "\\" in given:
+        raise TypesettingError(f"{given} is not known")
+    attributes = Markup("").join(Markup(' {}="{}"').format(name, value) for name, value in element.items())
+    inner = escape(given) + Markup("").join(map(_written, element))
+    return Markup("<{0}{1}>{2}</{0}>").format(element.tag, attributes, inner)
 
 
 def with_links(text: str) -> Markup:

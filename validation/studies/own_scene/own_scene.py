@@ -98,7 +98,7 @@ def _is_there(folder: Path, sha256: str, overwrite: bool) -> bool:
         content = json.loads(path.read_text("utf-8"))
         known, same = content["schema"] == SCHEMA, content["scene_sha256"] == sha256
         title = content["scene"]["title"] or "untitled"
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         known, same, title = False, False, ""
     if known and same:
         return True

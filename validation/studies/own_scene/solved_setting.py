@@ -19,9 +19,10 @@ import numpy as np
 from bem.contact_state import ContactState
 from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
+from bem.missed import NUMERICAL_FAILURES
 from bem.scene.result import FINAL_STATUSES, Progress, Result, State
 from bem.scene.scene import Scene, SceneError, parse_scene
-from bem.solver import NUMERICAL_FAILURES, solve
+from bem.solver import solve
 from validation.harness.arrays import FloatArray
 
 SAME = 1e-9  # relative distance within which a state is at a target

@@ -35,7 +35,12 @@ SIDE_BY_SIDE = 1.3  # factor of the seconds by which bars of the figure are set 
 
 
 def sentence(found: Findings) -> str:
-    """The largest uncertainty, and the numerical error beside it."""
+    """The largest uncertainty, and the numerical error beside it; that there is no contact, where there is none."""
+    touched = any(reading.contact_fraction > 0 for one in found.numerical for reading in one.solved.readings)
+    return _largest_in_words(found) if touched else f"There is no contact at any target. {_largest_in_words(found)}"
+
+
+def _largest_in_words(found: Findings) -> str:
     most = largest(found.uncertainties)
     own = largest([one for one in found.uncertainties if one.kind == "numerical"])
     if most is None or own is None:

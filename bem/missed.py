@@ -1,0 +1,112 @@
+"""Targets that a path does not meet: why, in the unit of the control, and what may help.
+
+A target that is missed does not end the path.  Its row says what became of it, and the path goes on from the last state
+kept to the next target: the states behind it are those of a path that turned, or passed on, there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.scene.result import UNPHYSICAL, State
+
+UNITS = {"separation": "m", "penetration": "m", "total_displacement": "m", "mean_pressure": "Pa"}
+FAILURES = {  # of a point of a path
+    "not_converged": "no equilibrium was found",
+    "ill_conditioned": "the gaps are too narrow to resolve",
+    "jumps_again": "the contact jumps again and again",
+}
+NUMERICAL_FAILURES = (IllConditionedSystemError, *UNPHYSICAL, FloatingPointError, np.linalg.LinAlgError, MemoryError)
+COARSER = "fewer profile.harmonics"
+UNCERTIFIED_REMEDIES = ("half the accuracy.max_increment", "a larger accuracy.tolerance", COARSER)
+LISTED = 3  # targets missed whose reasons stand in the failure of a result
+
+
+class MissedTargetError(Exception):
+    """A target is not met: what a result calls that, why, and what may help, in the order in which to try it."""
+
+    def __init__(self, status: str, why: str, *remedies: str) -> None:
+        super().__init__(why)
+        self.status, self.why, self.remedies = status, why, remedies
+
+
+def no_point(status: str, at: float, control: str, has_history: bool) -> MissedTargetError:
+    """No state was found at a value of the control, SI, with the status of the point there."""
+    remedies = ["half the accuracy.max_increment", "a target a little beside it"] if has_history else []
+    remedies += ['loading.control = "separation"'] if has_history and control == "mean_pressure" else []
+    return MissedTargetError("not_converged", f"{FAILURES[status]} at {at:.9g} {UNITS[control]}", *remedies, COARSER)
+
+
+def not_computed(error: BaseException) -> MissedTargetError:
+    """What double precision or memory cannot do."""
+    return MissedTargetError("not_converged", f"{type(error).__name__}: {error}", COARSER)
+
+
+def tension_apart() -> MissedTargetError:
+    """A tension is asked for where nothing touches."""
+    why = "no state of this path is there: surfaces that are apart carry no tension"
+    return MissedTargetError("unreachable", why, "a target in compression before it")
+
+
+def beyond_contact(deepest: float) -> MissedTargetError:
+    """A motion beyond complete contact, which is at this penetration, m."""
+    why = f"no state of this path is there: complete contact is at {deepest:.9g} m"
+    return MissedTargetError("unreachable", why, "a target short of it", 'loading.control = "mean_pressure"')
+
+
+def passed_over() -> MissedTargetError:
+    """The path ended beside the target, at a state without edges."""
+    why = "no equilibrium was found: what opened closed again, or came apart"
+    return MissedTargetError("not_converged", why, "another loading.flaw", "targets in smaller steps")
+
+
+def came_apart() -> MissedTargetError:
+    """No contact carries the tension asked for."""
+    why = "no state of this path is there: the surfaces came apart under a smaller tension, see the events"
+    return MissedTargetError("unreachable", why, "less tension", 'loading.control = "separation"')
+
+
+def flat_apart() -> MissedTargetError:
+    """Flat surfaces have no such state."""
+    why = "no state of this path is there: flat surfaces neither overlap nor carry this tension"
+    return MissedTargetError("unreachable", why, 'loading.control = "mean_pressure" in compression')
+
+
+def advice(remedies: Sequence[str]) -> str:
+    """What may help, in the order in which to try it.
+
+    Examples
+    --------
+    >>> advice(("less tension",)), advice(("a", "b"))
+    ('what may help: less tension', 'what may help, in this order: (1) a, (2) b')
+    """
+    if len(remedies) == 1:
+        return f"what may help: {remedies[0]}"
+    return "what may help, in this order: " + ", ".join(f"({k}) {remedy}" for k, remedy in enumerate(remedies, 1))
+
+
+def said_of(error: MissedTargetError, name: str, control: str, target: float) -> str:
+    """One sentence on a target, named as in "target 2 of 6"."""
+    return f"{name}, {control} = {target:.9g} {UNITS[control]}: {error.why}; {advice(error.remedies)}"
+
+
+def verdict(states: Iterable[State]) -> tuple[str, str | None]:
+    """The status of a path with these states that visited all its targets, and why where it is not `converged`."""
+    rows = tuple(states)
+    missed = [state for state in rows if not state.found]
+    refused = [state for state in rows if state.found and not state.certificate.ok]
+    said = [reason for state in missed[:LISTED] for reason in state.certificate.reasons]
+    if len(missed) > LISTED:
+        said.append(f"{len(missed) - LISTED} more targets were not met either")
+    if refused:
+        first, count = refused[0], f"{len(refused)} of {len(rows) - len(missed)} states are not certified"
+        reason = next(iter(first.certificate.reasons), "")
+        told = f"{count}, the first at a separation of {first.separation:.9g} m: {reason}"
+        said.append(f"{told}; {advice(UNCERTIFIED_REMEDIES)}")
+    if not said:
+        return "converged", None
+    unreachable = not refused and all(state.status == "unreachable" for state in missed)
+    return "unreachable" if unreachable else "not_converged", "; ".join(said)

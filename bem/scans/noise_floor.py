@@ -1,0 +1,159 @@
+"""The power spectrum of a scan, its noise floor, and where the profile falls below it.
+
+The one-sided density S(f) in m^3 over spatial frequencies f = 1 / lambda, sum S df = <h^2>, is that of the line and
+the same in reverse after it, whatever is solved: without a jump at the ends, leakage falls as f^-4, as no profile does
+(cosine transform: Denis, Cote, Laprise, Mon. Weather Rev. 130 (2002) 1812).  It is averaged over bands, `BANDS` to the
+octave, counted down from the highest frequency 1 / (2 dx).
+
+floor      The noise of an instrument, and of the digits printed, is white: the density ends in a flat tail.  A straight
+           line is fitted to ln S over ln f in the highest octave.  The mean of n modes, squares of normal numbers, has
+           a logarithm with the bias psi(n/2) - ln(n/2) and the variance psi'(n/2) (Abramowitz, Stegun, 6.3 and 6.4):
+           that corrects and weights the bands, and gives the error of the slope.  The tail is flat where the slope is
+           nearer to 0 than to that of f^-1, the slowest that a self-affine surface falls (`FLAT`), and its error small
+           enough to tell these apart (`LARGEST_ERROR`).  The floor is the median of the bands, white noise of the rms
+           height sqrt(floor / (2 dx)).  Flat ranges at longer wavelengths are no floor: surfaces level off there.
+crossing   A power law is fitted to `FITTED` octaves up to the last band from which on an octave holds `ABOVE` floors on
+           average, but not beyond the octave that holds most.  Where this law equals the floor, profile and noise
+           are equal: the cut suggested.
+share      Of the mean square slope, int (2 pi f T)^2 S df over the harmonics kept and with the transmission T of the
+           filters, what the floor makes of it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from bem.geometry.arrays import FloatArray
+from bem.scans.gaussian_filter import GaussianFilter
+
+BANDS = 12  # to the octave
+FLAT = 0.5  # exponent of a tail: half way from noise to f^-1
+LARGEST_ERROR = 1 / 3  # of that exponent: 0 and 1 are three errors apart
+ABOVE = 10.0  # floors
+FITTED = 3  # octaves
+FEWEST_BANDS = 3  # of a power law
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """A density factor * frequency^-exponent, with the standard error of the exponent."""
+
+    factor: float
+    exponent: float
+    error: float
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """The density of a line of uniform heights (n,) at a sample distance, m.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(0).normal(0.0, 2e-9, 10_000)
+    >>> spectrum = Spectrum(noise, 1e-6)
+    >>> round(spectrum.noise_rms * 1e9, 1), round(spectrum.noise_share(9999, 0.02, GaussianFilter()), 1)
+    (2.0, 1.0)
+    """
+
+    h: FloatArray
+    spacing: float
+
+    @cached_property
+    def modes(self) -> tuple[FloatArray, FloatArray]:
+        """Frequencies k / (2 n dx), k = 1 .. n - 1, in 1/m, and the density of each, m^3."""
+        n = self.h.size
+        mirrored = np.fft.rfft(np.concatenate([self.h, self.h[::-1]]))[1:n]
+        return np.arange(1, n) / (2 * n * self.spacing), np.abs(mirrored) ** 2 * (self.spacing / n)
+
+    @cached_property
+    def bands(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mean frequency (of logarithms), mean density and number of modes of each band, frequencies ascending."""
+        f, density = self.modes
+        below = np.floor(-BANDS * np.log2(2 * self.spacing * f)).astype(int)
+        counts = np.bincount(below).astype(float)
+        there = counts > 0
+        sums = [np.bincount(below, weights=values)[there] / counts[there] for values in (np.log(f), density)]
+        return np.exp(sums[0])[::-1], sums[1][::-1], counts[there][::-1]
+
+    @cached_property
+    def tail(self) -> PowerLaw | None:
+        """The power law of the highest octave; None where bands of it are empty or without heights."""
+        f, density, _ = self.bands
+        octave = slice(-BANDS, None)
+        return self._fit(octave) if f.size > BANDS and np.all(density[octave] > 0) else None
+
+    @cached_property
+    def floor(self) -> float:
+        """Density of the noise, m^3; 0 where the tail is not flat."""
+        tail = self.tail
+        flat = tail is not None and abs(tail.exponent) <= FLAT and tail.error <= LARGEST_ERROR
+        return float(np.median(self.bands[1][-BANDS:])) if flat else 0.0
+
+    @property
+    def noise_rms(self) -> float:
+        """rms height of white noise of this density, m."""
+        return math.sqrt(self.floor / (2 * self.spacing))
+
+    @cached_property
+    def law(self) -> PowerLaw | None:
+        """The power law of the profile above the floor; None where there is no floor, or no fall to it."""
+        _, density, counts = self.bands
+        if not self.floor:
+            return None
+        octave = np.ones(BANDS)
+        means = np.convolve(density * counts, octave, "valid") / np.convolve(counts, octave, "valid")
+        above = np.flatnonzero(means >= ABOVE * self.floor)
+        if not above.size:
+            return None
+        end = int(above[-1]) + 1
+        fitted = slice(max(int(np.argmax(means)), end - FITTED * BANDS), end)
+        law = self._fit(fitted) if end - fitted.start >= FEWEST_BANDS else None
+        return law if law is not None and law.exponent > 0 else None
+
+    @property
+    def crossing(self) -> float | None:
+        """Wavelength at which the profile's power law equals the floor, m, where the samples resolve it."""
+        if self.law is None:
+            return None
+        wavelength = (self.floor / self.law.factor) ** (1 / self.law.exponent)
+        return wavelength if 2 * self.spacing <= wavelength <= self.h.size * self.spacing else None
+
+    def noise_share(self, harmonics: int, period: float, gaussian: GaussianFilter) -> float:
+        """Share of the mean square slope that noise makes of what is left by filters and a cut."""
+        f, density = self.modes
+        kept = f <= harmonics / period
+        weights = (f[kept] * gaussian.transmission(f[kept])) ** 2
+        total = float(weights @ density[kept])
+        return self.floor * float(weights.sum()) / total if total > 0 else 0.0
+
+    def facts(self) -> dict[str, Any]:
+        """What is found, as plain values."""
+        if self.tail is None:
+            return {"noise": "no floor: no heights of short wavelengths"}
+        if not self.floor:
+            fell = f"the highest octave is as f^{-self.tail.exponent:.2g} +- {self.tail.error:.1g}"
+            few = f"; {self.h.size} samples are too few to tell" * (self.tail.error > LARGEST_ERROR)
+            return {"noise": f"no floor: {fell}{few}"}
+        found: dict[str, Any] = {"noise": "flat tail", "noise_density": self.floor, "noise_rms": self.noise_rms}
+        if self.law is not None:
+            found |= {"exponent": self.law.exponent, "law_at_1_per_m": self.law.factor}
+        if self.crossing is not None:
+            found["suggested_cutoff"] = self.crossing
+        return found
+
+    def _fit(self, part: slice) -> PowerLaw:
+        """The power law of the density in some bands, by weighted least squares."""
+        f, density, counts = (values[part] for values in self.bands)
+        special = import_module("scipy.special")
+        weights = 1 / special.polygamma(1, counts / 2)
+        x, y = np.log(f), np.log(density) - special.digamma(counts / 2) + np.log(counts / 2)
+        centre, middle = float(weights @ x / weights.sum()), float(weights @ y / weights.sum())
+        spread = float(weights @ (x - centre) ** 2)
+        slope = float(weights @ ((x - centre) * (y - middle))) / spread
+        return PowerLaw(math.exp(middle - slope * centre), -slope, 1 / math.sqrt(spread))

@@ -1,0 +1,76 @@
+"""The reference of keys: made from the models, whole, with examples that a scene takes."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import bem.__main__ as command_line
+from bem.command_line.keys import json_schema, keys_text, toml
+from bem.scene.scene import SceneError, parse_scene
+from bem.scene.scene_tables import TABLES, said_of
+
+ROOT = Path(__file__).parents[3]
+EXAMPLES = sorted((ROOT / "validation" / "command_line" / "examples").glob("*.toml"))
+KEYS = [(name, key) for name, model in TABLES.items() for key in model.model_fields]
+
+
+@pytest.mark.parametrize(("name", "key"), KEYS, ids=[".".join(pair) for pair in KEYS])
+def test_every_key_is_described_with_an_example_that_parses(name, key):
+    said = said_of(TABLES[name], key)
+    assert said["does"] and said["allowed"]
+    data = tomllib.loads(f"[{name}]\n{key} = {toml(said['example'])}")
+    assert data[name][key] == said["example"]
+    with pytest.raises(SceneError) as caught:  # all other keys are missing
+        parse_scene(data)
+    refused = [str(mistake) for mistake in caught.value.mistakes if mistake.found.startswith("= ")]
+    assert refused == []
+
+
+def test_an_example_out_of_range_would_be_found():
+    with pytest.raises(SceneError, match=r"solid\.poisson_ratio = 0\.7; allowed: a number > -1 and <= 0\.5"):
+        parse_scene({"solid": {"poisson_ratio": 0.7}})
+
+
+def test_the_document_is_what_the_command_prints(capsys):
+    assert command_line.main(["keys"]) == 0
+    assert capsys.readouterr().out == (ROOT / "bem" / "KEYS.md").read_text("utf-8")
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_section_has_all_its_keys_and_no_others(name):
+    lines = keys_text(name).splitlines()
+    assert lines[0] == f"## [{name}]"
+    assert [line.split("`")[1] for line in lines if line.startswith("- ")] == list(TABLES[name].model_fields)
+
+
+def test_an_unknown_section_is_one_clear_error(capsys):
+    assert command_line.main(["keys", "laod"]) == 2
+    assert capsys.readouterr().err == 'error: section [laod] is unknown; allowed: did you mean "loading"?\n'
+    assert command_line.main(["keys", "[solid]"]) == 0
+
+
+def test_the_schema_knows_every_key_and_no_null(capsys):
+    assert command_line.main(["schema"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert schema == json_schema()
+    assert list(schema["properties"]) == ["title", *TABLES]
+    for model in TABLES.values():
+        table = schema["$defs"][model.__name__]
+        assert list(table["properties"]) == list(model.model_fields)
+        assert table["additionalProperties"] is False
+        for key, shape in table["properties"].items():
+            assert said_of(model, key)["does"] in shape["description"]
+    assert "null" not in json.dumps(schema)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
+def test_examples_name_the_schema_and_use_its_keys(path):
+    text = path.read_text("utf-8")
+    assert text.splitlines()[0] == "#:schema ./linecontact.schema.json"
+    schema = json_schema()
+    for name, table in tomllib.loads(text).items():
+        assert name in schema["properties"]
+        if name != "title":
+            assert set(table) <= set(schema["$defs"][TABLES[name].__name__]["properties"])

@@ -1,0 +1,29 @@
+"""The limits of the model stand on one page of the manual, and on every page that is written."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from validation.report.render import filled
+
+ROOT = Path(__file__).parents[2]
+SECTION = (ROOT / "bem" / "README.md").read_text("utf-8").partition("## 10. Limits of the model")[2]
+PAGES = sorted(path.name for path in (ROOT / "validation" / "report").glob("*.jinja"))
+
+
+def leads(text, begin, end):
+    return re.findall(f"{re.escape(begin)}(.+?){re.escape(end)}", text)
+
+
+def test_a_page_names_the_limits_of_the_manual():
+    page = filled("base.jinja")
+    listed = leads(page.partition('id="limits"')[2], "<li><b>", "</b>")
+    assert listed == leads(SECTION, "- **", "**")
+    assert len(listed) == 7
+
+
+@pytest.mark.parametrize("name", [name for name in PAGES if name != "base.jinja"])
+def test_every_page_is_such_a_page(name):
+    text = (ROOT / "validation" / "report" / name).read_text("utf-8")
+    assert text.startswith('{% extends "base.jinja" %}')
