@@ -1,7 +1,8 @@
 """Command line: `python -m bem check SCENE`, `run SCENE --out DIR`, `keys [SECTION]` and `schema`.
 
-Exit codes: 0 done, 1 a failure named in the output (converged states are kept), 2 bad input (nothing is written),
-130 interrupted with everything converged saved.  Progress on stderr, results in files, one summary line on stdout.
+Exit codes: 0 done, also where all targets that were not met lie behind a pull-off (status `unreachable`), 1 a failure
+named in the output (converged states are kept), 2 bad input (nothing is written), 130 interrupted with everything
+converged saved.  Progress on stderr, results in files, one summary line on stdout.
 matplotlib is imported for --plot only, what makes schemas for keys and schema only.
 """
 
@@ -15,6 +16,7 @@ from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
+from bem.command_line.answer_table import table_text
 from bem.command_line.checkpoint import (
     Checkpoint,
     OutputFolderError,
@@ -104,7 +106,9 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     present.add_argument("--overwrite", action="store_true", help="replace the result DIR holds")
     run.add_argument("--plot", action="store_true", help="also draw curves and stored shapes as PNG")
     run.add_argument("--quiet", action="store_true", help="no progress")
-    run.add_argument("--json", action="store_true", help="print the summary as JSON")
+    said = run.add_mutually_exclusive_group()
+    said.add_argument("--json", action="store_true", help="print the summary as JSON")
+    said.add_argument("--table", action="store_true", help="print the answer too: a column of numbers for each target")
     run.set_defaults(command=_run, perform=perform)
 
     keys = commands.add_parser("keys", help="print what every key of a scene is, or those of one section")
@@ -185,8 +189,10 @@ def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     if result.cut_sensitivity and not options.quiet:
         print(f"cut: {in_words(result.cut_sensitivity)}", file=sys.stderr)
     facts = summary(result, str(options.out), len(scene.loading.targets))
+    if options.table:
+        print(table_text(result))
     print(json.dumps(facts) if options.json else summary_line(facts))
-    if result.status in FINAL_STATUSES:
+    if result.answered:
         return DONE
     return INTERRUPTED if result.status == "interrupted" else FAILED
 

@@ -87,7 +87,7 @@ class Record:
             states=(),
             events=(),
             status="interrupted",
-            fields={} if self.scene.scan is None else self.scene.scan.drawn(),
+            fields={} if self.scene.scan is None else self.scene.scan.drawn() | _lines(self.scene),
             groups=groups,
             warnings=cautions_of(self.scene, groups),
             profile_preparation=self.scene.preparation(),
@@ -143,6 +143,14 @@ def entries_of(result: Result, begun: Result, has_fields: Callable[[State], bool
             return
         yield Entry(result.events[before : state.events], state, own | shared if wanted else {}, warnings)
         before, shape, warnings = state.events, shape + wanted, ()
+
+
+def _lines(scene: Scene) -> dict[str, NDArray[Any]]:
+    """The lines of the profile of a scan as it is solved: what its file alone does not say."""
+    surface = scene.surface()
+    ascending = np.argsort(surface.orders)
+    wavenumbers = 2 * np.pi / surface.period * surface.orders[ascending]
+    return {"profile_q": wavenumbers, "profile_amplitude": np.abs(surface.amplitudes[ascending])}
 
 
 def _index(name: str) -> str:

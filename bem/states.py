@@ -11,6 +11,7 @@ import numpy as np
 from bem.audit import certificate
 from bem.elastic.collocation import Evaluation
 from bem.flat import FlatState
+from bem.geometry.profile import Profile
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.path_events import PathEvent
@@ -85,6 +86,8 @@ def equilibrium_state(
                 (float(a), float(b))
                 for a, b in zip(patches.left * scales.length, patches.right * scales.length, strict=True)
             ),
+            peak_pressure=state.pressure().peak() * scales.stress if place.target else None,
+            largest_gap=judged.largest_gap * scales.height if place.target else None,
             elastic_energy=state.elastic_energy * scales.energy_per_area,
             adhesion_energy=assessment.adhesion_energy * scales.energy_per_area,
             total_energy=(state.elastic_energy + assessment.adhesion_energy) * scales.energy_per_area,
@@ -185,8 +188,10 @@ def _margin(correction: float, value: float = 0.0) -> float:
 def separated_state(problem: Problem, penetration: float, status: str, place: Place) -> State:
     """Surfaces apart, `penetration` <= 0 in units of the rms height."""
     depth = penetration * problem.scales.height
-    gap, total = problem.surface.max_height - depth, _total_displacement(problem, depth, 0.0)
-    return _bare_state(_Bare(status, depth, gap, total), place)
+    surface = problem.surface
+    gap, total = surface.max_height - depth, _total_displacement(problem, depth, 0.0)
+    lowest = Profile(surface.period, surface.orders, surface.amplitudes, surface.phases + np.pi)  # its crests
+    return _bare_state(_Bare(status, depth, gap, total, largest_gap=gap + lowest.max_height), place)
 
 
 def complete_state(problem: Problem, complete: CompleteContact, load: float, place: Place) -> State:
@@ -202,6 +207,7 @@ def complete_state(problem: Problem, complete: CompleteContact, load: float, pla
         elastic_energy=complete.elastic_energy * scales.energy_per_area,
         adhesion_energy=complete.adhesion_energy * scales.energy_per_area,
         left_out=complete.left_out * scales.energy_per_area,
+        peak_pressure=None if math.isnan(load) else mean_pressure + complete.pressure.max_height * scales.stress,
     )
     return _bare_state(bare, place)
 
@@ -259,6 +265,10 @@ def flat_state(flat: FlatState, adhesion_energy: float, branch: str) -> State:
         flat.total_displacement,
         flat.mean_pressure,
         adhesion_energy=adhesion_energy if flat.status == "complete_contact" else 0.0,
+        peak_pressure=None
+        if flat.status != "complete_contact" or math.isnan(flat.mean_pressure)
+        else flat.mean_pressure,
+        largest_gap=-flat.penetration,
     )
     return _bare_state(bare, Place(branch, True, Cost(0, 0, 0.0)))
 
@@ -295,6 +305,8 @@ class _Bare:
     elastic_energy: float = 0.0
     adhesion_energy: float = 0.0
     left_out: float = 0.0
+    peak_pressure: float | None = None
+    largest_gap: float = 0.0
 
 
 def _bare_state(bare: _Bare, place: Place) -> State:
@@ -315,6 +327,8 @@ def _bare_state(bare: _Bare, place: Place) -> State:
             stress_intensity_max=None,
             contact_stiffness=None,
             stable_at_fixed_load=None,
+            peak_pressure=bare.peak_pressure if place.target else None,
+            largest_gap=bare.largest_gap if place.target else None,
             error_estimate=ErrorEstimate(0.0, 0.0, elastic_energy=bare.left_out, total_energy=bare.left_out),
             certificate=Certificate(None, None, None, None, None, ok=bare.status != "unreachable"),
             unknowns=place.cost.unknowns,

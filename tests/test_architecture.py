@@ -46,6 +46,7 @@ ORDER = (
     "validation/harness",
     "validation/harness/entry_points",
     "validation/report/verification",
+    "validation/report/curves",
     "validation/report",
     "validation/report/challenge",
     "validation/references/paper_method",

@@ -33,6 +33,7 @@ RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement
 POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them is 4.4e-16
 LOAD_ROUNDING = 1.5e-14  # of displacements over the load, sums over all patches; measured 6.1e-15 at 3028 patches
 ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
+AT_EDGE = "at an edge of patch"
 ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
 
 
@@ -69,6 +70,7 @@ class Certificate:
     mean_gap_error: float
     ok: bool  # no reason against the state was found
     reasons: tuple[str, ...]  # each demand that is not met, with figure, limit and place
+    largest_gap: float  # at the points tried
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,17 +128,16 @@ def certify(
     if left.size == 0 or not (np.all(right > left) and np.all(behind > 0)):
         raise ValueError("pressure: at least one patch, positive widths and gaps, in order on the circle")
     displacement, verdict = DisplacementField(pressure, compliance_ratio), Verdict(left.size)
-    place, eigenvalue, asymmetry = "at an edge of patch", None, None
+    eigenvalue, asymmetry = None, None
     misfit, work = _Misfit.of(profile, displacement, penetration), None if adhesion is None else adhesion.work
     series, own, punch = _closures(pressure, misfit.lacking(displacement), work)
     reached = _attainable(pressure, demands.intensity_rounding, work)
     solved, evaluated = np.maximum(reached, demands.closure), np.maximum(reached, demands.intensity)
     least = np.maximum(demands.intensity, np.tile(misfit.rounded * misfit.nodes / _least_charges(pressure), 2))
-    verdict.judge("closure of the series", series, solved, place)
-    closure = verdict.judge("closure", own, np.maximum(evaluated, least * punch), place)
+    verdict.judge("closure of the series", series, solved, AT_EDGE)
+    closure = verdict.judge("closure", own, np.maximum(evaluated, least * punch), AT_EDGE)
     if adhesion is None:
-        least_tension = solved.reshape(2, -1).max(axis=0)
-        verdict.judge("tension without adhesion", _tension(pressure), least_tension, "on patch")
+        verdict.judge("tension without adhesion", _tension(pressure), solved.reshape(2, -1).max(axis=0), "on patch")
     else:
         verdict.reasons.extend(adhesion.objections(demands.hessian_asymmetry))
         eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
@@ -144,7 +145,8 @@ def certify(
     magnitude = max(1.0, float(np.max(np.abs(np.concatenate(pressure.charges)))))
     allowed = np.maximum(max(demands.contact_residual, ROUNDING * magnitude), misfit.rounded / misfit.variation)
     residual = verdict.judge("contact residual", misfit.largest / misfit.variation, allowed, "on patch")
-    depth, gap_integrals, unresolved = gap_depths(profile, displacement, penetration, behind, RESOLVED * magnitude)
+    gaps = gap_depths(profile, displacement, penetration, behind, RESOLVED * magnitude)
+    depth, highest, gap_integrals, unresolved = gaps
     min_gap = -verdict.judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
     error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - (profile.max_height - penetration))
@@ -159,6 +161,7 @@ def certify(
         mean_gap_error=mean_gap_error,
         ok=not verdict.reasons,
         reasons=tuple(verdict.reasons),
+        largest_gap=float(np.max(highest)),
     )
 
 

@@ -102,7 +102,7 @@ def certify_gaps(
     held, left = field.in_gaps()
     verdict.judge("pressure in a gap", left, np.maximum(demands.contact_residual * held, noise), gap)
     verdict.judge("tension without adhesion", -field.lowest_in_contact(), max(TENSION * held.max(), noise), "")
-    overlap, lowest = _overlap(gaps.opening)
+    overlap, lowest, highest = _overlap(gaps.opening)
     verdict.judge("interpenetration", overlap, np.maximum(demands.interpenetration, noisy), gap)
     volume = math.fsum(a * g[0] / 4 for a, g in zip(gaps.half_width, gaps.opening, strict=True))
     verdict.judge("mean gap over separation", abs(volume / levels.separation - 1), RELATIVE, "")
@@ -119,6 +119,7 @@ def certify_gaps(
         mean_gap_error=mean_gap_error,
         ok=not verdict.reasons,
         reasons=tuple(verdict.reasons),
+        largest_gap=highest,
     )
 
 
@@ -129,14 +130,15 @@ def _end_value(series: FloatArray) -> float:
     return (abs(even) + abs(odd)) / max(abs(float(series[0])), 1e-300)
 
 
-def _overlap(opening: tuple[FloatArray, ...]) -> tuple[FloatArray, float]:
-    """Depth of interpenetration over the largest opening of each gap, (G,), and the smallest gap."""
-    depth, lowest = np.empty(len(opening)), math.inf
+def _overlap(opening: tuple[FloatArray, ...]) -> tuple[FloatArray, float, float]:
+    """Depth of interpenetration over the largest opening of each gap, (G,), the smallest gap and the largest."""
+    depth, lowest, highest = np.empty(len(opening)), math.inf, 0.0
     for i, series in enumerate(opening):
         angle = (np.arange(8 * series.size) + 0.5) * (np.pi / (8 * series.size))
         g = np.sin(np.multiply.outer(angle, np.arange(1, series.size + 1))) @ series
         depth[i], lowest = -g.min() / np.max(np.abs(g)), min(lowest, float(g.min()))
-    return depth, lowest
+        highest = max(highest, float(g.max()))
+    return depth, lowest, highest
 
 
 class _Pressure:

@@ -24,12 +24,12 @@ REFINEMENTS, NARROWER = 6, 3  # of a minimum: the last points are 1/243 as far a
 
 def gap_depths(
     profile: Profile, field: DisplacementField, penetration: float, width: FloatArray, resolved: float
-) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Depth of interpenetration (minus the smallest gap) and integral of each gap, (L,), and gaps not resolved.
+) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+    """Depth of interpenetration (minus the smallest gap), height and integral of each gap, (L,), and gaps not resolved.
 
     Near an edge u is a power series in the root of the distance, so with x = b + g (1 - cos theta)/2 it is analytic
     in theta on [0, pi], though not even.  Its Chebyshev series in theta, sampled until it has decayed, gives it on a
-    grid that resolves the profile.
+    grid that resolves the profile.  The height is the largest on that grid.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def gap_depths(
     series, lengths, unresolved = _displacement_series(field, width, _rounded(8 + 20 * waves**0.3), resolved)
     grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 4 * lengths))
     integrals = width * (series @ _moments(series.shape[1]) - contact_level)
-    lowest_at = np.empty(field.count)
+    lowest_at, highest = np.empty(field.count), np.empty(field.count)
     suspects = [(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))]
     for size in np.unique(grid):
         who = np.flatnonzero(grid == size)
@@ -57,7 +57,7 @@ def gap_depths(
         u = np.fft.irfft(padded * half_steps(int(size)), 2 * size)[:, :size]
         x = field.pressure.right[who, None] + width[who, None] * _over_a_gap(int(size)).from_left
         gap = u - profile.height(x) - contact_level
-        lowest = gap.min(axis=1)
+        lowest, highest[who] = gap.min(axis=1), gap.max(axis=1)
         lowest_at[who] = (gap.argmin(axis=1) + 0.5) * (np.pi / size)
         before, inner, after = gap[:, :-2], gap[:, 1:-1], gap[:, 2:]
         bend = before - 2 * inner + after  # more than what a minimum between the points may lie lower
@@ -77,7 +77,7 @@ def gap_depths(
         bend, rise = before - 2 * here + after, (after - before) / 2
         vertex = np.where(bend > 0, np.clip(-rise / np.where(bend > 0, bend, 1.0), -1.0, 1.0), 0.0)
         angle, step = angle + vertex * step, step / NARROWER
-    return depth, integrals, unresolved
+    return depth, highest, integrals, unresolved
 
 
 def _displacement_series(

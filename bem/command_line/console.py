@@ -164,6 +164,7 @@ def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
     last = found[-1] if found else None
     return {
         "status": result.status,
+        "answered": result.answered,
         "failure": result.failure,
         "targets": targets,
         "target_states": sum(state.target for state in found),
@@ -189,8 +190,11 @@ def summary_line(facts: Mapping[str, Any]) -> str:
         pressure = "any pressure" if facts["mean_pressure"] is None else f"{facts['mean_pressure']:.6g} Pa"
         end = f"last at {pressure}, contact fraction {facts['contact_fraction']:.6g}; "
     why = "" if facts["failure"] is None else f" ({facts['failure']})"
+    how = f"{facts['status']}{why}"
+    if facts["answered"] and facts["missed_targets"]:
+        how = f"pulled off, {len(facts['missed_targets'])} of the targets being tensions beyond that"
     return (
-        f"{facts['status']}{why}: "
+        f"{how}: "
         f"{facts['target_states']} states at targets ({facts['targets']} targets in the scene), "
         f"{facts['certified']} of {facts['states']} states certified, {facts['events']} events; {end}"
         f"{facts['evaluations']} evaluations, {facts['cpu_seconds']:.1f} s -> {facts['out']}"

@@ -87,7 +87,8 @@ class KernelSeries:
 
     @cached_property
     def _series(self) -> Profile:
-        return Profile(2 * np.pi, np.arange(1, self.terms + 1), self.weights, np.zeros(self.terms))
+        weights = np.append(self.weights, 0.0)  # one term at least
+        return Profile(2 * np.pi, np.arange(1, weights.size + 1), weights, np.zeros(weights.size))
 
     def smooth(self, x: ArrayLike) -> FloatArray:
         """S(x), same shape as x."""

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from bem.geometry.arrays import FloatArray
 
 TWO_PI = 2 * np.pi
+SAMPLES_PER_COEFFICIENT = 4  # of a pressure, to find its peak
+LEAST_SAMPLES = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,3 +151,33 @@ class PatchPressure:
     def load(self) -> float:
         """Force per period, int sigma dx."""
         return float(np.pi * sum(charge[0] for charge in self.charges))
+
+    def peak(self) -> float:
+        """The largest pressure, at least one patch being there; below zero where all of it is tension.
+
+        With t = cos(theta) the pressure is smooth in theta between the edges, where it falls to zero or, under
+        adhesion, to -infinity.  It is the largest of its samples, raised to the top of a parabola through three.
+
+        Examples
+        --------
+        >>> half = np.array([1.0])
+        >>> round(PatchPressure(-half, half, (np.array([0.5, 0.0, -0.5]),)).peak(), 5)  # sigma = sqrt(1 - x^2)
+        1.0
+        """
+        half_widths: list[float] = ((self.right - self.left) / 2).tolist()
+        return max(_peak(charge) / half for charge, half in zip(self.charges, half_widths, strict=True))
+
+
+def _peak(charge: FloatArray) -> float:
+    """The largest r sigma of a patch."""
+    count = max(SAMPLES_PER_COEFFICIENT * charge.size, LEAST_SAMPLES)
+    order = np.arange(charge.size)
+    modes = np.zeros(count + 1, dtype=np.complex128)
+    modes[: charge.size] = charge * np.where(order, count, 2 * count) * np.exp(0.5j * np.pi / count * order)
+    sampled = np.fft.irfft(modes, 2 * count)[:count] / np.sin((np.arange(count) + 0.5) * (np.pi / count))
+    top = int(np.argmax(sampled))
+    if not 0 < top < count - 1:
+        return float(sampled[top])
+    before, here, after = sampled[top - 1 : top + 2]
+    bend = 2 * here - before - after
+    return float(here + (after - before) ** 2 / (8 * bend) if bend else here)

@@ -42,7 +42,7 @@ class Range:
         """Whether a value is a number (no truth value, no text) in the range."""
         if isinstance(value, bool) or not isinstance(value, numbers.Integral if self.whole else numbers.Real):
             return False
-        number: Any = value  # as it is: an integer may be too large for a double
+        number: Any = value if isinstance(value, numbers.Integral) else float(value)  # integers may be too large for it
         return bool(-math.inf < number < math.inf and self.ge <= number <= self.le and self.gt < number < self.lt)
 
 

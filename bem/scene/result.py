@@ -91,7 +91,8 @@ class State:
     overlap; `mean_pressure` is NaN (null in the file) where any would do, in complete contact under a prescribed
     separation, and where the state asked for does not exist.  `total_displacement` is None there on a compressible
     layer.  `events` is the number of events up to this state; None in results that did not store it.  The status is
-    `not_converged` where the certificate is not ok.
+    `not_converged` where the certificate is not ok.  `peak_pressure` (Pa) and `largest_gap` (m), of samples
+    of pressure and gap, are known at targets alone; there is no peak without contact.
 
     A target that was not met has its row too, `unreachable` or `not_converged`, and `certificate.reasons` says why.  It
     is that of surfaces apart where no contact carries a tension.  Where no state was found, only the quantity under
@@ -125,6 +126,8 @@ class State:
     status: str
     target: bool
     events: int | None = None
+    peak_pressure: float | None = None
+    largest_gap: float | None = None
 
     def __repr__(self) -> str:
         if not self.found:
@@ -260,6 +263,19 @@ class Result(Views):
             fields=self.fields | {name: values for entry in kept for name, values in entry.fields.items()},
             warnings=(*self.warnings, *(warning for entry in kept for warning in entry.warnings)),
         )
+
+    @property
+    def answered(self) -> bool:
+        """Whether the scene has its answer: it ended as asked, or all that was not met lies behind a pull-off.
+
+        A tension that the contact cannot carry, asked for on the way out, has one: how much it carried.
+        """
+        missed = [state for state in self.states if not state.found]
+        pulled = [k for k, event in enumerate(self.events) if event.kind == "pull_off"]
+        behind = [
+            state.status == "unreachable" and bool(pulled) and pulled[0] < (state.events or 0) for state in missed
+        ]
+        return self.status in FINAL_STATUSES or (self.status == "unreachable" and any(behind) and all(behind))
 
     @property
     def targets(self) -> tuple[State, ...]:

@@ -1,4 +1,4 @@
-"""A result as tables, as a dataset of xarray, as curves, and in a few words.
+"""A result as tables, as a dataset of xarray, as curves, in a few words, and what pulling off took.
 
 Columns are named as in result.json, with `error_estimate_` and `certificate_` before what these hold; edges and
 reasons, which differ in number from state to state, are in `states` alone.  None reads as NaN.
@@ -6,8 +6,9 @@ reasons, which differ in number from state to state, are in `states` alone.  Non
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import is_dataclass
+from dataclasses import dataclass, is_dataclass
 from html import escape
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, get_type_hints
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
 UNITS = {
     **dict.fromkeys(("penetration", "separation", "total_displacement", "position"), "m"),
     **dict.fromkeys(("certificate_min_gap", "certificate_mean_gap_error"), "m"),
+    **dict.fromkeys(
+        ("width_least", "width_median", "width_largest", "open_gap_mean", "open_gap_largest", "largest_gap"), "m"
+    ),
+    **dict.fromkeys(("contact_pressure", "peak_pressure"), "Pa"),
     **dict.fromkeys(("elastic_energy", "adhesion_energy", "total_energy", "energy_released"), "J/m^2"),
     **{"mean_pressure": "Pa", "stress_intensity_max": "Pa m^1/2", "contact_stiffness": "Pa/m", "cpu_seconds": "s"},
 }
@@ -44,6 +49,19 @@ SAMPLED = {  # fields of fields.npz on points of their own, by the name of these
 SHOWN = 10  # states of a view in a notebook
 
 
+@dataclass(frozen=True)
+class PullOff:
+    """The largest tension on the way out (Pa), its estimated error, the separation there and where all came apart (m).
+
+    Under a given separation the tension is the largest of states and events; between them it may be larger.
+    """
+
+    tension: float
+    error: float | None
+    separation: float
+    apart: float | None
+
+
 class Views:
     """What a `Result` looks like, from its states, events and fields."""
 
@@ -54,22 +72,47 @@ class Views:
     fields: dict[str, NDArray[Any]]
     failure: str | None
 
-    def to_table(self, of: Literal["states", "events"] = "states") -> dict[str, NDArray[Any]]:
-        """States or events by columns, one array each: what `pandas.DataFrame` and the like take.
+    def to_table(self, of: Literal["states", "events", "targets"] = "states") -> dict[str, NDArray[Any]]:
+        """States, events or the answer at targets by columns, one array each, as `pandas.DataFrame` takes them.
 
         Parameters
         ----------
-        of : {"states", "events"}
+        of : {"states", "events", "targets"}
+            Targets have what a design asks for, SI: mean, contact and peak pressure, number and widths of the contacts,
+            mean and largest height of the open gaps, share of the period that is open; NaN where it is not known.
 
         Raises
         ------
         ValueError
             Neither of them.
         """
+        if of == "targets":
+            return _answers([state for state in self.states if state.target], self.scene["loading"])
         if of not in ("states", "events"):
-            raise ValueError(f'of = {of!r}; allowed: "states" or "events"')
+            raise ValueError(f'of = {of!r}; allowed: "states", "events" or "targets"')
         kind = get_type_hints(type(self))[of].__args__[0]
         return _columns(kind, getattr(self, of))
+
+    def pull_off(self) -> PullOff | None:
+        """What pulling the surfaces apart took; None where no state or event on the way out is in tension."""
+        known = [state for state in self.states if state.found]
+        if not known:
+            return None
+        highest = known[0].penetration + known[0].separation
+        out, before, apart = [], 0, None
+        for state in self.states:
+            happened = self.events[before : state.events or before]
+            before = state.events or before
+            if state.branch != "unloading":
+                continue
+            for event in happened:
+                place = highest - event.penetration
+                out.append((event.mean_pressure, event.error_estimate.mean_pressure, place))
+                apart = place if event.kind == "pull_off" else apart
+            if state.found:
+                out.append((state.mean_pressure, state.error_estimate.mean_pressure, state.separation))
+        tension, error, separation = min(out, key=lambda one: one[0], default=(0.0, None, 0.0))
+        return PullOff(-tension, error, separation, apart) if tension < 0 else None
 
     def to_xarray(self) -> Any:
         """States, events (`event_...`) and fields as an `xarray.Dataset` (extra `xarray`).
@@ -133,6 +176,44 @@ class Views:
         failure = "" if self.failure is None else f" ({self.failure})"
         said = escape(f"{self.scene.get('title') or 'untitled'}: {self!r}{failure}")
         return f"<p>{said}</p><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{more}"
+
+
+def _answers(states: Sequence[Any], loading: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    """The columns of the answer; `target` is what was asked for, or held at a pressure on the way."""
+    held, asked = [getattr(state, loading["control"]) for state in states], loading["targets"]
+    met = [value if state.found else math.nan for value, state in zip(held, states, strict=True)]
+    target = np.array(asked if len(asked) == len(states) else met, dtype=np.float64)
+    named = ("branch", "status")
+    found: dict[str, NDArray[Any]] = {name: np.array([getattr(state, name) for state in states]) for name in named}
+    rows = [_answer(state) for state in states]
+    names = list(_answer(states[0])) if states else []
+    found["target"] = target
+    return found | {name: np.array([row[name] for row in rows], dtype=np.float64) for name in names}
+
+
+def _answer(state: Any) -> dict[str, float | None]:
+    """The numbers of a target, those that no state gives left out."""
+    widths = sorted(b - a for a, b in state.edges) or [math.nan]
+    known = state.found
+    share = state.contact_fraction if known else math.nan
+    opened = 1 - share
+    numbers = ("penetration", "separation", "total_displacement", "mean_pressure")
+    error = {f"error_estimate_{name}": getattr(state.error_estimate, name) for name in ("contact_fraction", *numbers)}
+    return {
+        **{name: getattr(state, name) if known else math.nan for name in numbers},
+        "contact_fraction": share,
+        **error,
+        "contact_pressure": state.mean_pressure / share if share else math.nan,
+        "peak_pressure": state.peak_pressure if known else None,
+        "n_patches": state.n_patches if known else None,
+        "width_least": widths[0],
+        "width_median": float(np.median(widths)),
+        "width_largest": widths[-1],
+        "open_share": opened,
+        "open_gap_mean": state.separation / opened if opened > 0 else 0.0 if known else math.nan,
+        "open_gap_largest": state.largest_gap if known else None,
+        "certified": state.certificate.ok,
+    }
 
 
 def _columns(kind: type, records: Sequence[Any], prefix: str = "") -> dict[str, NDArray[Any]]:

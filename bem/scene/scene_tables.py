@@ -103,7 +103,7 @@ class ProfileTable(Table):
         Numbers | None, _about("Phase of each cosine.", RANGES["profile.phases"].words, [0.0, 1.5], "rad")
     ] = None
     file: Annotated[
-        FileName | None,
+        str | None,
         _about(
             "Heights, with positions or without; relative names start from the folder of the scene.",
             "the name of a text file or of an instrument's file",

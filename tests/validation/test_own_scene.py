@@ -174,7 +174,9 @@ def test_the_sentence_names_the_largest_uncertainty():
     said = sentence(findings_of(made_up()))
     assert "largest uncertainty is the realisation of the random phases (input): the mean pressure at a" in said
     assert "varies by 10 % (standard deviation of 3 realisations; standard error of their mean 5.8 %)" in said
-    assert "changes by up to 5 % with it (1 alternative)" in sentence(findings_of(made_up()[:6]))
+    assert " The mean of more realisations (profile.seed) lowers it. The numerical error is at most " in said
+    cut = sentence(findings_of(made_up()[:6]))
+    assert "changes by up to 5 % with it (1 alternative). The key profile.harmonics decides it" in cut
 
 
 def test_a_pressure_that_vanishes_is_measured_by_the_largest_on_the_path():
@@ -213,7 +215,7 @@ def test_what_is_varied_of_a_scan(tmp_path):
     tables = ROUGH | {"profile": scan}
     found = sources(tables, tmp_path)
     assert found["detrending"] == ["none", "mean", "quadratic", "cubic"]
-    assert found["cut"] == ["5 harmonics", "10 harmonics", "the scan holds 31"]
+    assert found["cut"] == ["5 harmonics", "10 harmonics", "31 harmonics"]  # as many as the scan holds
     settings = settings_of(parse_scene(tables, tmp_path), tables, (tmp_path, tmp_path / "parts"), 2, quick=True)
     whole, *others = (parse_scene(one.tables, tmp_path) for one in settings if one.source in (BASE, "period", "window"))
     for half in others[-2:]:
@@ -222,6 +224,41 @@ def test_what_is_varied_of_a_scan(tmp_path):
         assert other.profile.period / other.profile.harmonics == pytest.approx(whole.profile.period / 20, rel=1e-12)
     first, second = (parse_scene(one.tables, tmp_path).scan for one in settings if one.source == "period")
     assert np.array_equal(np.concatenate([first.measured[1], second.measured[1]]), whole.scan.measured[1])
+
+
+def leaning_scan(folder, tilt, **keys):
+    """A scene with a rough scan of 0.3 um rms that is tilted by so many um over its length."""
+    x = np.arange(256.0)
+    rough = np.cos(2 * np.pi * 7 * x / 256) * 0.3 * math.sqrt(2)
+    np.savetxt(folder / "scan.csv", np.column_stack([x, rough + tilt * x / 256]))
+    scan = {"kind": "samples", "file": "scan.csv", "unit_x": "um", "unit_h": "um", "detrend": "line"} | keys
+    return ROUGH | {"profile": scan}
+
+
+def test_what_the_scan_rules_out_is_no_alternative(tmp_path):
+    found = sources(leaning_scan(tmp_path, 7.0, harmonics=20, periodic="mirror"), tmp_path)
+    assert found["detrending"][2:] == ["quadratic", "cubic"]
+    for why in found["detrending"][:2]:  # "none" and "mean" leave 7 um over sqrt(12)
+        assert why == "the scan rules it out: it leaves 2e-06 m rms, of which 3e-07 m is rough"
+    assert sources(leaning_scan(tmp_path, 0.5, harmonics=20), tmp_path)["detrending"][0] == "none"
+
+
+def test_a_scan_whose_ends_do_not_meet_is_not_tried_as_it_is(tmp_path):
+    mirrored = sources(leaning_scan(tmp_path, 7.0, harmonics=20, periodic="mirror", detrend="mean"), tmp_path)
+    assert mirrored["window"][0].startswith("the scan rules it out: its ends are ")
+    assert sources(leaning_scan(tmp_path, 0.0, harmonics=20, periodic="mirror"), tmp_path)["window"][0] == "as_is"
+
+
+def test_a_scan_that_is_solved_whole_has_no_finer_cut(tmp_path):
+    found = sources(leaning_scan(tmp_path, 0.0, harmonics="all"), tmp_path)
+    assert found["cut"] == ["32 harmonics", "64 harmonics", "the scan holds no more"]
+
+
+def test_a_page_is_amber_where_the_input_leaves_more_than_a_tenth_open(studied):
+    content = json.loads((studied[1] / "study.json").read_text())
+    for most, amber in ((0.09, False), (0.11, True)):
+        rows = [row | {"input": most} for row in content["targets"]]
+        assert ('class="verdict doubtful"' in render_study(content | {"targets": rows})) == amber
 
 
 @pytest.fixture

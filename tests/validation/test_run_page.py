@@ -32,6 +32,8 @@ found.repeated = ids.filter((id, place) => ids.indexOf(id) !== place);
 found.resources = performance.getEntriesByType("resource").map((entry) => entry.name);
 const table = document.querySelector("#states table");
 table.querySelectorAll("thead th button")[1].click();
+const first = document.querySelector("#answer tbody tr").getBoundingClientRect();
+found.answer = [first.top, innerHeight - first.bottom];
 found.order = [...table.tBodies[0].rows].map((row) => Number(row.cells[1].dataset.sort));
 """
 
@@ -58,6 +60,7 @@ def test_in_a_browser(page, result, tmp_path, width):
     assert (found["width"], console) == (width, [])
     assert not found["wide"]
     assert min(found["verdict"]) >= 0  # on the first screen, all of it
+    assert min(found["answer"]) >= 0  # and the first row of the answer
     assert len(found["figures"]) == 6  # three curves, and a shape on each way and at the turn
     for role, title, description, drawn in found["figures"]:
         assert (role, drawn) == ("img", True)
@@ -162,3 +165,55 @@ def test_a_run_without_states_has_a_page(result):
 def test_every_kind_of_scene_is_told_in_words(scene):
     words = scene_in_words(bem.parse_scene({**scene, "output": {}}).resolved())
     assert all(sentence.endswith(".") and "None" not in sentence for sentence in words)
+
+
+def study_beside(result, folder, shares, **changes):
+    """A folder with a result, and with the study of its scene, in which the input leaves these shares open."""
+    write_result(result, folder)
+    met = [state for state in result.targets if state.found]
+    rows = [
+        {"quantity": name.replace("_", " "), "value": getattr(state, name), "input": share}
+        for state, share in zip(met, shares, strict=True)
+        for name in ("contact_fraction", "mean_pressure")
+    ]
+    study = {"status": "done", "scene_sha256": result.provenance["scene_sha256"], "targets": rows} | changes
+    (folder / "study.json").write_text(json.dumps(study))
+
+
+def test_the_answer_comes_first_with_the_uncertainty_of_the_input_of_a_study_beside_it(result, tmp_path, capsys):
+    study_beside(result, tmp_path, [0.02, 0.34, 0.0, 0.0])
+    assert main(["report", str(tmp_path)]) == 0
+    page = (tmp_path / "report.html").read_text()
+    assert page.index('id="answer"') < page.index('id="figures"') < page.index('id="scene"') < page.index('id="states"')
+    assert 'class="verdict doubtful">! Converged' in page
+    assert "The input leaves up to 34 % of a number open." in page
+    assert ">34 %</td>" in page
+    table = (tmp_path / "answer.csv").read_text().splitlines()
+    assert len(table) == 1 + len(result.targets)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"status": "interrupted"}, {"scene_sha256": "0"}], ids=["not done", "of another scene"]
+)
+def test_a_study_that_does_not_belong_to_the_run_is_not_used(changes, result, tmp_path):
+    study_beside(result, tmp_path, [0.34] * 4, **changes)
+    assert run_page.inputs_of(result, tmp_path) == {}
+
+
+def test_a_study_of_other_numbers_is_not_used(result, tmp_path):
+    study_beside(
+        replace(result, states=tuple(replace(s, contact_fraction=0.1) for s in result.states)), tmp_path, [0.3] * 4
+    )
+    assert run_page.inputs_of(result, tmp_path) == {}
+
+
+def test_a_file_that_is_no_study_is_told(result, tmp_path, capsys):
+    write_result(result, tmp_path)
+    (tmp_path / "study.json").write_text("[]")
+    assert main(["report", str(tmp_path)]) == 2
+    assert "study.json: not the study of a scene" in capsys.readouterr().err
+
+
+def test_many_events_are_folded(result, page):
+    assert "<details>" not in page
+    assert "<details><summary>" in render_run(replace(result, events=result.events * 6))

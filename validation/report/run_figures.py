@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.command_line.answer_table import axis_unit, readable
 from bem.scene.result import Result, State
-from validation.harness.figure_data import axes, bars, drawn, marks, semilogy, trace
+from validation.harness.figure_data import axes, drawn, semilogx, semilogy, trace
 from validation.harness.schema import Figure, Panel, Series
-from validation.report.run_words import axis_unit, quantity
+from validation.report.curves.run_curves import curves_of
+from validation.report.run_words import quantity
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
 MOST_SHAPES = 8
@@ -23,11 +25,8 @@ Array = NDArray[Any]
 
 def figures_of(result: Result) -> Iterator[Figure]:
     """All figures of a run, in the order of the page."""
-    if result.states:
-        yield drawn("area", "Mean pressure against contact fraction.", _curves(result, "contact_fraction", "", 1.0))
-        highest = max(abs(state.separation) for state in result.states)
-        factor, unit = axis_unit(highest, "m")
-        yield drawn("approach", "Mean pressure against separation.", _curves(result, "separation", unit, factor))
+    yield from curves_of(result)
+    yield from distributions_of(result)
     if any(state.error_estimate.mean_pressure for state in result.states):
         yield drawn("errors", "Estimated errors of all states, in the order of the path.", _errors(result))
     for figure_of in (preparation_figure, spectrum_figure):
@@ -39,54 +38,24 @@ def figures_of(result: Result) -> Iterator[Figure]:
 
 def shape_states(result: Result) -> dict[str, State | None]:
     """The names of the stored shapes, each with its state; None where it does not follow from the path."""
-    names = sorted((name[2:] for name in result.fields if name.startswith("x_")), key=int)
+    return {name: state for name, state in stored_states(result).items() if f"x_{name}" in result.fields}
+
+
+def stored_states(result: Result) -> dict[str, State | None]:
+    """The indices of the stored states, each with its state; None where it does not follow from the path."""
+    stems = (name.rpartition("_") for name in result.fields)
+    names = sorted({index for _, _, index in stems if index.isdigit()}, key=int)
     control = result.scene["loading"]["control"].replace("penetration", "separation")
-    asked = result.scene["output"]["shapes"]
-    states = [
-        state
-        for state in result.targets
-        if any(abs(getattr(state, control) - value) <= SAME * abs(value) for value in asked)
-    ]
+    asked = result.scene["output"].values()
+    states = [state for state in result.targets if any(_asked(wanted, getattr(state, control)) for wanted in asked)]
     return dict(zip(names, states, strict=True)) if len(names) == len(states) else dict.fromkeys(names)
 
 
-def _curves(result: Result, name: str, unit: str, factor: float) -> Panel:
-    """Mean pressure against a quantity: branches as lines, states at targets as points with error bars, events."""
-    kept = [state for state in result.states if not math.isnan(state.mean_pressure)]
-    lift, pressure = axis_unit(max((abs(state.mean_pressure) for state in kept), default=0.0), "Pa")
-    series = []
-    for hue, branch in enumerate(("loading", "unloading")):
-        points = _branch(kept, branch)
-        if points:
-            x = [None if state is None else factor * getattr(state, name) for state in points]
-            y = [None if state is None else lift * state.mean_pressure for state in points]
-            series.append(trace(branch, x, y, hue=hue))
-    targets = [state for state in kept if state.target]
-    if targets:
-        places = [factor * getattr(state, name) for state in targets]
-        pressures = [lift * state.mean_pressure for state in targets]
-        errors = [lift * _finite(state.error_estimate.mean_pressure) for state in targets]
-        low, high = ([value + sign * e for value, e in zip(pressures, errors, strict=True)] for sign in (-1, 1))
-        series.append(marks("states at targets", places, pressures, hue=5))
-        series.append(bars("estimated error", places, low, high, hue=5))
-    met = [event for event in result.events if not math.isnan(event.mean_pressure)]
-    if name == "separation" and met:
-        highest = result.states[0].penetration + result.states[0].separation
-        places = [factor * (highest - event.penetration) for event in met]
-        series.append(marks("events", places, [lift * event.mean_pressure for event in met], hue=3))
-    label = name.replace("_", " ") + (f" / {unit}" if unit else "")
-    return axes(label, f"mean pressure / {pressure}", *(series or [marks("no state with a pressure", [], [])]))
-
-
-def _branch(states: Sequence[State], branch: str) -> list[State | None]:
-    """The states of a branch; it begins where the other one ended, with a gap before that."""
-    found: list[State | None] = []
-    for k, state in enumerate(states):
-        if state.branch == branch:
-            if k and states[k - 1].branch != branch:
-                found += [None, states[k - 1]]
-            found.append(state)
-    return found
+def _asked(wanted: Any, value: float) -> bool:
+    """Whether an output is asked for at a target: everywhere, or at those listed."""
+    if isinstance(wanted, bool):
+        return wanted
+    return any(abs(value - target) <= SAME * abs(target) for target in wanted)
 
 
 def _errors(result: Result) -> Panel:
@@ -119,6 +88,42 @@ def _shapes(result: Result) -> Iterator[Figure]:
         )  # fmt: skip
         below = axes(f"x / {along}", f"pressure / {unit}", _line("pressure", length * x, lift * carried))
         yield drawn(f"shape-{name}", f"Shape {name} of fields.npz{where}.", _heights(lines, fields), below)
+
+
+def distributions_of(result: Result) -> Iterator[Figure]:
+    """Distributions that were asked for: widths of contacts and gaps, pressures."""
+    fields, states = result.fields, list(stored_states(result).items())[:MOST_SHAPES]
+    widths = [(name, state) for name, state in states if fields.get(f"patch_width_{name}", np.empty(0)).size]
+    if widths:
+        factor, unit = axis_unit(
+            max(float(fields[f"{of}_width_{n}"][-1]) for n, _ in widths for of in ("patch", "gap")), "m"
+        )
+        series = [
+            trace(f"{said} at {_where(state, name)}", factor * fields[f"{of}_width_{name}"],
+                  fields[f"{of}_share_{name}"], style, hue=k)
+            for k, (name, state) in enumerate(widths)
+            for of, said, style in (("patch", "contacts", "line"), ("gap", "gaps", "dashed"))
+        ]  # fmt: skip
+        yield drawn("widths", "Share of the contacts and of the gaps that are not wider.",
+                    semilogx(f"width / {unit}", "share of their number", *series))  # fmt: skip
+    pressures = [(name, state) for name, state in states if f"sigma_{name}" in fields]
+    if pressures:
+        most = max(float(np.max(fields[f"sigma_{name}"])) for name, _ in pressures)
+        factor, unit = axis_unit(abs(most), "Pa")
+        series = []
+        for name, state in pressures:
+            sigma, density = fields[f"sigma_{name}"], fields[f"P_{name}"]
+            shown = sigma >= -abs(most)  # the tail of adhesive edges goes on without bound
+            series.append(trace(f"at {_where(state, name)}", factor * sigma[shown], density[shown] / factor))
+        yield drawn("pressures", "Distribution of the contact pressure over the nominal length, what is open left out.",
+                    axes(f"pressure / {unit}", f"density / (1/{unit})", *series))  # fmt: skip
+
+
+def _where(state: State | None, name: str) -> str:
+    """Where on the path a stored state is."""
+    if state is not None and math.isnan(state.mean_pressure):
+        return f"complete contact, {state.branch}"
+    return f"state {name}" if state is None else f"{readable(state.mean_pressure, 'Pa', 3)}, {state.branch}"
 
 
 def _heights(lines: dict[str, tuple[str, Array]], fields: dict[str, Array]) -> Panel:

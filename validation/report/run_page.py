@@ -1,23 +1,34 @@
-"""report.html of a run: what was asked, what came out, and how well it is known; from its result alone."""
+"""report.html of a run: its answer first, then how well it is known and what was asked; from its result alone.
+
+The uncertainty of the input is that of a study of the same scene, where its study.json lies beside the result.
+"""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from bem.command_line.answer_table import Inputs, csv_text, heads, pull_off_words, rows, share
 from bem.command_line.console import scene_text
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
-from bem.scene.result import Result, State
+from bem.scene.result import FINAL_STATUSES, Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
-from validation.report.render import PAGE, filled, number
+from validation.report.render import PAGE, ReportError, filled, number
 from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
 from validation.report.run_words import outcome, quantity, scene_in_words, succeeded
+from validation.report.study_page import DOUBTFUL
+from validation.report.study_page import FILE as STUDY
 
+TABLE = "answer.csv"
+FRACTION = "contact_fraction"
+FEW_EVENTS = 20  # more are folded
+SAME = 1e-6  # relative distance of the numbers of a run and of its study
 MOST_ROWS = 500  # of a table; all are in result.json
 MEASURES = (
     "closure",
@@ -33,14 +44,40 @@ UNITS = {"min_gap": "m", "mean_gap_error": "m", "rms_height": "m", "pressure_sca
 
 
 def write_run_page(folder: Path) -> Result:
-    """Render the result of a folder (`read_result`) into report.html beside it; the result."""
+    """Render the result of a folder (`read_result`) into report.html and answer.csv beside it; the result."""
     result = read_result(folder)
-    write_atomically(folder / PAGE, render_run(result))
+    write_atomically(folder / PAGE, render_run(result, inputs_of(result, folder)))
+    write_atomically(folder / TABLE, csv_text(result))
     return result
 
 
-def render_run(result: Result) -> str:
-    """The page of a run as text."""
+def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
+    """Relative uncertainty of the input by target and quantity, from the study of the same scene in the folder.
+
+    Nothing where there is none, or where it is of another scene or another path.
+    """
+    try:
+        study = json.loads((folder / STUDY).read_text("utf-8"))
+        if study["status"] != "done" or study["scene_sha256"] != result.provenance["scene_sha256"]:
+            return {}
+        met = [k for k, state in enumerate(result.targets) if state.status in FINAL_STATUSES]
+        found: dict[int, dict[str, float]] = {}
+        for row in study["targets"]:
+            name = str(row["quantity"]).replace(" ", "_")
+            place = len(found) - (name != FRACTION)
+            if abs(row["value"] - getattr(result.targets[met[place]], name)) > SAME * abs(row["value"]):
+                return {}
+            found.setdefault(met[place], {})[name] = math.nan if row["input"] is None else row["input"]
+    except FileNotFoundError:
+        return {}
+    except (ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError) as error:
+        raise ReportError(f"{folder / STUDY}: not the study of a scene ({error})") from error
+    return found
+
+
+def render_run(result: Result, inputs: Inputs | None = None) -> str:
+    """The page of a run as text; relative uncertainties of the input are by target and quantity."""
+    left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
     found = replace(result, states=tuple(state for state in result.states if state.found))
     shapes = len(shape_states(found))
     return filled(
@@ -48,7 +85,15 @@ def render_run(result: Result) -> str:
         title=result.scene["title"] or "A run",
         result=result,
         outcome=outcome(result),
-        good=succeeded(result),
+        banner=("agrees", "✓")
+        if succeeded(result) and not left_open > DOUBTFUL
+        else ("doubtful", "!")
+        if succeeded(result)
+        else ("deviates", "✗"),
+        left_open="" if math.isnan(left_open) else share(left_open),
+        heads=heads(result),
+        answer=list(rows(result, inputs))[:MOST_ROWS],
+        pull_off=pull_off_words(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
         groups=[(name, _measure(name, value), MEANINGS.get(name, "")) for name, value in result.groups.items()],
@@ -59,6 +104,7 @@ def render_run(result: Result) -> str:
         targets=[_target(state) for state in result.targets[:MOST_ROWS]],
         events=list(_events(found))[:MOST_ROWS],
         most=MOST_ROWS,
+        few=FEW_EVENTS,
         certificate=list(_certificate(result)),
         found=found.states,
         missed=[state for state in result.states if not state.found],

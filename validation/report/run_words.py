@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from bem.scene.result import FINAL_STATUSES, Result
+from bem.command_line.answer_table import axis_unit
+from bem.scene.result import Result
 from validation.harness.verdict import counted
 
-PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 CONTROLS = {
     "separation": ("the separation of the mean planes", "m"),
     "penetration": ("the penetration from first touch", "m"),
@@ -31,39 +31,32 @@ def quantity(value: float, unit: str) -> str:
     return f"{value * factor:.6g} {prefixed}"
 
 
-def axis_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Factor and unit with a prefix with which the largest of some numbers lies between 1 and 1000.
-
-    Examples
-    --------
-    >>> axis_unit(2.5e-5, "m")
-    (1000000.0, 'µm')
-    """
-    power = 3 * math.floor(math.log10(largest) / 3 + 1e-12) if largest else 0
-    return (10.0**-power, PREFIXES[power] + unit) if power in PREFIXES else (1.0, unit)
-
-
 def outcome(result: Result) -> str:
     """The first sentence of a page: how it ended, how much of it is certified, and where."""
     found = [state for state in result.states if state.found]
     certified, targets = sum(state.certificate.ok for state in found), sum(state.target for state in found)
     how = {"converged": "Converged", "not_converged": "Not converged"}.get(result.status, result.status.capitalize())
+    missed = len(result.states) - len(found)
+    beyond = ""
+    if result.answered and missed:
+        how, beyond = "Pulled off", f", {counted(missed, 'target')} beyond what the contact carries"
+    asked = len(result.scene["loading"]["targets"])
     words = [
-        f"{how}: {counted(targets, 'state')} at targets ({len(result.scene['loading']['targets'])} in the scene)",
+        f"{how}: {counted(targets, 'state')} at targets ({asked} in the scene{beyond})",
         f"{certified} of {len(found)} states certified by the independent quadrature",
         counted(len(result.events), "event"),
     ]
     if found:
         last = found[-1]
         pressure = "any mean pressure" if math.isnan(last.mean_pressure) else quantity(last.mean_pressure, "Pa")
-        words.append(f"last at {pressure} and contact fraction {last.contact_fraction:.6g}")
-    why = "" if result.failure is None else f" Why: {result.failure}."
+        words.append(f"last at {pressure} and contact fraction {last.contact_fraction:.4g}")
+    why = "" if result.failure is None or result.answered else f" Why: {result.failure}."
     return "; ".join(words) + "." + why
 
 
 def succeeded(result: Result) -> bool:
-    """Whether a run ended as asked, with every state certified."""
-    return result.status in FINAL_STATUSES and all(state.certificate.ok for state in result.states)
+    """Whether a run has its answer, with every state certified."""
+    return result.answered and all(state.certificate.ok for state in result.states if state.found)
 
 
 def scene_in_words(scene: Mapping[str, Any]) -> list[str]:

@@ -14,6 +14,7 @@ from validation.report.render import filled
 from validation.report.run_words import quantity, scene_in_words
 
 FILE, PAGE = "study.json", "study.html"
+DOUBTFUL = 0.1  # relative uncertainty of the input beyond which an answer is no more than a hint
 
 
 def write_study_page(folder: Path) -> None:
@@ -27,6 +28,7 @@ def render_study(content: dict[str, Any]) -> str:
     return filled(
         "study_page.jinja",
         {"share": share, "quantity": quantity},
+        doubtful=max((row["input"] or 0.0 for row in content["targets"]), default=0.0) > DOUBTFUL,
         title=content["scene"]["title"] or "A scene",
         study=content,
         words=scene_in_words(content["scene"]),

@@ -36,7 +36,7 @@ def test_the_table_of_events_holds_every_number(result):
 
 
 def test_another_table_is_refused(result):
-    with pytest.raises(ValueError, match='of = \'fields\'; allowed: "states" or "events"'):
+    with pytest.raises(ValueError, match='of = \'fields\'; allowed: "states", "events" or "targets"'):
         result.to_table("fields")
 
 

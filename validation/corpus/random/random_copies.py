@@ -156,11 +156,16 @@ def compared(
     """
     if other.status != result.status:
         return [Finding(made.kind, f"status {other.status}, not {result.status}")]
-    ours, theirs = ([state for state in each.targets if state.found] for each in (result, other))
-    ours = ours if made.last is None else ours[len(ours) - made.last :]
+    ours, theirs = _found(made, result, other)
     if len(ours) != len(theirs):
         return [Finding(made.kind, f"{len(theirs)} targets, not {len(ours)}")]
     return _differing(list(_ways(made, scene.surface())), Units.of(scene), result, other, nearness)
+
+
+def _found(made: Copy, result: Result, other: Result) -> tuple[list[State], list[State]]:
+    """The states at targets that a result and its copy both have, of those that were met."""
+    rows = result.targets if made.last is None else result.targets[len(result.targets) - made.last :]
+    return [state for state in rows if state.found], [state for state in other.targets if state.found]
 
 
 def _ways(made: Copy, surface: Profile) -> Iterator[Copy]:
@@ -184,8 +189,7 @@ def _differing(
 ) -> list[Finding]:
     """What differs; every state and avalanche is placed as suits it, because among equals each chooses anew."""
     made = ways[0]
-    ours, theirs = ([state for state in each.targets if state.found] for each in (result, other))
-    ours = ours if made.last is None else ours[len(ours) - made.last :]
+    ours, theirs = _found(made, result, other)
     findings = []
     for k, (one, two) in enumerate(zip(ours, theirs, strict=True)):
         wrong = min((list(_differences(way, units, one, two)) for way in ways), key=len)

@@ -9,6 +9,7 @@ Every setting is the tables of a scene; one that a scene does not have is listed
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,7 +20,8 @@ import numpy as np
 from bem.scans.scan_file import RawScan, read_scan
 from bem.scans.scan_keys import SCAN_KEYS
 from bem.scene.atomic_file import write_atomically
-from bem.scene.scene import Scene
+from bem.scene.plausibility import LARGEST_JUMP, TILTED
+from bem.scene.scene import Scene, parse_scene
 from validation.references.adapters import changed
 
 Kind = Literal["base", "numerical", "input", "model"]
@@ -68,8 +70,15 @@ def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: 
         Setting("base", BASE, BASE, copy.deepcopy(tables)),
         Setting("numerical", FINEST, _accuracy_name(accuracy), changed(tables, {"accuracy": accuracy})),
     ]
+    base = places[0]
     numerical = (_tolerances(scene, quick), _increments(scene, quick))
-    question = (_cuts(scene), _detrends(scene), _windows(scene), _periods(scene, places), _seeds(scene, seeds))
+    question = (
+        _cuts(scene),
+        _detrends(scene, tables, base),
+        _windows(scene, tables, base),
+        _periods(scene, places),
+        _seeds(scene, seeds),
+    )
     kinds: tuple[tuple[Kind, tuple[Changes, ...]], ...] = (
         ("numerical", numerical),
         ("input", question),
@@ -120,29 +129,50 @@ def _cuts(scene: Scene) -> Changes:
         yield "cut", f"orders up to {max(kept['orders'])}", {"profile": kept}
         return
     count = int(profile.harmonics or 0)
-    most = None if scene.scan is None else scene.scan.max_harmonics
+    most = math.inf if scene.scan is None else scene.scan.max_harmonics
     for factor in CUTS:
-        asked = round(factor * count)
+        asked = round(min(factor * count, most) if factor > 1 else factor * count)
         name = f"{asked} harmonics"
-        if most is not None and asked > most:
-            yield "cut", name, f"the scan holds {most}"
+        if asked == count:
+            yield "cut", name, "the scan holds no more"
         elif asked < LEAST_HARMONICS:
             yield "cut", name, f"fewer than {LEAST_HARMONICS}"
         else:
             yield "cut", name, {"profile": {"harmonics": asked}}
 
 
-def _detrends(scene: Scene) -> Changes:
+def _detrends(scene: Scene, tables: Tables, base: Path) -> Changes:
+    """Other trends to subtract, but those that leave one which is no roughness: the scan has ruled them out."""
     if scene.scan is None:
         yield "detrending", "", NO_SCAN
         return
+    level = _left_by_detrending(scene)
     for method in DETRENDS:
-        if method != scene.profile.detrend:
-            yield "detrending", method, {"profile": {"detrend": method}}
+        if method == scene.profile.detrend:
+            continue
+        change = {"profile": {"detrend": method}}
+        leaning = _left_by_detrending(parse_scene(changed(tables, change), base))
+        if leaning > TILTED * level:
+            yield (
+                "detrending",
+                method,
+                f"the scan rules it out: it leaves {leaning:.2g} m rms, of which {level:.2g} m is rough",
+            )
+        else:
+            yield "detrending", method, change
 
 
-def _windows(scene: Scene) -> Changes:
-    """Ways to make a scan periodic, with the same shortest wavelength: a mirrored one has twice the period."""
+def _left_by_detrending(scene: Scene) -> float:
+    """Rms height of a scan after its trend is subtracted, m."""
+    step = next(step for step in scene.preparation() if step["step"] == "detrend")
+    return float(step["rms_height"][1])
+
+
+def _windows(scene: Scene, tables: Tables, base: Path) -> Changes:
+    """Ways to make a scan periodic, with the same shortest wavelength: a mirrored one has twice the period.
+
+    As it is, a scan is not periodic where its ends do not meet.
+    """
     if scene.scan is None:
         yield "window", "", NO_SCAN
         return
@@ -151,7 +181,12 @@ def _windows(scene: Scene) -> Changes:
         if method != own:
             factor = {own == "mirror": 0.5, method == "mirror": 2.0}.get(True, 1.0)
             harmonics = max(1, round(factor * count))
-            yield "window", method, {"profile": {"periodic": method, "harmonics": harmonics, "period": None}}
+            change = {"profile": {"periodic": method, "harmonics": harmonics, "period": None}}
+            scan = parse_scene(changed(tables, change), base).scan if method == "as_is" else None
+            if scan is not None and scan.end_jump > LARGEST_JUMP:
+                yield "window", method, f"the scan rules it out: its ends are {scan.end_jump:.2g} rms steps apart"
+            else:
+                yield "window", method, change
 
 
 def _periods(scene: Scene, places: tuple[Path, Path]) -> Changes:

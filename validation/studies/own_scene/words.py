@@ -31,6 +31,15 @@ SOURCES = {
     "seed": "the realisation of the random phases",
     "slope term": "the length on which adhesion counts",
 }
+CHANGES = {  # what a user can do about each
+    "numerical": "a smaller accuracy.tolerance lowers it",
+    "cut": "the key profile.harmonics decides it: which is the shortest wave that is roughness and not noise?",
+    "detrending": "the key profile.detrend decides it: what of the scan is form and not roughness?",
+    "window": "the key profile.periodic decides it; a longer scan lowers it",
+    "period": "a longer scan, or the mean of several, lowers it",
+    "seed": "the mean of more realisations (profile.seed) lowers it",
+    "slope term": "the key adhesion.slope_term decides it",
+}
 SIDE_BY_SIDE = 1.3  # factor of the seconds by which bars of the figure are set apart
 
 
@@ -49,7 +58,8 @@ def _largest_in_words(found: Findings) -> str:
         return "Nothing that was varied changes a number of this scene."
     what = f"{most.quantity} {_at(most.key)}"
     if most is own:
-        return f"The largest uncertainty is the numerical error: {share(own.relative)} of the {what}."
+        said = f"The largest uncertainty is the numerical error: {share(own.relative)} of the {what}"
+        return f"{said}; {CHANGES['numerical']}."
     if most.source == "seed":
         how = f"varies by {share(most.relative)} (standard deviation of {most.count} realisations; "
         how += f"standard error of their mean {share(most.of_mean)})"
@@ -57,9 +67,14 @@ def _largest_in_words(found: Findings) -> str:
         alternatives = "alternative" if most.count == 1 else "alternatives"
         how = f"changes by up to {share(most.relative)} with it ({most.count} {alternatives})"
     return (
-        f"The largest uncertainty is {SOURCES[most.source]} ({most.kind}): the {what} {how}; "
-        f"the numerical error is at most {share(own.relative)}."
+        f"The largest uncertainty is {SOURCES[most.source]} ({most.kind}): the {what} {how}. "
+        f"{_sentence(CHANGES[most.source])} The numerical error is at most {share(own.relative)}."
     )
+
+
+def _sentence(words: str) -> str:
+    """Words with a capital and an end."""
+    return words[0].upper() + words[1:] + ("" if words.endswith("?") else ".")
 
 
 def table_text(found: Findings) -> str:

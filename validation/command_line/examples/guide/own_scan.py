@@ -23,7 +23,7 @@ def main() -> dict[int, bem.Result]:
     """Solve with each cut, and print what it changes; the results."""
     results = {cut: solved(cut) for cut in CUTS}
     for step in results[CUTS[-1]].profile_preparation:
-        if step["step"] != "read":
+        if step["step"] != "read" and "rms_height" in step:
             before, after = step["rms_height"]
             done = step.get("method", "")
             print(f"{step['step']} {done}: rms height from {1e6 * before:.3f} to {1e6 * after:.3f} um")

@@ -1,0 +1,113 @@
+"""The answer of a run: a row for each target in units that a person reads, and the same in SI."""
+
+import csv
+import io
+import math
+
+import numpy as np
+import pytest
+from rough_scene import ROUGH
+
+import bem
+from bem.__main__ import main
+from bem.command_line.answer_table import UNKNOWN, csv_text, digits, heads, pull_off_words, rows, table_text
+
+PERIOD, HEIGHT, MODULUS = 0.01, 1e-4, 1e6 / 0.75
+FRACTION = 0.4
+SHARE = math.sin(math.pi * FRACTION / 2) ** 2
+PRESSURE = math.pi * MODULUS * HEIGHT / PERIOD * SHARE
+WAVE = {
+    "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+    "profile": {"kind": "harmonics", "period": PERIOD, "orders": [1], "amplitudes": [HEIGHT], "phases": [0.0]},
+    "loading": {"control": "mean_pressure", "targets": [PRESSURE]},
+}
+
+
+@pytest.fixture(scope="module")
+def wave():
+    return bem.solve(WAVE)
+
+
+@pytest.fixture(scope="module")
+def rough():
+    return bem.solve(ROUGH)
+
+
+def test_the_answer_of_a_wave_is_that_of_westergaard(wave):
+    found = {name: values[0] for name, values in wave.to_table("targets").items()}
+    separation = HEIGHT * (1 - SHARE + SHARE * math.log(SHARE))
+    known = {
+        "mean_pressure": PRESSURE,
+        "contact_fraction": FRACTION,
+        "separation": separation,
+        "contact_pressure": PRESSURE / FRACTION,
+        "peak_pressure": 2 * PRESSURE / math.sqrt(SHARE),
+        "n_patches": 1,
+        **dict.fromkeys(("width_least", "width_median", "width_largest"), FRACTION * PERIOD),
+        "open_share": 1 - FRACTION,
+        "open_gap_mean": separation / (1 - FRACTION),
+    }
+    assert {name: found[name] for name in known} == pytest.approx(known, rel=2e-6)  # of the peak; others 1e-9
+
+
+def test_a_person_can_read_it(wave):
+    cells = dict(zip(heads(wave), (text for text, _ in next(rows(wave))), strict=True))
+    assert cells["mean pressure (held)"] == "14.4719 kPa"
+    assert (cells["contact fraction"], cells["± numerical"], cells["± input"]) == ("0.4000", "< 0.01 %", UNKNOWN)
+    assert cells["widths: least, median, largest"] == "4.00, 4.00, 4.00 mm"
+    assert "contact pressure: peak" in table_text(wave)
+
+
+def test_digits_are_those_that_the_uncertainty_of_the_input_leaves(wave):
+    cells = dict(zip(heads(wave), next(rows(wave, {0: {"contact_fraction": 0.14, "separation": 0.004}})), strict=True))
+    assert (cells["contact fraction"][0], cells["± input"][0]) == ("0.40", "14 %")
+    assert len(cells["separation"][0].split()[0].replace(".", "")) == digits(0.004) == 3
+
+
+def test_the_open_share_is_as_uncertain_as_the_contact_fraction(wave):
+    nearly = bem.solve(WAVE | {"loading": {"control": "mean_pressure", "targets": [0.9999 * PRESSURE / SHARE]}})
+    (cells,) = rows(nearly, {0: {"contact_fraction": 0.005}})
+    shown = dict(zip(heads(nearly), (text for text, _ in cells), strict=True))
+    assert shown["contact fraction"] == "0.994"
+    assert shown["open share of the period"] == "0.0064"  # 0.5 % of the one are 80 % of the other
+
+
+def test_what_is_not_known_is_a_dash_and_an_empty_cell(rough):
+    apart = [text for text, _ in list(rows(rough))[-1]]  # the surfaces are apart
+    assert apart.count(UNKNOWN) == 4  # uncertainty of the input, both contact pressures, widths
+    table = list(csv.DictReader(io.StringIO(csv_text(rough))))
+    assert len(table) == len(rough.targets)
+    assert table[-1]["peak_pressure / Pa"] == ""
+    assert [float(row["contact_fraction"]) for row in table] == [state.contact_fraction for state in rough.targets]
+
+
+def test_the_pull_off_is_the_largest_tension_on_the_way_out(rough):
+    found = rough.pull_off()
+    out = [state for state in rough.states if state.branch == "unloading"]
+    assert found.tension >= -min(state.mean_pressure for state in out)
+    event = next(event for event in rough.events if event.kind == "pull_off")
+    highest = rough.states[0].penetration + rough.states[0].separation
+    assert found.apart == pytest.approx(highest - event.penetration, rel=1e-12)
+    assert "Pull-off: the largest tension found on the way out is " in pull_off_words(rough)
+
+
+def test_without_tension_there_is_no_pull_off(wave):
+    assert wave.pull_off() is None
+    assert pull_off_words(wave) == ""
+    assert bem.solve(WAVE).to_table("targets")["mean_pressure"].dtype == np.float64
+
+
+def test_run_prints_it(tmp_path, capsys):
+    main(["run", str(scene_file(tmp_path)), "--out", str(tmp_path / "out"), "--quiet", "--table"])
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split() == ["mean", "pressure", "(held)", "14.4719", "kPa"]
+    assert lines[-1].startswith("converged: ")
+
+
+def scene_file(folder):
+    path = folder / "scene.toml"
+    tables = [
+        f"[{name}]\n" + "\n".join(f"{key} = {value!r}" for key, value in table.items()) for name, table in WAVE.items()
+    ]
+    path.write_text("\n".join(tables) + "\n")
+    return path

@@ -1,0 +1,122 @@
+"""Curves of a run: jumps as jumps, the pull-off where the curve turns, the theory, distributions."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from rough_scene import ROUGH
+
+import bem
+import persson
+from validation.report.curves.run_curves import curves_of, jumps, strokes_of
+from validation.report.curves.theory_curves import theories_of
+from validation.report.run_figures import distributions_of
+
+PRESSED = {
+    **{name: table for name, table in ROUGH.items() if name != "adhesion"},
+    "profile": ROUGH["profile"] | {"harmonics": 100},
+    "loading": {"control": "mean_pressure", "targets": [2e3, 1e4]},
+    "output": {"width_distributions": True, "pressure_distribution": [1e4]},
+}
+
+
+@pytest.fixture(scope="module")
+def adhesive():
+    return bem.solve(ROUGH)
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    return bem.solve(PRESSED)
+
+
+def series_of(result, figure):
+    return {one.label: one for found in curves_of(result) if found.id == figure for one in found.solution.series}
+
+
+def test_branches_end_where_the_contact_jumps(adhesive):
+    highest = adhesive.states[0].penetration + adhesive.states[0].separation
+    strokes = strokes_of(adhesive, lambda state: state.separation, lambda event: highest - event.penetration)
+    begins = [strokes.jumps[k] for k in range(0, len(strokes.jumps), 3)]
+    known = [(highest - event.penetration, event.mean_pressure) for event in adhesive.events if jumps(event)]
+    assert known[-1] == pytest.approx(begins[-1], rel=1e-12)  # the pull-off
+    assert set(begins) <= set(known)
+    assert begins
+    lines = strokes.branches["loading"] + strokes.branches["unloading"]
+    for k in range(0, len(strokes.jumps), 3):  # no line joins the two ends of a jump
+        start, end, _ = strokes.jumps[k : k + 3]
+        assert all(pair != (start, end) for pair in pairwise(lines))
+
+
+def test_a_dead_tension_pulls_off_without_an_end_to_draw():
+    pulled = bem.solve({**ROUGH, "loading": {"control": "mean_pressure", "targets": [1e3, -5e4]}, "output": {}})
+    found = replace(pulled, states=tuple(state for state in pulled.states if state.found))
+    highest = found.states[0].penetration + found.states[0].separation
+    strokes = strokes_of(found, lambda state: state.separation, lambda event: highest - event.penetration)
+    out = strokes.branches["unloading"]
+    event = next(event for event in found.events if event.kind == "pull_off")
+    assert out[-3:-1] == [(highest - event.penetration, event.mean_pressure), None]
+
+
+def test_the_pull_off_is_marked_where_the_curve_turns(adhesive):
+    approach = series_of(adhesive, "approach")
+    event = next(event for event in adhesive.events if event.kind == "pull_off")
+    highest = adhesive.states[0].penetration + adhesive.states[0].separation
+    assert approach["pull-off"].x == pytest.approx([1e6 * (highest - event.penetration)], rel=1e-9)
+    assert approach["largest tension"].y[0] == pytest.approx(min(y for y in approach["unloading"].y if y is not None))
+
+
+def test_separations_are_on_a_logarithmic_axis(adhesive, pressed):
+    for result in (adhesive, pressed):
+        (figure,) = (figure for figure in curves_of(result) if figure.id == "approach")
+        assert figure.solution.xscale == "log"
+
+
+def test_the_theory_is_that_of_its_package(pressed):
+    plain, corrected = theories_of(pressed)
+    spectrum = persson.DiscreteSpectrum.of_profile(bem.parse_scene(PRESSED).surface())
+    given = {"youngs_modulus": 1e6, "poisson_ratio": 0.5}
+    for theory, solve in ((plain, persson.solve), (corrected, persson.corrected.solve)):
+        states = [solve(spectrum, load, **given) for load in (theory.loads[0], theory.loads[-1])]
+        assert [theory.fractions[0], theory.fractions[-1]] == pytest.approx([s.contact_fraction for s in states])
+        assert [theory.separations[0], theory.separations[-1]] == pytest.approx([s.separation for s in states])
+    drawn = series_of(pressed, "area")
+    assert {"Persson's theory", "the corrected theory"} <= set(drawn)
+
+
+def test_a_layer_has_no_theory_beside_it():
+    layer = {**PRESSED, "layer": {"thickness": 1e-3}, "output": {}, "loading": PRESSED["loading"] | {"targets": [1e3]}}
+    assert theories_of(bem.solve(layer)) == []
+
+
+def test_the_theory_of_a_scan_is_that_of_its_lines(tmp_path):
+    surface = bem.parse_scene(PRESSED).surface()
+    x = np.arange(256) * surface.period / 256
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([x, surface.height(x)]))
+    profile = {"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m", "harmonics": 100}
+    scan = bem.solve(bem.parse_scene({**PRESSED, "profile": profile}, tmp_path))
+    whole = theories_of(bem.solve(PRESSED))
+    for one, other in zip(theories_of(scan), whole, strict=True):
+        assert one.fractions == pytest.approx(other.fractions, rel=1e-6)
+
+
+def test_complete_contact_under_a_given_separation_has_distributions_without_a_pressure():
+    deepest = bem.parse_scene(ROUGH).surface().max_height
+    loading = {"control": "penetration", "targets": [1e-5, deepest]}
+    whole = bem.solve({**ROUGH, "loading": loading, "output": {"pressure_distribution": True}})
+    (pressures,) = distributions_of(whole)
+    assert pressures.solution.series[-1].label == "at complete contact, loading"
+
+
+def test_distributions_that_were_asked_for_are_drawn(pressed, adhesive):
+    widths, pressures = distributions_of(pressed)
+    assert [series.label for series in widths.solution.series] == [
+        f"{what} at {pressure} kPa, loading" for pressure in ("2.00", "10.0") for what in ("contacts", "gaps")
+    ]
+    contacts = widths.solution.series[0]
+    state = pressed.targets[0]
+    widest = max(b - a for a, b in state.edges)
+    assert max(contacts.x) == pytest.approx(1e3 * widest, rel=1e-6)  # mm
+    assert [series.label for series in pressures.solution.series] == ["at 10.0 kPa, loading"]
+    assert list(distributions_of(adhesive)) == []

@@ -1,0 +1,138 @@
+"""Curves of one run: mean pressure against contact fraction and separation, jumps as jumps, beside Persson's theory.
+
+A branch ends at the equilibrium from which the contact jumps, and goes on where it arrives; a dashed line joins them.
+Of an event the separation is known, but not the contact fraction: there the jump begins at the state before it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+from bem.command_line.answer_table import axis_unit
+from bem.scene.result import Event, Result, State
+from validation.harness.figure_data import axes, bars, drawn, marks, semilogx, trace
+from validation.harness.schema import Figure, Panel, Series
+from validation.report.curves.theory_curves import Theory, theories_of
+
+NEAR = 0.1  # of the smallest separation of the run: the theory is drawn down to that
+
+Point = tuple[float, float]  # of the quantity and the mean pressure, SI
+
+
+@dataclass
+class Strokes:
+    """What is drawn of a path, None between strokes."""
+
+    branches: dict[str, list[Point | None]] = field(default_factory=lambda: {"loading": [], "unloading": []})
+    jumps: list[Point | None] = field(default_factory=list)
+
+
+def curves_of(result: Result) -> Iterator[Figure]:
+    """Mean pressure against contact fraction and against separation, of a result of which all states are there."""
+    if not result.states:
+        return
+    theories = theories_of(result)
+    beyond = " The corrected theory is not calibrated here." if len(theories) == 1 else ""
+    for figure, name, known in (
+        ("area", "contact_fraction", theories),
+        ("approach", "separation", [theory for theory in theories if theory.separations]),
+    ):
+        beside = f" Dashed beside it: {' and '.join(theory.label for theory in known)}.{beyond}" if known else ""
+        words = f"Mean pressure against {name.replace('_', ' ')}.{beside}"
+        yield drawn(figure, words, _panel(result, name, known))
+
+
+def jumps(event: Event) -> bool:
+    """Whether energy is released, beyond its error: the contact goes over to another state at once."""
+    return event.energy_released is not None and event.energy_released > (event.error_estimate.energy_released or 0.0)
+
+
+def strokes_of(result: Result, value: Callable[[State], float], place: Callable[[Event], float] | None) -> Strokes:
+    """The path in strokes; `place` is the quantity of an event, where it is known."""
+    found, before, happened, branch = Strokes(), None, 0, ""
+    for state in result.states:
+        events = result.events[happened : state.events or happened]
+        happened = state.events or happened
+        if math.isnan(state.mean_pressure):
+            before = None
+            continue
+        line, here = found.branches[state.branch], (value(state), state.mean_pressure)
+        if state.branch != branch and before is not None:
+            line += [None, before]
+        branch, last = state.branch, before
+        for event in events:
+            if place is not None and not math.isnan(event.mean_pressure) and last is not None:
+                last = place(event), event.mean_pressure
+                line.append(last)
+            if jumps(event) or event.kind == "pull_off":  # a dead tension pulls the surfaces apart without end
+                if last is not None and jumps(event):
+                    found.jumps += [last, here, None]
+                line.append(None)
+                break
+        line.append(here)
+        before = here
+    return found
+
+
+def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
+    """Branches, jumps, states at targets with error bars, events and pull-off, and the theory beside them."""
+    states = [state for state in result.states if not math.isnan(state.mean_pressure)]
+    lift, pressure = axis_unit(max((abs(state.mean_pressure) for state in states), default=0.0), "Pa")
+    apart = name == "separation"
+    factor, unit = axis_unit(max(state.separation for state in result.states), "m") if apart else (1.0, "")
+    highest = result.states[0].penetration + result.states[0].separation
+
+    def place(event: Event) -> float:
+        return highest - event.penetration
+
+    def line(label: str, points: list[Point | None], style: str, hue: int) -> Iterator[Series]:
+        if points:
+            x = [None if point is None or (apart and point[0] <= 0) else factor * point[0] for point in points]
+            y = [None if point is None else lift * point[1] for point in points]
+            yield trace(label, x, y, style, hue=hue)
+
+    strokes = strokes_of(result, lambda state: float(getattr(state, name)), place if apart else None)
+    series = [one for hue, (branch, points) in enumerate(strokes.branches.items())
+              for one in line(branch, points, "line", hue)]  # fmt: skip
+    series += line("jumps", strokes.jumps, "dashed", 3)
+    targets = [state for state in states if state.target and (not apart or state.separation > 0)]
+    if targets:
+        x, y = [factor * getattr(state, name) for state in targets], [lift * state.mean_pressure for state in targets]
+        errors = [lift * _finite(state.error_estimate.mean_pressure) for state in targets]
+        low, high = ([value + sign * e for value, e in zip(y, errors, strict=True)] for sign in (-1, 1))
+        series += [marks("states at targets", x, y, hue=5), bars("estimated error", x, low, high, hue=5)]
+    series += _pulled_off(result, apart, factor, lift)
+    for hue, theory in enumerate(theories):
+        places = theory.separations if apart else theory.fractions
+        least = (
+            NEAR * min((state.separation for state in states if state.separation > 0), default=0.0) if apart else 0.0
+        )
+        pairs = [(factor * x, lift * load) for x, load in zip(places, theory.loads, strict=True) if x >= least]
+        series.append(trace(theory.label, (x for x, _ in pairs), (y for _, y in pairs), "dashed", hue=2 + 2 * hue))
+    shape = semilogx if apart and any(state.separation > 0 for state in states) else axes
+    label = name.replace("_", " ") + (f" / {unit}" if unit else "")
+    return shape(label, f"mean pressure / {pressure}", *(series or [marks("no state with a pressure", [], [])]))
+
+
+def _pulled_off(result: Result, apart: bool, factor: float, lift: float) -> Iterator[Series]:
+    """The largest tension on the way out, where the pressure turns, and the pull-off, where the separation turns."""
+    found = result.pull_off()
+    if found is None:
+        return
+    if not apart:
+        last = min((s for s in result.states if s.branch == "unloading"), key=lambda state: state.mean_pressure)
+        yield marks("largest tension", [last.contact_fraction], [lift * last.mean_pressure], hue=4)
+        return
+    yield marks("largest tension", [factor * found.separation], [-lift * found.tension], hue=4)
+    highest = result.states[0].penetration + result.states[0].separation
+    ends = [event for event in result.events if event.kind == "pull_off" and not math.isnan(event.mean_pressure)]
+    if ends:
+        yield marks("pull-off", [factor * (highest - end.penetration) for end in ends],
+                    [lift * end.mean_pressure for end in ends], hue=3)  # fmt: skip
+
+
+def _finite(error: float | None) -> float:
+    """An estimated error; none where there is no finite one."""
+    return 0.0 if error is None or not math.isfinite(error) else error
