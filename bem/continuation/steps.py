@@ -20,7 +20,7 @@ from bem.geometry.arrays import FloatArray
 
 GOOD, LARGEST = 0.01, 0.05  # units: the Newton step that a prediction should leave, and the longest that it may
 PART = 0.3  # of the step: the same
-MISFIT = 0.02  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
+MISFIT = 0.04  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
 EXACT = 1e-4  # of the step: a Newton step whose end is not evaluated again for a better curve
 GROWTH = 0.5, 2.0  # of the length of a step from one to the next
 PAST = 0.01  # units: how far a step may go past where the control turns

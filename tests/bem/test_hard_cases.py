@@ -37,17 +37,7 @@ def test_reduced_form_is_small(case):
     assert max(profile.get("orders", [profile.get("harmonics", 0)])) <= MOST_HARMONICS
 
 
-CRAWLS = pytest.mark.xfail(
-    reason="one gap in adhesion 1e5 times as strong as its roughness: K and its slopes, to the tolerance of targets, "
-    "leave the two ends of a step 2 % apart however short it is, and the path crawls",
-    run=False,
-)
-
-
-@pytest.mark.parametrize(
-    "case",
-    [pytest.param(case, marks=[CRAWLS] * (case.id == "rms_height_1e-09"), id=case.id) for case in HARD_CASES],
-)
+@pytest.mark.parametrize("case", HARD_CASES, ids=ids)
 def test_reduced_form_converges_as_expected_and_is_correct(case):
     found = run_case(case)
     assert found.refused_reason is None
