@@ -16,7 +16,7 @@ from bem.scene.result import UNPHYSICAL, State
 UNITS = {"separation": "m", "penetration": "m", "total_displacement": "m", "mean_pressure": "Pa"}
 FAILURES = {  # of a point of a path
     "not_converged": "no equilibrium was found",
-    "ill_conditioned": "the gaps are too narrow to resolve",
+    "ill_conditioned": "the gaps are too narrow, or the layer too thin, to resolve",
     "jumps_again": "the contact jumps again and again",
 }
 NUMERICAL_FAILURES = (IllConditionedSystemError, *UNPHYSICAL, FloatingPointError, np.linalg.LinAlgError, MemoryError)

@@ -40,7 +40,7 @@ Field = Callable[[FloatArray], FloatArray]
 
 MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes
 MOST_UNKNOWNS = 12_000  # of one factorisation: 2.3 GB for matrix and factor
-MOST_MODES = 5000  # of one patch: a gap of 1e-5 periods beside it at the accuracy of targets, seconds an evaluation
+MOST_MODES = 8000  # of one patch: a gap of 1e-5 periods beside it, or a layer of 3e-4; seconds an evaluation
 FEW_WAVES = 0.3  # of the unknowns: more of a layer are added to the matrix instead
 FAR_SHARE, FINEST_FAR = 1e-5, 1e-14  # accuracy of the kernel between clusters over the tolerance, and at least
 
@@ -294,7 +294,9 @@ def _has_few_waves(elastic: Elastic, modes: IntArray) -> bool:
     few = elastic.kernel is not None and elastic.kernel.columns <= FEW_WAVES * unknowns
     largest = most if elastic.kernel is None or few else unknowns
     if largest > MOST_UNKNOWNS or most > MOST_MODES:
-        raise IllConditionedSystemError(f"{largest} unknowns needed, more than fit: gaps too narrow")
+        raise IllConditionedSystemError(
+            f"{largest} unknowns needed, more than fit: gaps too narrow, or a layer too thin"
+        )
     return few
 
 

@@ -127,3 +127,15 @@ def test_orders_that_a_layer_stiffens_count_for_lone_cracks():
     thin = CompletedBody(Complete(), 1.0, layer.kernel.ratio)
     assert CompletedBody(Complete(), 1.0).highest_order == 2
     assert thin.highest_order == pytest.approx(1.3 / (2 * np.pi * 0.01), rel=0.3)  # modes shorter than it is thick
+
+
+@pytest.mark.slow
+def test_a_layer_of_three_ten_thousandths_of_the_period():
+    """Its contact of a quarter of the period resolves the thickness: thousands of unknowns, and no narrow gap."""
+    wave = bem.Profile.from_harmonics(1.0, [1], [0.01])
+    solid, layer = {"youngs_modulus": 1e6, "poisson_ratio": 0.0}, {"thickness": 3e-4}
+    loading = {"control": "total_displacement", "targets": [0.003]}
+    (state,) = bem.solve(profile=wave, solid=solid, layer=layer, loading=loading).targets
+    assert state.status == "converged"
+    overlap = np.arccos(1 - 0.003 / 0.01) / np.pi  # a bed of springs touches where the profile is above the plane
+    assert state.contact_fraction == pytest.approx(overlap, abs=2e-3)  # measured 1.4e-4
