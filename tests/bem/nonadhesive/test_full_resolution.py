@@ -138,4 +138,4 @@ def test_a_layer_of_three_ten_thousandths_of_the_period():
     (state,) = bem.solve(profile=wave, solid=solid, layer=layer, loading=loading).targets
     assert state.status == "converged"
     overlap = np.arccos(1 - 0.003 / 0.01) / np.pi  # a bed of springs touches where the profile is above the plane
-    assert state.contact_fraction == pytest.approx(overlap, abs=2e-3)  # measured 1.4e-4
+    assert state.contact_fraction == pytest.approx(overlap, abs=3e-4)  # measured 1.1e-4
