@@ -67,7 +67,8 @@ def test_every_snap_is_an_event_at_any_increment(ways, ripple, phase, targets):
     assert coarse.status == fine.status == "converged"
     assert [event.kind for event in coarse.events] == [event.kind for event in fine.events]
     first, second = released(coarse), released(fine)
-    np.testing.assert_allclose(first, second, rtol=0, atol=2e-6 * first.max())  # measured 7.4e-7 with kernels in NumPy, 2.4e-7 in C
+    # measured 7.4e-7 with kernels in NumPy, 2.4e-7 in C
+    np.testing.assert_allclose(first, second, rtol=0, atol=2e-6 * first.max())
     depths = [[event.penetration for event in result.events[1:]] for result in (coarse, fine)]
     np.testing.assert_allclose(*depths, rtol=0, atol=4e-10 * 50e-6)  # measured 1.4e-10
     for state, other in zip(coarse.targets, fine.targets, strict=True):
