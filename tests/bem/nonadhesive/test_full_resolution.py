@@ -73,7 +73,7 @@ def test_a_gap_that_opens_a_thousandth_of_a_wave_stays_open():
 
 
 def test_a_small_patch_of_a_steep_profile_is_certified_to_rounding():
-    """The loads of a third of these 2114 patches are below a hundredth of the mean."""
+    """2114 patches, the smallest 1e-5 / 2 pi periods wide: rounding was 4.7e-8 of the variation of its heights."""
     profile = bem.Profile.self_affine(period=0.01, hurst=0.3, rms_height=1e-6, harmonics=4000, seed=3)
     solid = {"youngs_modulus": 1e7, "poisson_ratio": 0.49}
     (state,) = solved(profile, [0.2 * plane_strain_modulus(solid) * rms_slope(profile)], solid=solid).targets
