@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-MOST_HARMONICS = 1_000_000  # 4 GB of tables
+MOST_HARMONICS = 1_000_000  # 15 GB of tables, by 1.5 GB for a tenth of them
 MOST_SEED = 2**128 - 1  # what NumPy draws where none is given
 LEAST, MOST = 1e-60, 1e60
 POSITIVE = f"a finite number > 0, from {LEAST:g} to {MOST:g}"
