@@ -15,10 +15,10 @@ from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
 
 if TYPE_CHECKING:
-    from bem.continuation.points_with_edges import Point, WithEdges
+    from bem.continuation.points_with_edges import Equilibrium, Point
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
-TOUCHING = 1e-9  # of the rms height: crests as high as the highest are touched with it
+TOUCHING = 1e-12  # of the rms height: crests as high as the highest are touched with it
 
 
 def check_path(scene: Scene) -> None:
@@ -61,5 +61,8 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
         if flaw is None:
             shut = f"= {width:g}: where it would open the pressure shuts a part of it"
             raise SceneError([Mistake("loading.flaw", shut, "a narrower one")])
-    adhesive: LoadingPath[Point, WithEdges] = Path(system, increments, highest, complete, flaw)
+    stop = scene.loading.stop_at_mean_pressure
+    pressures = (*scene.loading.at_mean_pressures, *(() if stop is None else (stop,)))
+    asked = tuple(problem.load_of(pressure) for pressure in pressures)
+    adhesive: LoadingPath[Point, Equilibrium] = Path(system, increments, highest, complete, flaw, asked)
     return adhesive

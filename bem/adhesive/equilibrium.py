@@ -1,8 +1,8 @@
 """Adhesive equilibrium of the edges at given control: the forces on them, and Newton along a branch.
 
 An equilibrium has G_e = K_e^2/4 = w_e at every edge with K_e > 0, and is stable where the Hessian of the potential
-under control is positive definite.  `correct` is plain Newton, which stays on the branch it starts from or says
-why it cannot; where a branch ends, descent.py continues.  Dimensionless.  Source: Carbone, Scaraggi, Tartaglino,
+under control is positive definite.  Newton's method for it is that of bem/continuation; where a branch ends, descent.py
+continues.  Dimensionless.  Source: Carbone, Scaraggi, Tartaglino,
 Eur. Phys. J. E 30 (2009) 65, section 3.
 """
 
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from scipy.linalg import lapack
@@ -18,18 +17,14 @@ from scipy.linalg import lapack
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.pinning import PinningWaves
 from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate
-from bem.elastic.hierarchical import if_solvable
 from bem.elastic.second_sensitivities import EdgeFields
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.control import Control
-from bem.loading.increments import Accuracy, Effort
+from bem.loading.increments import Effort
 from bem.loading.interface_law import InterfaceLaw
 
-NEWTON_STEPS = 8
-LARGEST_NEWTON_STEP = 0.3  # of the edge scale
-SHORT_NEWTON_STEP = 1e-3  # the same
 ENERGY_TRUNCATION = 3e-3  # relative error of the energy over the square of the tolerance of the evaluation
 KERNEL_TRUNCATION = 5e-3  # the same over the tolerance itself, where an effect adds to the kernel; measured on layers
 
@@ -234,69 +229,3 @@ def energy_noise(system: System, first: Balance, last: Balance, tolerance: float
     """Error of the difference in elastic energy of two states evaluated to `tolerance`, dimensionless."""
     share = ENERGY_TRUNCATION * tolerance**2 if system.elastic.kernel is None else KERNEL_TRUNCATION * tolerance
     return share * (first.state.elastic_energy + last.state.elastic_energy)
-
-
-NewtonStatus = Literal["converged", "indefinite", "long_step", "stalled", "ill_conditioned"]
-
-
-@dataclass(frozen=True, eq=False)
-class Corrected:
-    """Outcome of `correct`: the balance when converged, else the reason why not."""
-
-    status: NewtonStatus
-    balance: Balance | None
-
-
-def correct(system: System, patches: Patches, penetration: float, target: float, accuracy: Accuracy) -> Corrected:
-    """Newton iteration on K = 2 sqrt(w) from edges close to an equilibrium.
-
-    K is closer to a linear function of the edges than G = K^2/4, above all where w is small and K changes sign on
-    the way.  Steps must halve each time, until the residual is within a hundredfold of its limit, and stay below 0.3 of
-    the edge scale, the end must have K > 0,
-    and once all K > 0 the Hessian must be positive definite; anything else ends the iteration with its reason.
-    The Hessian is diag(K/2) times the Jacobian that Newton inverts (exactly so at equilibrium, or where w is uniform):
-    an indefinite one lies beyond a fold.  Short steps keep the resolution: K of one number of modes and of the next
-    differ by more than the residual where adhesion is weak, and between the two Newton would go to and fro.
-    """
-    last, kept = np.inf, None
-    start = patches
-    for _ in range(NEWTON_STEPS):
-        here = if_solvable(balance, system, patches, penetration, target, accuracy.tolerance, kept)
-        if here is None:
-            return Corrected("ill_conditioned", None)
-        scale = patches.edge_scale
-        if here.all_tensile:
-            if here.factor is None:
-                return Corrected("indefinite", None)
-            if here.is_equilibrium(accuracy.residual):
-                return Corrected("converged", here)
-        step = _newton_step(system, here)
-        size = float(np.abs(step).max())
-        if not size <= LARGEST_NEWTON_STEP:
-            return Corrected("long_step", None)
-        if size > last / 2 and here.residual > 100 * accuracy.residual:
-            return Corrected("stalled", None)
-        last, kept = size, here.state.resolution if size < SHORT_NEWTON_STEP else None
-        penetration = here.state.penetration
-        patches = patches.moved(step * scale)
-        travelled = np.abs(edge_positions(patches) - edge_positions(start)) / start.edge_scale
-        if not patches.is_ordered or travelled.max() > LARGEST_NEWTON_STEP:
-            return Corrected("long_step", None)
-    return Corrected("stalled", None)
-
-
-def _newton_step(system: System, here: Balance) -> FloatArray:
-    """Newton step on K = 2 sqrt(w) in units of the edge scale, (2 L,); infinite where it does not exist."""
-    state, control = here.state, system.control
-    jacobian = here.jacobian.copy()
-    if control.load_weight > 0:
-        share = control.load_weight * control.rate(state)
-        jacobian -= np.outer(share * state.stress_intensity_rate, here.load_gradient)
-    diagonal = np.arange(here.work.size)
-    jacobian[diagonal, diagonal] -= here.work_gradient / np.sqrt(here.work)
-    try:
-        missing = 2 * np.sqrt(here.work) - state.stress_intensity
-        jacobian *= state.patches.edge_scale
-        return np.asarray(np.linalg.solve(jacobian, missing))
-    except np.linalg.LinAlgError:
-        return np.full(here.work.size, np.inf)

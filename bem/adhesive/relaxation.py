@@ -30,6 +30,7 @@ GLOBAL_STEP = 0.4
 NEIGHBOURS = 4
 FROZEN_CALLS = 9  # evaluations of a local problem (mean, measured), for which the frozen field is prepared
 AVALANCHE_ROUNDS = 200  # besides one for every touch of a crest
+EQUAL = 1e-12  # rms heights: crests as high as the highest
 TIED = 1e-3  # relative difference in depth of contacts that form at the same instant
 
 
@@ -114,6 +115,11 @@ def relax(
             changes += local
         end = descend(system, patches, penetration, target, accuracy, steps)
         changes += [(change.kind, change.position) for change in end.changes]
+        if end.status == "separated" and target > 0:  # apart, the surfaces would overlap: the highest crests touch
+            crests = _highest(system)
+            patches, active, state = first_contact(system, crests), None, None
+            changes += [("new_contact", float(crest)) for crest in crests]
+            continue
         if end.balance is None or end.status not in ("converged", "touched"):
             return Relaxed(end.status, target, end.balance, tuple(changes))
         patches, state = end.patches, end.balance.state
@@ -129,6 +135,12 @@ def relax(
 def _most_rounds(system: System) -> int:
     """How often an avalanche may continue: beside equilibria that interpenetrate, every crest may touch, and again."""
     return AVALANCHE_ROUNDS + 2 * int(system.elastic.profile.crests[0].size)
+
+
+def _highest(system: System) -> FloatArray:
+    """Positions of the highest crests."""
+    positions, heights = system.elastic.profile.crests
+    return np.asarray(positions[heights >= heights.max() - EQUAL])
 
 
 def first_contact(system: System, positions: FloatArray) -> Patches:

@@ -7,13 +7,12 @@ k and dP/dDelta change by (dK dK/dDelta + K d(dK/dDelta))/2 and (dK/dDelta)^2/2.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
-from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.arrays import FloatArray
 
 
@@ -25,34 +24,22 @@ def with_slopes(system: System, here: Balance, value: float, tolerance: float) -
     return balance(system.sloped, state.patches, state.penetration, value, tolerance, state.resolution)
 
 
-def hessian_change(system: System, here: Balance, outward: FloatArray, change: float) -> FloatArray:
-    """The derivative of the Hessian under control along a motion, (2 L, 2 L).
+def hessian_change_times(
+    system: System, here: Balance, outward: FloatArray | None, change: float, x: FloatArray
+) -> FloatArray:
+    """The derivative of the Hessian under control along a motion, times x, (2 L,).
 
     Parameters
     ----------
     system : System
     here : Balance
-        Whose state knows the slopes that edges make at edges.
-    outward : (2 L,) array
-        Of the edges.
+        Whose state knows the slopes that edges make at edges, unless they rest.
+    outward : (2 L,) array or None
+        Of the edges; None where they rest.
     change : float
         Of the control.
+    x : (2 L,) array
     """
-    motion = _Motion(system, here, outward, change)
-    growing = replace(here.state, stress_intensity=motion.rate, edge_slope=here.state.edge_slope_rate)
-    jacobian = here.edge_fields.jacobian_change(outward) + motion.deeper * stress_intensity_jacobian(growing)
-    result = (motion.stronger[:, None] * here.jacobian + here.state.stress_intensity[:, None] * jacobian) / 2
-    result.flat[:: outward.size + 1] -= motion.work_bent(outward)
-    if system.control.load_weight:
-        both = np.outer(here.load_gradient, motion.carried)
-        result -= both + both.T
-    return np.asarray(result)
-
-
-def hessian_change_times(
-    system: System, here: Balance, outward: FloatArray | None, change: float, x: FloatArray
-) -> FloatArray:
-    """The same times x, (2 L,); where edges rest (None) the state need not know slopes."""
     motion, fields = _Motion(system, here, outward, change), here.edge_fields
     jacobian = motion.deeper * fields.times_jacobian_rate(x)
     if outward is not None:
@@ -107,13 +94,3 @@ class _Motion:
             change += state.stress_intensity * fields.times_jacobian_rate(self.outward) / 2
             change -= share / 4 * float(self.rate**2 @ self.outward) * self.here.load_gradient
         return share * change
-
-
-def branch_curvature(system: System, here: Balance, rate: FloatArray) -> FloatArray:
-    """Half the second derivative of the outward motion of the edges by the control along a branch, (2 L,).
-
-    H x'' = -(dH x' + dH/dtau x' + d2g/dtau2), dH the change of H along the branch, and g quadratic in the control.
-    """
-    bent = hessian_change_times(system, here, rate, 1.0, rate) + hessian_change_times(system, here, None, 1.0, rate)
-    bent += (here.state.stress_intensity_rate * system.control.rate(here.state)) ** 2 / 2
-    return -here.response(bent) / 2

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System
 from bem.adhesive.relaxation import Relaxed, first_contact, relax
 from bem.continuation.jumps import Jumps
@@ -24,7 +23,7 @@ from bem.continuation.opening import (
     opening_load,
     opening_rounding,
 )
-from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point
+from bem.continuation.points_with_edges import Equilibrium, Point
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact, closing_place
@@ -65,7 +64,7 @@ class BareStates:
         """Penetration at which contact is complete; infinite when the load takes part in the control."""
         return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
 
-    def advance(self, point: Separated | Complete | Failed | BranchEnd, goal: float) -> Point:
+    def advance(self, point: Separated | Complete | Failed, goal: float) -> Point:
         """From separated surfaces to first touch (at value 0), from complete contact to its opening, or to the goal."""
         if isinstance(point, Complete):
             return self._opened(point, goal)
@@ -86,7 +85,7 @@ class BareStates:
         """The state into which the highest crests jump where they touch."""
         relaxed = self._relaxed(first_contact(self.system, self.crests), value, value)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *relaxed.changes)
-        return self.jumps.behind(FIRST_TOUCH, NO_ERROR, relaxed, changes) or Failed(value, "not_converged")
+        return self.jumps.behind(FIRST_TOUCH, NO_ERROR, relaxed, changes)
 
     def _opened(self, point: Complete, goal: float) -> Point:
         """Complete contact at the goal, or the equilibrium into which it opens on the way there."""
@@ -102,7 +101,7 @@ class BareStates:
             return Failed(value, "not_converged")
         opening = ("opening", lowest_pressure(self.complete))
         events = path_events((opening,), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
-        return Equilibrium(value, relaxed.balance, tangent(system.control, relaxed.balance), events=events)
+        return replace(Equilibrium.of(value, relaxed.balance), events=events)
 
     def _opened_at_flaw(self, point: Complete, goal: float) -> Point:
         """The same where the load takes part in the control: without a flaw complete contact stays."""
@@ -119,8 +118,7 @@ class BareStates:
         joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, fine.tolerance))
         rounding = opening_rounding(system, flaw, fine.tolerance)
         error = replace(NO_ERROR, value=system.control.load_weight * rounding, load=rounding)
-        behind = self.jumps.behind(joined, error, relaxed, (("opening", flaw.center), *relaxed.changes))
-        return behind or Failed(value, "not_converged")
+        return self.jumps.behind(joined, error, relaxed, (("opening", flaw.center), *relaxed.changes))
 
     def _fully_joined(self, value: float) -> EventNumbers:
         """Complete contact at a value of the control; the tension under which the last gap closes has no bound."""

@@ -1,11 +1,12 @@
 """Jumps of an adhesive path: where the contact goes when its branch has ended, and the energy that it releases.
 
-A branch ends at a limit point or where a crest touches; both are located first (branch_ends.py, touch_points.py), so
-that neither the jump nor its numbers depend on the increments.  The jump itself follows the forces at the value of the
-control at which the branch ends (relaxation.py), and goes on by finer evaluations where only coarse ones find it at
-rest; what it releases is the difference of the potential of two equilibria, each improved until another resolution
-changes nothing.  Where no end is located within the smallest increment, the jump begins from the last good edges, and
-the increment is its error.  Dimensionless.
+A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (turns.py, touches.py), so
+that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of the control at
+which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as the square of
+the motion, from a broken symmetry on both sides of its mode.  It goes on by finer evaluations where only coarse ones
+find it at rest; what it releases is the difference of the potential of two equilibria, each improved until another
+resolution changes nothing.  A jump that leaves all patches in place is an event if it releases more than three times
+the error of that.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -15,31 +16,32 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.branch import outward_motion, unstable_patches
-from bem.adhesive.equilibrium import Balance, System, edge_positions
-from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
-from bem.continuation.branch_ends import BranchEnds, TouchedFold
-from bem.continuation.departure import departure
-from bem.continuation.limit_points import LimitPoint, sharper
+from bem.adhesive.branch import moving_patches, outward_motion, unstable_patches
+from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.relaxation import Cause, Relaxed, relax
+from bem.continuation.locating import Located
 from bem.continuation.opening import complete_potential
-from bem.continuation.points_with_edges import BranchEnd, Equilibrium, Point, equilibrium
+from bem.continuation.points_with_edges import Equilibrium, Point
 from bem.continuation.rest import at_rest
-from bem.continuation.touch_points import Bracket, locate_touch
+from bem.continuation.symmetry import TIED
+from bem.continuation.touches import Touch
+from bem.continuation.turns import LimitPoint
 from bem.elastic.collocation import Evaluation
-from bem.elastic.gap import GapMinima, gap_field
-from bem.elastic.hierarchical import if_solvable
+from bem.elastic.gap import GapMinima
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import Increments
+from bem.loading.increments import Accuracy, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-DEEPER = 1e-8  # rms heights, by which a gap beside the one that touches is closed before
-DOUBT = 3.0  # times its error: less energy is not released
-SURE = 10.0  # times its error: more energy surely is, less is looked at more sharply
-TIED = 1e-6  # relative difference of patches that move alike
-MOVING = 0.3  # of the largest motion in units of the edge scale: patches that move with a mode
+FINE = 1e-5  # tolerance of the first of the two evaluations of the state behind a jump
+DOUBT = 3.0  # times its error: less energy is not an event, where all patches stay
+FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet; the last, finely evaluated
+LONGEST_PUSH = 0.16  # of the edge scale
+PUSHES = 0.02, 0.08, 0.16  # of the edge scale, or of a pinning wave: where a symmetry breaks, on either side
+LEAST_FORCE = 3.0  # times the residual of an accuracy: weaker forces say nothing
+RETURNED = 2.0  # times a push: edges that moved no farther fell back
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,126 +59,75 @@ class Jumps:
     increments: Increments
     complete: CompleteContact
 
-    @property
-    def ends(self) -> BranchEnds:
-        """What finds limit points, and tells one branch from another."""
-        return BranchEnds(self.system, self.increments)
+    def from_touch(self, touch: Touch) -> Point:
+        """The state behind the touch of a crest."""
+        state, at = touch.at.balance.state, touch.at
+        relaxed = self._relaxed(state, state.patches, at.exact.value, found=touch.touching)
+        return self.behind(at.exact, at.error, relaxed, relaxed.changes)
 
-    def from_touch(self, point: Equilibrium, ahead: Equilibrium | TouchedFold, found: GapMinima) -> list[Point]:
-        """The touch between two points of a branch and the state behind its jump; nothing where it is not located."""
-        before = point.state
-        behind = before.patches.right[found.gap]
-        inside = (found.position > behind) & (found.position < behind + before.patches.gap_after[found.gap])
-        if not np.all(inside):
-            return []
-        gaps = gap_field(self.system.elastic, before)(found.position, found.gap), found.depth
-        width = abs(ahead.value - point.value)
-        touch = locate_touch(
-            self.system,
-            lambda value: interpolated(point, ahead, value),
-            before.penetration,
-            Bracket((point.value, ahead.value), gaps, found, self.increments.smallest, isinstance(ahead, TouchedFold)),
-            self.ends.fine,
-        )
-        if touch is None:
-            return []
-        end = equilibrium(self.system, touch.exact.value, touch.balance, last=True)
-        if isinstance(ahead, TouchedFold) and self.ends.surely_misses_energy(point, end):
-            return []  # the fold was of another branch
-        state = touch.balance.state
-        deeper = interpenetration(self.system, state, DEEPER - min(touch.left, 0.0))
-        if deeper.position.size:  # another minimum of the gap closed before, which at `ahead` there was none of
-            return self.from_touch(point, end, deeper) if abs(end.value - point.value) < width else []
-        relaxed = self._relaxed(state, state.patches, touch.exact.value, found=touch.touching)
-        after = self.behind(touch.exact, touch.error, relaxed, relaxed.changes)
-        return [] if after is None else [end, after]
+    def from_fold(self, limit: LimitPoint) -> Point | None:
+        """The state behind a fold; None where no force is felt along its mode that leads on."""
+        at, mode = limit.at, limit.modes[:, 0]
+        state, patches, work = at.balance.state, at.patches, at.balance.work
+        length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
+        longest = LONGEST_PUSH / float(np.max(np.abs(mode) / patches.edge_scale))
+        coarse, fine = self.increments.coarse, self.increments.fine
+        for part, accuracy in zip(np.minimum(length, longest), (coarse, fine, fine), strict=True):
+            pushed = patches.moved(part * mode)
+            if (
+                self._force(pushed, state.penetration, at.exact.value, mode, accuracy)
+                <= LEAST_FORCE * accuracy.residual
+            ):
+                continue
+            relaxed = self._relaxed(state, pushed, at.exact.value, moving_patches(patches, mode), fine=accuracy is fine)
+            if self._returned(patches, relaxed, part * mode):
+                continue
+            changes = relaxed.changes or (("bifurcation", leading_patch(patches, mode)),)
+            return self.behind(at.exact, at.error, relaxed, changes, surely=bool(relaxed.changes))
+        return None
 
-    def from_limit(self, limit: LimitPoint, goal: float) -> list[Point]:
-        """A limit point and the state behind its jump; nothing where the forces lead to no other state.
-
-        ===============  ======================================  ===================================================
-        limit point      edges pushed along its mode             what follows
-        ===============  ======================================  ===================================================
-        fold             feel no force that leads on             nothing: the branch does not end there
-        fold             feel one                                a jump at the same value of the control; nothing where
-                                                                 patches stay and it releases less than its doubt
-        broken symmetry  feel one, or do not fall back           the event that the symmetry breaks, and such a jump
-        broken symmetry  fall back: another branch begins here   that event, and the other branch, taken up as close as
-                                                                 it was found, at the goal if that is nearer; a smallest
-                                                                 increment behind where it was not found; from there
-                                                                 forces may still lead to a jump
-        ===============  ======================================  ===================================================
+    def from_broken_symmetry(self, at: Located, motion: FloatArray, other: Patches | None) -> Point | None:
+        """The state behind a broken symmetry; None where the contact falls back to where it was.
 
         Parameters
         ----------
-        limit : LimitPoint
-        goal : float
-            Where the path ends, behind the limit point.
+        at : Located
+            Where the symmetry breaks.
+        motion : (2 L,) array
+            Of the edges without resistance.
+        other : Patches or None
+            Edges of an unstable branch that begins there, from which forces lead on.
         """
-        way = departure(self.system, limit, self.increments.coarse, self.increments.fine)
-        if limit.kind == "fold" and not way.leads_on:
-            return []
-        state, value, outward = limit.balance.state, limit.exact.value, way.outward
-        pushed, moving = state.patches.moved(outward), _moving(state.patches, outward)
-        place = ("bifurcation", _leading(state.patches, outward))
-        left, behind, other = abs(goal - value), self.increments.smallest, way.other
-        if other is None:
-            relaxed = self._relaxed(state, pushed, value, moving, fine=way.fine or not way.leads_on)
-            if way.leads_on or relaxed.changes or _departed(state.patches, relaxed, outward):
-                breaks = limit.kind == "broken_symmetry"
-                changes = (place, *relaxed.changes) if breaks or not relaxed.changes else relaxed.changes
-                return self._jumped(limit, relaxed, changes, moved=breaks or bool(relaxed.changes))
+        value, patches, state = at.exact.value, at.patches, at.balance.state
+        unit = np.minimum(patches.edge_scale, self.system.pinning.shortest(at.balance.work, patches.edge_scale))
+        motion = motion / float(np.max(np.abs(motion) / unit))
+        outward = PUSHES[-1] * motion
+        if other is not None:
+            outward = outward_motion(patches, other)
         else:
-            behind = abs(other.value - value)
-            part = np.sqrt(left / behind) if left < behind else 1.0  # the control grows as the length squared
-            pushed = state.patches.moved(part * outward_motion(state.patches, other.here.state.patches))
-        value = goal if left <= behind else value + float(np.copysign(behind, goal - value))
-        relaxed = self._relaxed(state, pushed, value, moving, fine=other is not None)
-        points = self._jumped(limit, relaxed, (place, *relaxed.changes), moved=bool(relaxed.changes))
-        if points or relaxed.balance is None:
-            return points
-        return [
-            equilibrium(self.system, value, relaxed.balance, path_events((place,), limit.exact, limit.error, 0.0, 0.0))
-        ]
+            for part, sign in ((part, sign) for part in PUSHES for sign in (1.0, -1.0)):
+                trial, coarse = sign * part * motion, self.increments.coarse
+                if (
+                    self._force(patches.moved(trial), state.penetration, value, trial, coarse)
+                    > LEAST_FORCE * coarse.residual
+                ):
+                    outward = trial
+                    break
+        relaxed = self._relaxed(state, patches.moved(outward), value, moving_patches(patches, outward), fine=True)
+        if self._returned(patches, relaxed, outward):
+            return None
+        changes = (("bifurcation", leading_patch(patches, outward)), *relaxed.changes)
+        return self.behind(at.exact, at.error, relaxed, changes)
 
-    def _jumped(
-        self, limit: LimitPoint, relaxed: Relaxed, changes: tuple[tuple[str, float], ...], moved: bool
-    ) -> list[Point]:
-        """A limit point and the point behind the jump from it; nothing where none was found, or nothing happened."""
-        if relaxed.balance is None and not relaxed.changes:
-            return []
-        behind = self.behind(limit.exact, limit.error, relaxed, changes, moved)
-        first = behind.events[0] if behind is not None and behind.events else None
-        sure = first is not None and first.energy_released > SURE * first.energy_error
-        if limit.kind == "fold" and not (moved or sure):  # its doubt may be more than its error
-            finer = if_solvable(sharper, self.system, limit, self.increments.fine.tolerance) or limit
-            found = if_solvable(self.behind, finer.exact, finer.error, relaxed, changes, moved, sharply=True)
-            limit, behind = (limit, behind) if found is None else (finer, found)
-        return [] if behind is None else [BranchEnd(limit.exact.value, limit), behind]
-
-    def unlocated(
-        self, start: Equilibrium, value: float, found: GapMinima | None, width: float, fine: bool = False
-    ) -> Point:
-        """The state at `value` behind an end of the branch that was not located, from the last good edges.
-
-        The end lies within `width`, over which the numbers of a branch change by up to twice what its tangent says:
-        before a fold as the root of the distance.
-        What the accuracy between targets leaves undecided (a shallow minimum, or none) that of targets decides.
-        Edges that leap without a release of energy have not jumped: Newton only did not reach that far.
-        """
-        here, state = start.balance, start.state
-        unstable = unstable_patches(here) if found is None else None
-        relaxed = self._relaxed(state, state.patches, value, unstable, found, fine)
-        pushed = self._at_fixed_edges(here, start.value, value)
-        if relaxed.balance is not None and not relaxed.changes:
-            ahead = equilibrium(self.system, value, relaxed.balance)
-            if not self.ends.surely_misses_energy(start, ahead):
-                return self._resting(relaxed)
+    def unlocated(self, here: Balance, start: float, value: float) -> Point:
+        """The state at `value` behind an end of the branch that was not located, from the last good edges before it."""
+        state, width = here.state, abs(value - start)
+        relaxed = self._relaxed(state, state.patches, value, unstable_patches(here), fine=True)
         control, stiffness = self.system.control, here.stiffness
         deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
         error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
-        return self.behind(pushed, error, relaxed, changes, bool(relaxed.changes)) or self._resting(relaxed)
+        return self.behind(self._at_fixed_edges(here, start, value), error, relaxed, changes, bool(relaxed.changes))
 
     def behind(
         self,
@@ -184,10 +135,9 @@ class Jumps:
         error: EventNumbers,
         relaxed: Relaxed,
         changes: tuple[tuple[str, float], ...],
-        moved: bool = True,
-        sharply: bool = False,
-    ) -> Point | None:
-        """The point behind a jump with its events; None where nothing changed and no energy is released.
+        surely: bool = True,
+    ) -> Point:
+        """The point behind a jump with its events.
 
         Where only coarse evaluations find it at rest, the jump goes on from there by finer ones.
 
@@ -199,39 +149,56 @@ class Jumps:
             Where the jump ended.
         changes : tuple of (kind, position)
             What happened, in order.
-        moved : bool
+        surely : bool
             Whether something surely did; else the energy released must exceed its error.
-        sharply : bool
-            Whether that error is of two of the finest evaluations, and must be known.
         """
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
-        value, here, found = relaxed.target, relaxed.balance, self._at_rest(relaxed.balance, relaxed.target, sharply)
+        value, here, found = relaxed.target, relaxed.balance, self._at_rest(relaxed.balance, relaxed.target, surely)
         if found is None and relaxed.status == "converged":
             finer = self._relaxed(here.state, here.state.patches, value, fine=True)
             if finer.status in ("converged", "separated", "complete_contact"):
-                changes = (*changes, *finer.changes) if moved or not finer.changes else finer.changes
-                relaxed, moved = finer, moved or bool(finer.changes)
+                changes = (*changes, *finer.changes)
+                relaxed, surely = finer, surely or bool(finer.changes)
             if relaxed.balance is None:
                 return self._without_edges(at, error, relaxed, changes)
-            here, found = relaxed.balance, self._at_rest(relaxed.balance, value, sharply)
+            here, found = relaxed.balance, self._at_rest(relaxed.balance, value, surely)
         after, uncertain = self._at_fixed_edges(here, value, value), np.inf
         if found is not None:
             here, after, uncertain = found[0], found[1], found[2].potential
         released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
         doubt = error.potential + uncertain + self._elsewhere(at, error, after.penetration, after.load)
-        if not moved and (sharply or np.isfinite(doubt)) and not released > DOUBT * doubt:
-            return None
-        events = path_events(changes, at, error, released, doubt)
-        return (
-            equilibrium(self.system, value, here, events) if relaxed.status == "converged" else _failed(relaxed, events)
-        )
+        happened = surely or not np.isfinite(doubt) or released > DOUBT * doubt
+        events = path_events(changes, at, error, released, doubt) if happened else ()
+        if relaxed.status != "converged":
+            return _failed(relaxed, events)
+        patches = here.state.patches
+        if found is not None:
+            patches = patches.moved(-here.response(here.gradient))
+        return Equilibrium(value, here, patches, after.load, events=events)
 
-    def _at_rest(self, here: Balance, value: float, sharply: bool) -> tuple[Balance, EventNumbers, EventNumbers] | None:
+    def _at_rest(self, here: Balance, value: float, surely: bool) -> tuple[Balance, EventNumbers, EventNumbers] | None:
         """The equilibrium behind a jump, improved, if finer evaluations find it."""
-        fine, finest = self.ends.fine
+        finest = self.increments.fine.tolerance
+        fine = max(min(FINE, self.increments.coarse.tolerance), finest)
         energies = finest if self.system.elastic.kernel else fine  # their error falls with the square of the tolerance
-        return at_rest(self.system, here, value, (finest, finest) if sharply else (fine, energies))
+        return at_rest(self.system, here, value, (fine, energies) if surely else (finest, finest))
+
+    def _force(
+        self, patches: Patches, penetration: float, value: float, motion: FloatArray, accuracy: Accuracy
+    ) -> float:
+        """Force along a motion that edges feel, over the work of adhesion."""
+        if not patches.is_ordered:
+            return -np.inf
+        here = balance(self.system, patches, penetration, value, accuracy.tolerance)
+        return -float(here.gradient @ motion) / float(here.work @ np.abs(motion))
+
+    def _returned(self, start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
+        """Whether edges that were pushed outward fell back to an equilibrium."""
+        if relaxed.balance is None or relaxed.changes:
+            return False
+        moved = np.abs(outward_motion(start, relaxed.balance.state.patches)) / start.edge_scale
+        return float(moved.max()) <= RETURNED * float(np.max(np.abs(outward) / start.edge_scale))
 
     def _without_edges(
         self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
@@ -276,12 +243,6 @@ class Jumps:
                 break
         return relaxed
 
-    def _resting(self, relaxed: Relaxed) -> Equilibrium | Failed:
-        """The state that forces led to, as a point of the branch that went there."""
-        if relaxed.balance is None or relaxed.status != "converged":
-            return _failed(relaxed)
-        return equilibrium(self.system, relaxed.target, relaxed.balance)
-
     def _at_fixed_edges(self, here: Balance, start: float, value: float) -> EventNumbers:
         """Numbers of a state after a change of the control at fixed edges."""
         control, change = self.system.control, value - start
@@ -304,38 +265,8 @@ def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
     return Failed(relaxed.target, status, events=events)
 
 
-def _moving(patches: Patches, outward: FloatArray) -> IntArray:
-    """Patches that move with a motion of the edges."""
-    size = np.abs(outward) / patches.edge_scale
-    return np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)
-
-
-def _leading(patches: Patches, outward: FloatArray) -> float:
+def leading_patch(patches: Patches, outward: FloatArray) -> float:
     """Centre of the patch that grows or shrinks most in a motion of the edges; of two alike, that which shrinks."""
     growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
     leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))
     return float(patches.center[leading])
-
-
-def _departed(start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
-    """Whether edges that were pushed outward from an equilibrium did not fall back to it."""
-    if relaxed.balance is None:
-        return False
-    moved = np.abs(edge_positions(relaxed.balance.state.patches) - edge_positions(start)) / start.edge_scale
-    return float(moved.max()) > 2 * float(np.max(np.abs(outward) / start.edge_scale))
-
-
-def interpolated(first: Equilibrium, last: Equilibrium | TouchedFold, value: float) -> Patches:
-    """Edges between two points of a branch, by the cubic that has their places and tangents.
-
-    Towards a fold the edges are quadratic in the root of the distance from it.
-    """
-    width = last.value - first.value
-    here, there = first.state.patches, last.state.patches
-    moved = np.concatenate([here.left - there.left, there.right - here.right])
-    t = (value - first.value) / width
-    if isinstance(last, TouchedFold):
-        root = float(np.sqrt(np.clip(1 - t, 0.0, 1.0)))
-        return here.moved((1 - root) * ((1 - root) * moved + 2 * root * width * first.rate))
-    curved = (1 - t) * (first.rate * width - moved) + t * (moved - last.rate * width)
-    return here.moved(t * moved + t * (1 - t) * curved)

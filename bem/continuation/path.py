@@ -1,94 +1,55 @@
-"""The quasi-static path of an adhesive contact: increments, events, and the states asked for.
+"""The quasi-static path of an adhesive contact: curves of equilibria from event to event, and the states asked for.
 
-Between events the equilibrium edges are a smooth function of the control value tau (penetration, load or total
-displacement) and are followed by a second-order predictor and Newton.  An increment is accepted only when Newton
-stays on its branch (K > 0, positive definite Hessian, small steps along both tangents, no energy missing) and no gap
-interpenetrates.  Otherwise the end of the branch in between is located by its own equation: the touch of a crest, or a
-limit point (touch_points.py, branch_ends.py), from which the contact jumps (jumps.py).  The path yields both the last
-state of a branch and the first one behind the jump.  That neither depends on the increments is a property that tests
-show; where no end is located, increments shrink until the jump begins from the last good edges.
+A branch is followed as a smooth curve in steps (steps.py).  On every step the first end of the branch is looked for
+(branch_ends.py), as the equilibrium that meets its own condition: the goal, a fold, a broken or restored symmetry, or a
+gap that closes.  From there the contact jumps (jumps.py), or another branch is taken up (symmetry.py), and the curve of
+what is at rest is followed next.  A step in which it is not clear what happens is repeated at a third of its length.
 
-A point carries what the path needs to go on from it, the next increment among it; a path holds no state of its own;
-its system counts the work.  What `advance` knows besides, a value of the control that Newton did not reach and what it
-asked about the next fold, it forgets at its goal.  Dimensionless.
+A point carries what the path needs to go on from it; a path holds no state of its own; its system counts the work.
+Dimensionless.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 import numpy as np
 
-from bem.adhesive.branch import tangent
-from bem.adhesive.equilibrium import LARGEST_NEWTON_STEP, System, correct
+from bem.adhesive.branch import outward_motion
+from bem.adhesive.equilibrium import System
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
-from bem.continuation import crossing
 from bem.continuation.bare_states import BareStates
-from bem.continuation.branch_ends import HALFWAY, TouchedFold
-from bem.continuation.jumps import Jumps
-from bem.continuation.limit_points import before_fold
+from bem.continuation.branch_ends import BranchEnds, End, Goal
+from bem.continuation.curve import CurvePoint, Piece
+from bem.continuation.jumps import Jumps, leading_patch
+from bem.continuation.loads import Loads
+from bem.continuation.locating import AtControl, Located, Refused, Start, settle
 from bem.continuation.opening import Flaw
-from bem.continuation.points_with_edges import Equilibrium, Point, WithEdges
-from bem.elastic.gap import GapMinima, gap_field
+from bem.continuation.points_with_edges import Equilibrium, Point, Stretch
+from bem.continuation.steps import EXACT, Way, curve_from, evaluated_at_itself, growth, predicted, step_from
+from bem.continuation.symmetry import alone, other_branch, symmetric_branch
+from bem.continuation.touches import Touch
+from bem.continuation.turns import LimitPoint
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import Effort, Increments
+from bem.loading.path_events import path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-PART = 0.0625  # of the shortest wave that may pin an edge: how far it moves in an increment, as its tangent says
-BRACKET = 64  # parts of the smallest increment in which an end of a branch is bracketed that is not located
-FRACTIONS = 64  # of an increment: the way halfway to a fold, so that the same states are met on every processor
-NEARBY = 8  # parts of the smallest increment: events nearer to a point are looked for from there
+LONGEST, PER_INCREMENT = 0.15, 3.0  # units: a step, and per rms height of the largest increment; the lesser holds
+SHORTER = 3.0  # times: a step in which something is not clear is repeated
+SHORTEST = 1e-6  # units: a step that is not tried
+NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
+MOVED = 0.1  # units: motion in such a step behind which nothing has happened
+AROUND = 100  # steps around a fold
 MOST_JUMPS = 100  # in a row, none of which leads nearer to the goal: the path does not lead on
 SAME_VALUE = 1e-9  # of the largest increment
 CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
-
-
-@dataclass(frozen=True)
-class Pace:
-    """How the path continues.
-
-    Attributes
-    ----------
-    increment : float
-        The next one.
-    blocked : float or None
-        A value of the control that Newton did not reach.
-    fold : {"unasked", "ahead", "near", "asked"}
-        What is known of the next fold: nothing; the increment leads halfway to where it is foretold; it has done so,
-        and the fold is looked for at once; it was asked for from this point.
-    """
-
-    increment: float
-    blocked: float | None = None
-    fold: Literal["unasked", "ahead", "near", "asked"] = "unasked"
-
-
-@dataclass(frozen=True)
-class Trial:
-    """An increment to try: its size and end, the shortest worth trying, and how far the path goes before it closes."""
-
-    step: float
-    value: float
-    shortest: float
-    end: float
-
-
-@dataclass(frozen=True, eq=False)
-class Attempt:
-    """What Newton found: the point ahead (None: it left the branch), and where that interpenetrates.
-
-    `too_long` says that a jump may hide in the increment.
-    """
-
-    ahead: Equilibrium | None = None
-    found: GapMinima | None = None
-    too_long: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +66,8 @@ class Path:
         Where the path ends, and may begin.
     flaw : Flaw, optional
         From which complete contact opens when the load falls; without it, it never does.
+    asked_loads : tuple of float
+        Loads at which states are asked for on the way: points are made where the load turns near one.
     """
 
     system: System
@@ -112,6 +75,7 @@ class Path:
     crests: FloatArray
     complete: CompleteContact
     flaw: Flaw | None = None
+    asked_loads: tuple[float, ...] = ()
     has_history: ClassVar[bool] = True
 
     @property
@@ -121,7 +85,7 @@ class Path:
 
     @property
     def jumps(self) -> Jumps:
-        """What jumps from the ends of branches, and finds these."""
+        """What jumps from the ends of branches."""
         return Jumps(self.system, self.increments, self.complete)
 
     @property
@@ -129,9 +93,10 @@ class Path:
         """What leads to and from states without edges."""
         return BareStates(self.jumps, self.crests, self.flaw)
 
-    def with_increments(self, increments: Increments) -> Path:
-        """The same path in other increments."""
-        return replace(self, increments=increments)
+    @property
+    def loads(self) -> Loads:
+        """What finds loads on the way."""
+        return Loads(self.system, self.complete, self.increments.fine, self.asked_loads)
 
     def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
         """Sign of the motion of the control from a point to a goal; `separation` is the goal again, not needed here."""
@@ -140,18 +105,12 @@ class Path:
     def advance(self, point: Point, goal: float, separation: float | None = None) -> Iterator[Point]:
         """Yield every accepted point from `point` to the goal; the last one is at the goal or has failed.
 
-        1. Without edges: to first touch, to where complete contact opens, or to the goal.
-        2. Choose an increment; where none is left before the gaps close, contact is complete.
-        3. Try it: Newton from the edges that the branch predicts.  Where the point already foretells a fold on the way,
-           try half the way to that fold first.
-        4. Accepted: the next increment is up to twice as long.
-        5. Too long for energies to tell whether a jump lies within: half of it comes first.
-        6. Refused: jump from the end of the branch in between, or try a shorter increment, where a fold is foretold
-           halfway to it first.  Jumps for ever that do not lead nearer to the goal are a failure.
+        Without edges: to first touch, to where complete contact opens, or to the goal.  With edges: along the curve to
+        the first end of the branch, and what is behind it.  Jumps for ever that do not lead nearer to the goal are a
+        failure.
         """
-        pace, jumps, left = self._pace(point), 0, abs(goal - point.value)
+        jumps, left = 0, abs(goal - point.value)
         while point.value != goal:
-            direction = self.direction(point, goal)
             if not isinstance(point, Equilibrium):
                 start, point = point, self.bare.advance(point, goal)
                 yield point
@@ -159,35 +118,8 @@ class Path:
                 if not isinstance(point, Equilibrium) and not joined:
                     return
                 continue
-            trial = self._trial(point, goal, direction, pace)
-            if trial is None:
-                yield self.bare.closed(point, goal)
-                return
-            if pace.fold == "unasked" and point.state.slope_compliance.size:
-                half = self._halfway(point, trial)
-                if half is not None:
-                    pace = Pace(half, trial.value, "ahead")
-                    continue
-                pace = replace(pace, fold="asked")
-            attempt = Attempt() if pace.fold == "near" else self._attempt(point, trial.value, pace.fold == "ahead")
-            if attempt.too_long and trial.step >= 2 * self.increments.smallest:
-                self.effort.rejected += 1
-                pace = Pace(trial.step / 2, pace.blocked, "asked" if pace.fold == "asked" else "unasked")
-                continue
-            if attempt.ahead is not None and attempt.found is None:
-                self.effort.accepted += 1
-                longer = min(2 * trial.step, self._largest(attempt.ahead))
-                pace = Pace(longer, fold="near") if pace.fold == "ahead" else Pace(longer, pace.blocked)
-                point = replace(attempt.ahead, increment=pace.increment)
+            for point in self._along(point, goal):  # noqa: B020
                 yield point
-                continue
-            self.effort.rejected += int(pace.fold != "near")
-            points, pace = self._past_refusal(point, attempt, trial, pace)
-            if not points:
-                continue
-            pace = Pace(max(trial.step, self.increments.largest / 8))
-            point = _with_increment(points[-1], pace.increment)
-            yield from (*points[:-1], point)
             if isinstance(point, Failed):
                 return
             leads_on = abs(goal - point.value) < left - SAME_VALUE * self.increments.largest
@@ -197,246 +129,193 @@ class Path:
                 return
 
     def refine(self, point: Point, direction: float) -> Point:
-        """The point at the accuracy of a target.
-
-        Where the fine state interpenetrates, or there is none, the branch ended within the coarse accuracy: at a touch,
-        or at a limit point.  The path then jumps from there, returns to the value, and refines what it finds.
-
-        Parameters
-        ----------
-        point : Point
-        direction : float
-            Sign of the motion of the control that led here.
-        """
-        if not isinstance(point, Equilibrium):
+        """The point at the accuracy of a target; `direction` is not needed here."""
+        if not isinstance(point, Equilibrium) or point.settled:
             return replace(point, events=())
-        inc, state, value = self.increments, point.state, point.value
-        fine = correct(self.system, state.patches, state.penetration, value, inc.fine)
-        found = None
-        if fine.balance is not None:
-            refined = replace(point, balance=fine.balance, events=(), last=False)
-            found = interpenetration(self.system, fine.balance.state, inc.fine.allowed)
-            if found.position.size == 0:
-                return refined
-            before = self.refined_at(refined, value - direction * inc.smallest / NEARBY)
-            points = [] if before is None else self.jumps.from_touch(before, refined, found)
-        else:
-            points = self._past_event(point, Attempt(), (value + direction * inc.smallest / NEARBY, value), True)
-        if not points:
-            behind = self.jumps.unlocated(point, value, found, inc.smallest / NEARBY, fine=True)
-            there = behind.state
-            rest = None if there is None else self.corrected(there.patches, there.penetration, value)
-            return _with_increment(replace(rest, events=behind.events) if rest else behind, point.increment)
-        points = [*points[:-1], _with_increment(points[-1], point.increment)]
-        if points[-1].value != value and points[-1].state is not None:
-            points += self.advance(points[-1], value)
-        events = [event for passed in points for event in passed.events]
-        final = self.refine(points[-1], direction)
-        return replace(final, events=(*events, *final.events))
+        return self._settled(point.patches, point.state.penetration, point.value)
 
     def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> Point:
         """The point at given equilibrium edges, from which the path continues as if it began there."""
-        return self.corrected(patches, penetration, value) or Failed(value, "not_converged")
+        return self._settled(patches, penetration, value)
 
-    def corrected(self, patches: Patches, penetration: float, value: float) -> Equilibrium | None:
-        """The equilibrium near given edges at the accuracy of a target, if Newton finds one."""
-        if not patches.is_ordered:
-            return None
-        fine = correct(self.system, patches, penetration, value, self.increments.fine)
-        if fine.balance is None:
-            return None
-        return Equilibrium(value, fine.balance, tangent(self.system.control, fine.balance))
-
-    def refined_at(self, point: WithEdges, value: float) -> Equilibrium | None:
-        """The point of the same branch at another value of the control, at the accuracy of a target, or None.
-
-        The branch continues where contact forms beside it.
-        """
-        return self.corrected(point.predicted(value), point.state.penetration, value)
-
-    def interpenetrates(self, point: WithEdges) -> bool:
-        """Whether contact forms beside the edges of a point."""
-        return bool(interpenetration(self.system, point.state, self.increments.fine.allowed).position.size)
-
-    def assess(self, point: WithEdges) -> Assessment:
+    def assess(self, point: Equilibrium) -> Assessment:
         """Stability, stiffness and estimated errors, from finer evaluations."""
         return assess_equilibrium(self.system, point.balance, point.value, 1e-2 * self.increments.fine.tolerance)
 
     def load_of(self, point: Point) -> float | None:
         """Load at a point; None without edges, but for a gap that narrows under a tension without bound."""
-        if point.state is not None:
-            return point.state.load
+        if isinstance(point, Equilibrium):
+            return point.load
         narrowing = self.system.control.load_weight == 0 and isinstance(point, Complete)
         return -np.inf if narrowing else None
 
     def may_meet(self, before: Point, after: Point, load: float) -> bool:
-        """Whether a load is met between two points, or may have been before an event that lowered it."""
-        if before.last:
-            return False
-        if isinstance(before, WithEdges) and isinstance(after, WithEdges):
-            return crossing.may_meet(self, before, after, load)
+        """Whether a load is met between two successive points."""
+        if isinstance(before, Equilibrium) and isinstance(after, Equilibrium):
+            if after.stretch is None:
+                return False
+            low, high = sorted(after.stretch.loads)
+            return low < load <= high
         start, end = self.load_of(before), self.load_of(after)
         return start is not None and end is not None and min(start, end) < load <= max(start, end)
 
     def at_load(self, before: Point, after: Point, load: float) -> Point | None:
-        """The refined point at a load between two points; None where the path jumps over it."""
-        return crossing.at_load(self, before, after, load)
+        """The refined point at a load between two successive points; None where the path jumps over it."""
+        if isinstance(before, Equilibrium) and isinstance(after, Equilibrium):
+            return None if after.stretch is None else self.loads.on_stretch(after.stretch, load)
+        beside = [point for point in (before, after) if isinstance(point, Equilibrium)]
+        return self.loads.in_last_gap(beside[0], load, self.increments.coarse.tolerance) if beside else None
 
-    def _pace(self, point: Point) -> Pace:
-        """How a path continues from a point: as the point says, or as from a beginning."""
-        known = point.increment if isinstance(point, Equilibrium) else None
-        return Pace(known or self.increments.largest / 4)
+    def _settled(self, patches: Patches, penetration: float, value: float) -> Equilibrium | Failed:
+        """The stable state next to edges at a value of the control."""
+        found = settle(self.system.sloped, Start(patches, penetration, value), AtControl(value), self.increments.fine)
+        if isinstance(found, Refused) or found[0].factor is None:
+            return Failed(value, "not_converged")
+        return Equilibrium.of(value, found[0], settled=True)
 
-    def _trial(self, point: Equilibrium, goal: float, direction: float, pace: Pace) -> Trial | None:
-        """The increment to try; None where the gaps close.
+    def _way(self, point: Equilibrium, direction: float, end: float) -> Way:
+        """How a branch is followed from a point."""
+        largest, control = self.increments.largest, self.system.control
+        if control.load_weight:  # a stiff contact hardly moves
+            growth_of_control = control.penetration_weight + control.load_weight * point.balance.stiffness
+            largest = max(largest, self.increments.deepest * growth_of_control)
+        longest = min(LONGEST, PER_INCREMENT * self.increments.deepest)
+        return Way(direction, end, longest, largest, self.increments.fine.tolerance)
 
-        As long as the pace allows and Newton reaches; before a value that Newton did not reach, halfway to it; but not
-        shorter than the shortest.  The last one ends at the goal.
-        """
-        closing = self.bare.closing_value
-        last = self._last_increment(point, closing)
-        if goal >= closing and direction > 0 and point.value >= closing - last * (1 + 1e-9):
-            return None
-        step, shortest = min(pace.increment, self._largest(point), self._within_reach(point)), self._shortest(point)
-        if pace.blocked is not None and direction * (pace.blocked - point.value) > 0:
-            step = min(step, abs(pace.blocked - point.value) / 2)
-        step, end = max(step, shortest), min(goal, closing - last) if goal >= closing else goal
-        if step >= abs(end - point.value) * (1 - 1e-12):
-            return Trial(abs(end - point.value), end, shortest, end)
-        return Trial(step, point.value + direction * step, shortest, end)
-
-    def _attempt(self, point: Equilibrium, value: float, halfway: bool) -> Attempt:
-        """Newton from the predicted edges, and the gaps beside the edges that it finds."""
-        inc, change, predicted = self.increments, value - point.value, point.predicted(value)
-        if not predicted.is_ordered:
-            return Attempt()
-        system = self.system.sloped if halfway else self.system  # from there the fold is looked for
-        accuracy = inc.coarse
-        if halfway and point.balance.residual <= accuracy.residual:  # what is left would add up from point to point
-            accuracy = replace(accuracy, residual=HALFWAY * accuracy.residual)
-        corrected = correct(system, predicted, point.state.penetration, value, accuracy)
-        if corrected.balance is None:
-            return Attempt()
-        self.effort.unknowns = max(self.effort.unknowns, corrected.balance.state.unknowns)
-        rate = tangent(self.system.control, corrected.balance)
-        ahead = Equilibrium(value, corrected.balance, rate, (rate - point.rate) / (2 * change))
-        if self.jumps.ends.leaps(point, ahead):
-            return Attempt()
-        found = interpenetration(self.system, corrected.balance.state, inc.coarse.allowed)
-        if found.position.size:
-            return Attempt(ahead, found)
-        return Attempt(ahead, too_long=self.jumps.ends.may_hide_a_jump(point, ahead))
-
-    def _past_refusal(self, point: Equilibrium, attempt: Attempt, trial: Trial, pace: Pace) -> tuple[list[Point], Pace]:
-        """The points behind the event in a refused increment; none where a shorter one comes first, and the pace.
-
-        A fold is looked for from halfway, where it is foretold better, and what comes before it is met.
-        """
-        if attempt.ahead is None and pace.fold == "unasked":
-            half = self._halfway(point, trial)
-            if half is not None:
-                return [], Pace(half, trial.value, "ahead")
-        overshoot, shorter = self._bracket(point, attempt.found, trial.step, trial.shortest)
-        thorough = overshoot <= 1.05 * trial.shortest
-        points = self._past_event(point, attempt, (trial.value, trial.end), thorough)
-        if pace.fold == "near":  # no Newton has begun from here
-            return points, Pace(shorter)
-        if not points and thorough:
-            start = point if attempt.ahead is None else attempt.ahead
-            points = [self.jumps.unlocated(start, trial.value, attempt.found, trial.step)]
-        return points, Pace(shorter, trial.value if attempt.found is None else pace.blocked, "asked")
-
-    def _halfway(self, point: Equilibrium, trial: Trial) -> float | None:
-        """The increment halfway to where a fold is foretold, if that is shorter than the one to try."""
-        foretold = self.jumps.ends.foretold(point, trial.value - point.value)
-        half = np.floor(foretold / 2 / trial.step * FRACTIONS) / FRACTIONS * trial.step
-        return half if self.increments.smallest / NEARBY < half < trial.step else None
-
-    def _past_event(
-        self, point: Equilibrium, attempt: Attempt, ends: tuple[float, float], thorough: bool
-    ) -> list[Point]:
-        """The end of the branch of a point and the state behind the jump; nothing where it is not located.
-
-        Parameters
-        ----------
-        point : Equilibrium
-        attempt : Attempt
-            To follow the branch.
-        ends : (float, float)
-            Where the attempt was to lead, and how far the path goes: a limit point beyond that does not end this path,
-            and the point at its end, just before, is found from there.  Where there is none, and that is within the
-            error of the limit point, the contact jumps all the same.
-        thorough : bool
-            Whether shorter increments would not help.
-        """
-        if attempt.ahead is not None and attempt.found is not None:
-            return self.jumps.from_touch(point, attempt.ahead, attempt.found)
-        reach, direction = ends[0] - point.value, np.sign(ends[0] - point.value)
-        limit = self.jumps.ends.limit_point(point, reach, thorough)
-        if limit is None:
-            return []
-        if isinstance(limit, TouchedFold):
-            within = direction * (limit.value - ends[1]) <= 0
-            return self.jumps.from_touch(point, limit, limit.found) if within else []
-        beyond = direction * (limit.exact.value - ends[1])  # negative behind the point too: coarse states go too far
-        if beyond > 0:
-            along = limit.balance.state.patches.moved((ends[1] - limit.exact.value) * point.rate)
-            edges = before_fold(limit, ends[1]) if limit.kind == "fold" else along
-            near = self.corrected(edges, limit.balance.state.penetration, ends[1])
-            if near is not None:
-                return [] if self.interpenetrates(near) else [near]
-        points = self.jumps.from_limit(limit, ends[1]) if beyond <= limit.error.value else []
-        return points if beyond <= 0 or len(points) > 1 else []  # another branch that begins beyond is not there yet
-
-    def _largest(self, point: Equilibrium) -> float:
-        """The largest increment of the control at a point: the one asked for, or what moves the contact as far."""
-        control = self.system.control
-        if control.load_weight == 0:
-            return self.increments.largest
-        growth = control.penetration_weight + control.load_weight * point.balance.stiffness
-        return max(self.increments.largest, self.increments.deepest * growth)
+    def _along(self, point: Equilibrium, goal: float) -> Iterator[Point]:
+        """Points along the curve of a state, to the goal or to what is behind the first end of the branch."""
+        direction, closing, end = self.direction(point, goal), self.bare.closing_value, goal
+        if direction > 0 and goal >= closing:
+            end = closing - self._last_increment(point, closing)
+            if point.value >= end - SAME_VALUE * self.increments.smallest:
+                yield self.bare.closed(point, goal)
+                return
+        way = self._way(point, direction, end)
+        at = curve_from(self.system, point, way)
+        if at is None:
+            yield Failed(point.value, "not_converged")
+            return
+        length, load, again = way.longest, point.load, True
+        while True:
+            ahead = predicted(at, length, way)
+            tried = float(np.max(np.abs(ahead[0] / at.unit)))
+            if tried < SHORTEST:
+                yield self._by_control(at, way)
+                return
+            piece = step_from(self.system, at, ahead, way)
+            if piece is Refused.MISFIT and again and at.off > EXACT * tried:
+                better, again = evaluated_at_itself(self.system, at, way), False
+                at = at if isinstance(better, Refused) else better
+                continue
+            found = piece if isinstance(piece, Refused) else BranchEnds(self.system, self.increments).first(piece, way)
+            if isinstance(piece, Refused) or isinstance(found, Refused):
+                self.effort.rejected += 1
+                length = tried / SHORTER
+                continue
+            self.effort.accepted += 1
+            self.effort.unknowns = max(self.effort.unknowns, piece.last.balance.state.unknowns)
+            if found is not None:
+                yield from self._ended(piece, found, way, load)
+                return
+            yield from self._stretches(piece, 1.0, _on_curve(piece.last), load)
+            at, length, again = piece.last, min(way.longest, tried * growth(piece)), True
+            load = at.numbers.load
 
     def _last_increment(self, point: Equilibrium, closing: float) -> float:
         """The increment before complete contact: the smallest; half the way, where several gaps are left."""
-        if point.state.patches.count == 1:
+        if point.patches.count == 1:
             return self.increments.smallest
         return max((closing - point.value) / 2, CLOSED)
 
-    def _bracket(
-        self, point: Equilibrium, found: GapMinima | None, step: float, shortest: float
-    ) -> tuple[float, float]:
-        """How far a failed increment went beyond its event at most, and the increment to try instead."""
-        if found is None:
-            return step, max(step / 4, shortest)
-        patches = point.state.patches
-        behind = patches.right[found.gap]
-        inside = (found.position > behind) & (found.position < behind + patches.gap_after[found.gap])
-        if not np.all(inside):
-            return step, max(step / 4, shortest)
-        before = gap_field(self.system.elastic, point.state)(found.position, found.gap)
-        fraction = float(np.min(np.maximum(before, 0.0) / (np.maximum(before, 0.0) - found.depth)))
-        return step * (1 - fraction), max(min(step * fraction + shortest / 2, 0.9 * step), shortest)
+    def _stretches(self, piece: Piece, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
+        """A point on a piece with the stretch that leads there from a load, after one where the load turns before."""
+        start = 0.0
+        for s, top in self.loads.turns(piece, reach) if self.asked_loads else ():
+            yield replace(_on_curve(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
+            start, load = s, top.numbers.load
+        yield replace(point, stretch=Stretch(piece, (start, reach), (load, point.load)))
 
-    def _within_reach(self, point: Equilibrium) -> float:
-        """The increment whose predicted motion uses half of what Newton may travel, and a part of a pinning wave."""
-        scale = point.state.patches.edge_scale
-        wave = self.system.pinning.shortest(point.balance.work, scale)
-        travel = np.minimum(0.5 * LARGEST_NEWTON_STEP * scale, PART * wave)
-        with np.errstate(divide="ignore"):
-            return float(np.min(travel / np.abs(point.rate)))
+    def _ended(self, piece: Piece, end: End, way: Way, load: float) -> Iterator[Point]:
+        """The end of a branch, to which a piece leads from a load, and what is behind it."""
+        if isinstance(end, Goal):
+            yield from self._stretches(piece, end.place, Equilibrium.of(way.end, end.balance, settled=True), load)
+            return
+        at = end.at
+        last = Equilibrium(at.exact.value, at.balance, at.patches, at.exact.load, last=True)
+        yield from self._stretches(piece, end.place, last, load)
+        if isinstance(end, Touch):
+            yield self.jumps.from_touch(end)
+        elif end.kind == "fold":
+            yield self.jumps.from_fold(end) or self._around(piece, end, way)
+        elif end.kind == "broken_symmetry":
+            yield self._behind_broken_symmetry(piece, end, way)
+        else:
+            beyond = symmetric_branch(self.system, end, way)
+            yield self._by_control(piece.first, way) if isinstance(beyond, Refused) else _located(beyond)
 
-    def _shortest(self, point: Equilibrium) -> float:
-        """Where the end of a branch is not located, the increment in which it is bracketed.
+    def _behind_broken_symmetry(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
+        """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead."""
+        motion, at = alone(limit), limit.at
+        other = other_branch(self.system, limit, motion, way)
+        if isinstance(other, Refused):
+            edges = None
+        elif other.balance.factor is None or (other.value - at.exact.value) * way.direction <= 0:
+            edges = other.patches
+        else:
+            edges = None
+            events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.exact, at.error, 0.0, 0.0)
+            if way.beyond(other.value) <= 0:
+                return replace(_on_curve(other), events=events)
+            part = np.sqrt(max(-way.beyond(at.exact.value), 0.0) / abs(other.value - at.exact.value))
+            outward = part * outward_motion(at.patches, other.patches)
+            settled = self._settled(at.patches.moved(outward), at.exact.penetration, way.end)
+            return replace(settled, events=events)
+        return self.jumps.from_broken_symmetry(at, motion, edges) or self._by_control(piece.first, way)
 
-        A part of the smallest; less where within that edges at rest would lose all their stress intensity.
+    def _around(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
+        """The state behind a snap too small for a force to be felt: where the curve has turned twice."""
+        at, length, value = piece.last, piece.size, limit.at.exact.value
+        beyond = replace(way, end=way.direction * np.inf)
+        for _ in range(AROUND):
+            step = step_from(self.system, at, predicted(at, length, beyond), beyond)
+            if isinstance(step, Refused):
+                length /= SHORTER
+                if length < SHORTEST:
+                    break
+                continue
+            at, length = step.last, min(way.longest, length * growth(step))
+            if at.balance.factor is not None and (at.value - value) * way.direction > 0:
+                place = float(step.reaches(value)[-1:].sum())
+                found = self._settled(step.at(place)[0], at.numbers.penetration, value)
+                if isinstance(found, Equilibrium):
+                    return found
+                break
+        return self._by_control(piece.first, way)
 
-        Thin layers are so stiff that edges would close, and energies before and after an event not be comparable.
+    def _by_control(self, at: CurvePoint, way: Way) -> Point:
+        """The state a little farther on by the control, where no step along the curve is left.
+
+        If edges hardly move nothing happened; else an end of the branch was not located, and is counted.
         """
-        here, control = point.balance, self.system.control
-        loss = np.abs(here.state.stress_intensity_rate) * control.rate(here.state) / (2 * np.sqrt(here.work))
-        return min(self.increments.smallest, 1 / float(loss.max())) / BRACKET
+        for change in NATURAL:
+            change = min(change * self.increments.largest / self.increments.deepest, -way.beyond(at.value))
+            value = at.value + way.direction * change
+            found = self._settled(at.patches, at.numbers.penetration, value)
+            if isinstance(found, Failed):
+                continue
+            moved = outward_motion(at.patches, found.patches) / at.unit
+            closed = interpenetration(self.system, found.state, self.increments.fine.allowed)
+            if np.max(np.abs(moved)) < MOVED and closed.position.size == 0:
+                return found
+        self.effort.unlocated += 1
+        return self.jumps.unlocated(at.balance, at.value, value)
 
 
-def _with_increment(point: Point, increment: float | None) -> Point:
-    """The point with the increment with which the path continues from there, where it has edges."""
-    return replace(point, increment=increment) if isinstance(point, Equilibrium) else point
+def _on_curve(at: CurvePoint) -> Equilibrium:
+    """A point of a curve as one of the path."""
+    return Equilibrium(at.value, at.balance, at.patches, at.numbers.load)
+
+
+def _located(at: Located) -> Equilibrium:
+    """A located state as a point of the path."""
+    return Equilibrium(at.exact.value, at.balance, at.patches, at.exact.load)

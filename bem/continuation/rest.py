@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.adhesive.branch import after_step
 from bem.adhesive.equilibrium import Balance, System, balance
-from bem.continuation.softness import LONGEST_STEP, after_step
+from bem.continuation.locating import LONGEST_STEP
 from bem.elastic.collocation import finer, resolve
 from bem.loading.path_events import EventNumbers
 

@@ -102,23 +102,8 @@ class EdgeFields:
         y = self.state.stress_intensity_rate * x
         return k @ y + own * y + self.s_rate * x
 
-    def jacobian_change(self, a: FloatArray) -> FloatArray:
-        """The derivative of dK/de along a motion of the edges at fixed penetration, (2 L,): (2 L, 2 L)."""
-        (k, own), (c, _), intensity = self.k, self.c, self.state.stress_intensity
-        along, turned, bent = self._own_change(a)
-        beside = own[:, None] * k
-        beside += c
-        beside *= a[:, None]
-        change = (k * a) @ k
-        change += beside
-        change += beside.T
-        change *= intensity
-        change += k * along
-        change.flat[:: a.size + 1] += bent - turned * intensity
-        return change
-
     def jacobian_change_times(self, a: FloatArray, x: FloatArray) -> FloatArray:
-        """The same times x, (2 L,), by products of matrices and vectors."""
+        """The derivative of dK/de along a motion of the edges at fixed penetration, times x, (2 L,)."""
         (k, own), (c, _), intensity = self.k, self.c, self.state.stress_intensity
         along, turned, bent = self._own_change(a)
         y = intensity * x

@@ -50,7 +50,7 @@ class Increments:
     smallest: float
     coarse: Accuracy = COARSE
     fine: Accuracy = FINE
-    deepest: float = 0.0
+    deepest: float = 0.05
 
 
 @dataclass
@@ -65,7 +65,9 @@ class Effort:
     unknowns : int
         Most of them in a state.
     accepted, rejected : int
-        Increments; those that were too long are among the rejected.
+        Steps; those that were too long are among the rejected.
+    unlocated : int
+        Ends of branches that were not located.
     """
 
     evaluations: int = 0
@@ -73,3 +75,4 @@ class Effort:
     unknowns: int = 0
     accepted: int = 0
     rejected: int = 0
+    unlocated: int = 0

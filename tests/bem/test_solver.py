@@ -287,7 +287,7 @@ def test_with_adhesion_the_path_turns_where_it_stopped(monkeypatch):
     assert found.targets[1].certificate.reasons == (found.failure,)
     assert found.failure.startswith("target 2 of 3, separation = 4e-05 m: no equilibrium was found at ")
     turned = found.states[found.states.index(found.targets[1]) - 1]
-    assert 52e-6 <= turned.separation < 56e-6
+    assert 52e-6 <= turned.separation < 58e-6  # within two largest increments of 2.5e-6 m, and a step
     other = solve(rough_scene([70e-6, turned.separation, 80e-6]))
     assert found.targets[-1].contact_fraction == pytest.approx(other.targets[-1].contact_fraction, abs=1e-10)
     assert [event.kind for event in found.events] == [event.kind for event in other.events]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from bem.adhesive import descent
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.descent import Steps, descend
-from bem.adhesive.equilibrium import System, balance, correct
+from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.trust_region import trust_region_step
 from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Elastic
@@ -89,58 +89,6 @@ def test_trust_region_step_takes_a_mode_without_stiffness_or_force(force):
 def test_trust_region_step_leaves_a_saddle_without_force():
     step = trust_region_step(np.zeros(2), np.diag([1.0, -1.0]), 0.5)
     np.testing.assert_allclose(np.abs(step), [0.0, 0.5], atol=1e-6)
-
-
-@pytest.mark.parametrize("fraction", [0.1, 0.3, 0.6, 0.9, 0.95])
-@pytest.mark.parametrize("offset", [-0.03, 0.03])
-def test_newton_finds_johnsons_contact(fraction, offset):
-    start = patch(fraction).moved(offset * patch(fraction).edge_scale)
-    target = float(penetration_of(fraction))
-    found = correct(SYSTEM, start, target, target, Accuracy(1e-13, 1e-12))
-    assert found.status == "converged"
-    assert found.balance.state.patches.contact_fraction == pytest.approx(fraction, abs=1e-12)  # measured 1e-13
-    assert found.balance.state.load == pytest.approx(float(load_of(fraction)), abs=2e-12)
-
-
-def test_newton_converges_quadratically():
-    target = float(penetration_of(0.4))
-    start = patch(0.4).moved(0.05 * patch(0.4).edge_scale)
-    systems = [replace(SYSTEM, effort=Effort()) for _ in range(3)]
-    for system, residual in zip(systems, (1e-3, 1e-6, 1e-12), strict=True):
-        assert correct(system, start, target, target, Accuracy(1e-13, residual)).status == "converged"
-    counts = [system.effort.evaluations for system in systems]
-    assert counts[2] - counts[1] <= 1
-    assert counts[2] <= 6
-
-
-def test_newton_finds_johnsons_contact_under_load():
-    found = correct(UNDER_LOAD, patch(0.41), 0.3, float(load_of(0.4)), Accuracy(1e-13, 1e-12))
-    assert found.balance.state.patches.contact_fraction == pytest.approx(0.4, abs=1e-12)
-    assert found.balance.state.penetration == pytest.approx(float(penetration_of(0.4)), abs=1e-12)
-
-
-def test_newton_refuses_the_unstable_branch():
-    """Below the fold of the penetration the equilibrium is a maximum of the energy."""
-    fraction = 0.6 * fold(penetration_of)
-    target = float(penetration_of(fraction))
-    for offset in (0.0, 0.03):
-        start = patch(fraction).moved(offset * patch(fraction).edge_scale)
-        system = replace(SYSTEM, effort=Effort())
-        found = correct(system, start, target, target, Accuracy(1e-12, 1e-10))
-        assert (found.status, found.balance, system.effort.evaluations) == ("indefinite", None, 1)
-
-
-def test_newton_refuses_to_go_far():
-    target = float(penetration_of(0.8))
-    assert correct(SYSTEM, patch(0.3), target, target, Accuracy(1e-8, 1e-8)).status == "long_step"
-
-
-def test_newton_says_when_it_stands_on_no_branch():
-    """Beyond pull-off there is no equilibrium."""
-    target = float(penetration_of(fold(penetration_of))) - 0.02
-    found = correct(SYSTEM, patch(fold(penetration_of)), target, target, Accuracy(1e-8, 1e-8))
-    assert found.status != "converged"
-    assert found.balance is None
 
 
 @pytest.mark.parametrize("times", [0.97, 1.03])

@@ -5,9 +5,10 @@ import pytest
 from rough_surfaces import rough_profile
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.equilibrium import System, balance, correct
+from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.relaxation import Cause, first_contact, interpenetration, relax
 from bem.adhesive.vanishing import pull_off_half_width
+from bem.continuation.locating import AtControl, Start, settle
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -54,18 +55,23 @@ def test_relaxed_state_is_a_stable_equilibrium_without_overlap():
     assert interpenetration(SYSTEM, end.balance.state, 1e-10).position.size == 0
 
 
+def resting(patches, value):
+    """The equilibrium of these patches, whatever touches beside them."""
+    here, _ = settle(SYSTEM, Start(patches, value, value), AtControl(value), Accuracy(1e-8, 1e-9))
+    return here
+
+
 def test_new_contact_releases_energy():
     # the lower crest is touched at a penetration of 0.33
-    start = correct(SYSTEM, one_patch(0.5), 0.335, 0.335, Accuracy(1e-8, 1e-9))
-    assert start.status == "converged"
-    assert interpenetration(SYSTEM, start.balance.state, 1e-10).position.size == 1
-    end = relaxed(SYSTEM, start.balance.state.patches, 0.335)
+    start = resting(one_patch(0.5), 0.335)
+    assert interpenetration(SYSTEM, start.state, 1e-10).position.size == 1
+    end = relaxed(SYSTEM, start.state.patches, 0.335)
     assert end.balance.state.patches.count == 2
-    assert end.balance.potential < start.balance.potential - 0.01
+    assert end.balance.potential < start.potential - 0.01
 
 
 def test_overlap_allowed_is_no_new_contact():
-    start = correct(SYSTEM, one_patch(0.62), 0.6, 0.6, Accuracy(1e-8, 1e-9)).balance.state
+    start = resting(one_patch(0.62), 0.6).state
     depth = -interpenetration(SYSTEM, start, 1e-10).depth[0]
     assert interpenetration(SYSTEM, start, 0.9 * depth).position.size == 1
     assert interpenetration(SYSTEM, start, 1.1 * depth).position.size == 0

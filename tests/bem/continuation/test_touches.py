@@ -1,16 +1,20 @@
-"""Touch points: how the gap beside contact opens, against differences, and what Newton finds where it closes."""
+"""Touches: how the gap beside contact opens, against differences, and what Newton finds where it closes."""
 
 import numpy as np
 import pytest
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.branch import outward_motion
 from bem.adhesive.descent import Steps, descend
-from bem.adhesive.equilibrium import System, balance, correct
-from bem.continuation.touch_points import Bracket, gap_rates, locate_touch, probed
+from bem.adhesive.equilibrium import System, balance
+from bem.adhesive.relaxation import interpenetration
+from bem.adhesive.third_derivatives import with_slopes
+from bem.continuation.curve import first_point
+from bem.continuation.locating import AtControl, Refused, Start, settle
+from bem.continuation.steps import Way, predicted, step_from
+from bem.continuation.touches import GapCloses, locate_touch
 from bem.elastic.collocation import Elastic
 from bem.elastic.compliance import Compliance
-from bem.elastic.gap import gap_field, minima_near
+from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.elastic.kernel_series import kernel_series
 from bem.elastic.layer import LayerEffect
 from bem.geometry.patches import Patches
@@ -36,9 +40,8 @@ def system_of(control, compliance):
 def test_a_gap_opens_as_differences_say(control, compliance):
     system, start = system_of(control, compliance), Patches(np.array([-0.7, 2.0]), np.array([0.6, 2.3]))
     place, beside = 3.3, np.array([1])
-    here = balance(
-        probed(system, np.array([4.0, place - 3e-5]), np.array([4.01, place + 1e-5])), start, 0.4, 0.4, TOLERANCE
-    )
+    closes = GapCloses(system, GapMinima(np.array([place - 3e-5]), np.zeros(1), beside), np.array([4e-5]))
+    here = balance(closes.asked(system), start, 0.4, 0.4, TOLERANCE)
 
     def gap(step, change=0.0):
         state = balance(system, start.moved(step), 0.4, 0.4 + change, TOLERANCE, here.state.resolution).state
@@ -46,7 +49,7 @@ def test_a_gap_opens_as_differences_say(control, compliance):
 
     step = 1e-4
     units = step * np.eye(4)
-    by_edges, by_value = gap_rates(system, here, 1, 0.75)
+    by_edges, by_value = closes._rates(here, 0, 0.75)
     differences = [(gap(unit) - gap(-unit)) / (2 * step) for unit in units]
     np.testing.assert_allclose(by_edges, differences, rtol=0, atol=3e-8)  # measured 1.1e-8, of differences
     zero = np.zeros(4)
@@ -55,9 +58,9 @@ def test_a_gap_opens_as_differences_say(control, compliance):
 
 def resting(system, patches, value):
     """Equilibrium to the tests' tolerance, near given edges."""
-    found = correct(system, patches, 0.0, value, Accuracy(TOLERANCE, 0.1 * TOLERANCE))
-    assert found.status == "converged"
-    return found.balance
+    found = settle(system, Start(patches, 0.0, value), AtControl(value), Accuracy(TOLERANCE, 0.1 * TOLERANCE))
+    assert not isinstance(found, Refused)
+    return found[0]
 
 
 def gap_beside(system, here):
@@ -65,50 +68,41 @@ def gap_beside(system, here):
     return minima_near(gap_field(system.elastic, here.state), np.array([np.pi]), np.array([0]))
 
 
-def around_touch(system):
-    """Two equilibria an increment apart, with their values of the control, between which the gap closes."""
+def piece_with_touch(system):
+    """The step along the curve in which the gap closes, and what is closed at its end."""
     start = descend(system, Patches(np.array([-0.9]), np.array([0.9])), 0.0, 0.5, Accuracy(1e-3, 1e-4), Steps(0.2))
-    states = [(resting(system, start.balance.state.patches, 0.5), 0.5)]
-    while gap_beside(system, states[-1][0]).depth[0] > 0:
-        value = states[-1][1] + 0.1
-        states.append((resting(system, states[-1][0].state.patches, value), value))
-    return states[-2:]
-
-
-def touch_between(system, ends):
-    """The touch that is looked for between two equilibria."""
-    (before, first), (behind, last) = ends
-    motion = outward_motion(before.state.patches, behind.state.patches)
-    found = gap_beside(system, behind)
-    bracket = Bracket((first, last), (gap_beside(system, before).depth, found.depth), found, 1e-3)
-    return locate_touch(
-        system,
-        lambda value: before.state.patches.moved((value - first) / (last - first) * motion),
-        before.state.penetration,
-        bracket,
-        (1e-5, TOLERANCE),
-    )
+    here = with_slopes(system, resting(system, start.balance.state.patches, 0.5), 0.5, TOLERANCE)
+    way = Way(1.0, np.inf, 0.1, np.inf, TOLERANCE)
+    at = first_point(system, here, 0.5, 1.0)
+    for _ in range(50):
+        piece = step_from(system, at, predicted(at, 0.1, way), way)
+        assert not isinstance(piece, Refused)
+        found = interpenetration(system, piece.last.balance.state, 1e-10)
+        if found.position.size:
+            return piece, found
+        at = piece.last
+    raise AssertionError("no gap closes")
 
 
 @by_layer
 @by_control
 def test_a_touch_is_where_the_gap_of_an_equilibrium_vanishes(control, compliance):
     system = system_of(control, compliance)
-    ends = around_touch(system)
+    piece, found = piece_with_touch(system)
     counted = system.effort.evaluations
-    touch = touch_between(system, ends)
-    assert system.effort.evaluations - counted <= 3  # measured 2
-    at = resting(system, touch.balance.state.patches, touch.exact.value)
-    assert abs(gap_beside(system, at).depth[0]) <= 1e-13  # measured 1e-15
+    touch = locate_touch(system, piece, (piece.last.balance.state, 1.0), found, TOLERANCE)
+    assert system.effort.evaluations - counted <= 4
+    assert 0 < touch.place < 1
+    at = resting(system, touch.at.patches, touch.at.exact.value)
+    assert abs(gap_beside(system, at).depth[0]) <= 1e-11
     reached = (at.state.penetration, at.state.load, at.potential)
-    found = touch.exact.penetration, touch.exact.load, touch.exact.potential
-    np.testing.assert_allclose(found, reached, rtol=0, atol=4e-14)  # measured 1.3e-14
-    assert 0 < touch.error.value <= 4e-8  # measured up to 1.2e-8
+    exact = touch.at.exact.penetration, touch.at.exact.load, touch.at.exact.potential
+    np.testing.assert_allclose(exact, reached, rtol=0, atol=1e-11)
 
 
-def test_a_touch_behind_the_bracket_is_not_taken():
+def test_a_touch_behind_the_piece_is_not_taken():
     system = system_of(DisplacementControl(), None)
-    before, behind = around_touch(system)
-    short = resting(system, before[0].state.patches, before[1] - 0.1), before[1] - 0.1
-    assert touch_between(system, (before, behind)) is not None
-    assert touch_between(system, (short, before)) is None
+    piece, found = piece_with_touch(system)
+    way = Way(1.0, np.inf, 0.1, np.inf, TOLERANCE)
+    behind = step_from(system, piece.last, predicted(piece.last, 0.1, way), way)
+    assert isinstance(locate_touch(system, behind, (behind.last.balance.state, 1.0), found, TOLERANCE), Refused)

@@ -7,20 +7,18 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
-from bem.adhesive import equilibrium
-from bem.continuation import crossing
-from bem.continuation.crossing import at_load
-from bem.continuation.points_with_edges import BranchEnd
 from bem.loading.complete_contact import complete_contact
 from bem.loading.path_point import Separated
 from bem.path_for import path_for
 from bem.problem import pose
 from bem.scene.scene import parse_scene
 from bem.solver import solve
+from validation.references.closed_forms import Sinusoid
 
 
 def start(adhesion, harmonics=20):
-    posed = rough_scene([40e-6], harmonics, 1, adhesion)
+    loading = {"control": "separation", "targets": [40e-6], "at_mean_pressures": [1e3]}
+    posed = rough_scene([], harmonics, 1, adhesion, loading=loading)
     problem = pose(posed, posed.surface())
     path = path_for(posed, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance))
     return path, Separated(-1.0)
@@ -44,8 +42,8 @@ def smooth_pair(points):
 def test_the_load_is_met_on_a_smooth_branch(adhesive, share):
     path, points = adhesive
     before, after = smooth_pair(points)
-    load = (1 - share) * before.state.load + share * after.state.load
-    found = at_load(path, before, after, load)
+    load = (1 - share) * before.load + share * after.load
+    found = path.at_load(before, after, load)
     assert abs(found.state.load - load) <= 1e-9 * max(abs(load), 1e-3)
     assert min(before.value, after.value) <= found.value + 1e-9
     assert found.value <= max(before.value, after.value) + 1e-9
@@ -57,52 +55,8 @@ def test_a_load_next_to_a_point_is_met(adhesive, share):
     path, points = adhesive
     for before, after in pairwise(points[5:25]):
         if not after.events and (share < 1 or not after.last):
-            load = (1 - share) * before.state.load + share * after.state.load
-            assert at_load(path, before, after, load).state.load == pytest.approx(load, rel=1e-9)
-
-
-def test_a_load_next_to_a_point_with_forces_left_is_met(adhesive):
-    """As halfway to a fold: its load is off by 5e-5, more than the coarse search forgives beyond the two points."""
-    path, points = adhesive
-    before, after = smooth_pair(points)
-    coarse, state = path.increments.coarse, after.state
-    pushed = state.patches.moved(5e-5 * state.patches.edge_scale)
-    here = equilibrium.balance(path.system, pushed, state.penetration, after.value, coarse.tolerance)
-    unsettled = replace(after, balance=here)
-    assert coarse.residual < here.residual
-    at_rest = equilibrium.correct(path.system, pushed, state.penetration, after.value, replace(coarse, residual=1e-9))
-    settled = at_rest.balance.state.load
-    load = crossing._load(path, unsettled)
-    assert abs(load - settled) <= 6e-5 * abs(here.state.load - settled)  # measured 2e-5
-    for share in (1 - 1e-6, 1.0):
-        wanted = (1 - share) * before.state.load + share * load
-        assert at_load(path, before, unsettled, wanted).state.load == pytest.approx(wanted, rel=1e-9)
-
-
-def test_few_evaluations_are_as_fine_as_those_of_a_target(adhesive, monkeypatch):
-    path, points = adhesive
-    before, after = smooth_pair(points)
-    tolerances = []
-    original = equilibrium.balance
-
-    def noted(system, patches, penetration, target, tolerance, resolution=None):
-        tolerances.append(tolerance)
-        return original(system, patches, penetration, target, tolerance, resolution)
-
-    monkeypatch.setattr(equilibrium, "balance", noted)
-    at_load(path, before, after, 0.5 * (before.state.load + after.state.load))
-    assert 0 < tolerances.count(path.increments.fine.tolerance) <= 4  # measured 3
-
-
-def test_what_the_coarse_accuracy_cannot_decide_the_fine_one_does(adhesive, monkeypatch):
-    path, points = adhesive
-    before, after = smooth_pair(points)
-    load = 0.5 * (before.state.load + after.state.load)
-    expected = at_load(path, before, after, load)
-    monkeypatch.setattr(crossing, "_newton", lambda *given: None)
-    found = at_load(path, before, after, load)
-    assert found.value == pytest.approx(expected.value, abs=1e-10)
-    assert found.state.load == pytest.approx(load, rel=1e-10)
+            load = (1 - share) * before.load + share * after.load
+            assert path.at_load(before, after, load).state.load == pytest.approx(load, rel=1e-9)
 
 
 def test_the_load_is_met_without_adhesion():
@@ -116,53 +70,59 @@ def test_the_load_is_met_without_adhesion():
 def test_a_load_outside_is_not_found(adhesive):
     path, points = adhesive
     before, after = smooth_pair(points)
-    beyond = max(before.state.load, after.state.load) + abs(after.state.load - before.state.load)
-    assert at_load(path, before, after, beyond) is None
+    beyond = max(before.load, after.load) + abs(after.load - before.load)
+    assert path.at_load(before, after, beyond) is None
 
 
-@pytest.mark.parametrize("kind", ["fold", "touch"])
 @pytest.mark.parametrize("share", [0.1, 0.9, 0.999, 1 - 1e-6])
-def test_loads_are_met_up_to_the_end_of_a_branch(adhesive, kind, share):
+def test_loads_are_met_up_to_the_end_of_a_branch(adhesive, share):
     path, points = adhesive
-    pairs = [(a, b) for a, b in pairwise(points) if b.last and isinstance(b, BranchEnd) == (kind == "fold")]
-    assert pairs
+    pairs = [(a, b) for a, b in pairwise(points) if b.last]
+    assert len(pairs) > 5
     for before, after in pairs:
-        load = (1 - share) * before.state.load + share * after.state.load
-        found = at_load(path, before, after, load)
+        load = (1 - share) * before.load + share * after.load
+        found = path.at_load(before, after, load)
         assert found.state.load == pytest.approx(load, rel=1e-9)
-        assert min(before.value, after.value) <= found.value <= max(before.value, after.value)
+        low, high = sorted((before.value, after.value))
+        assert low - 2e-10 <= found.value <= high + 2e-10  # measured 6e-11: evaluations of other resolutions
 
 
-def test_where_newton_does_not_reach_a_finer_path_leads_closer(adhesive, monkeypatch):
-    path, points = adhesive
-    before, after = smooth_pair(points)
-    load, reach = 0.4 * before.state.load + 0.6 * after.state.load, abs(after.value - before.value)
-
-    def short_sighted(path, first, last, load):
-        return root(path, first, last, load) if abs(last.value - first.value) < 0.2 * reach else None
-
-    root = crossing._root
-    monkeypatch.setattr(crossing, "_root", short_sighted)
-    assert at_load(path, before, after, load).state.load == pytest.approx(load, rel=1e-9)
+@pytest.mark.parametrize("short", [1e-3, 1e-5, 1e-7])
+@pytest.mark.parametrize("increment", [0.05, 0.015])
+def test_loads_a_little_short_of_their_extremum_are_met(short, increment):
+    """On Johnson's branch the tension is largest at penetrations that are stable; it was missed from 1e-3 on."""
+    wave = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
+    psi = np.linspace(0.05, 1.2, 400_001)
+    most = float(np.min(wave.mean_pressure(psi)))
+    tables = {
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+        "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-4], "phases": [0.0]},
+        "adhesion": {"work_of_adhesion": wave.work_of_adhesion},
+        "loading": {"control": "penetration", "targets": [3e-5, -3e-5], "at_mean_pressures": [(1 - short) * most]},
+        "accuracy": {"max_increment": increment},
+    }
+    wanted = (1 - short) * most
+    met = [state.mean_pressure for state in solve(parse_scene(tables)).targets]
+    assert sum(abs(pressure / wanted - 1) <= 1e-9 for pressure in met) == 1
 
 
 def test_the_state_beside_events_does_not_depend_on_the_increment():
     """Several events lie within an increment here."""
     path, points = points_to(0.03, 1.131, harmonics=300)
     inc = path.increments
-    fine = path.with_increments(replace(inc, largest=inc.largest / 30, smallest=inc.smallest / 30))
+    fine = replace(path, increments=replace(inc, largest=inc.largest / 10, deepest=inc.deepest / 10))
     start = next(point for point in points if point.value > 1.12 and not point.last)
     behind = points[points.index(start) :]
     close = [start, *fine.advance(start, points[-1].value)]
-    loads = [point.state.load for point in close]
+    loads = [point.load for point in close]
     for load in np.linspace(min(loads), max(loads), 7)[1:-1]:
         found, expected = (first_met(some, points, load) for some, points in ((path, behind), (fine, close)))
         assert found.state.patches.contact_fraction == pytest.approx(expected.state.patches.contact_fraction, abs=1e-9)
 
 
 def first_met(path, points, load):
-    pairs = [(a, b) for a, b in pairwise(points) if not a.last and crossing.may_meet(path, a, b, load)]
-    met = [at_load(path, a, b, load) for a, b in pairs]
+    pairs = [(a, b) for a, b in pairwise(points) if path.may_meet(a, b, load)]
+    met = [path.at_load(a, b, load) for a, b in pairs]
     return next(found for found in met if found is not None)
 
 

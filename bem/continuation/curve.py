@@ -1,0 +1,287 @@
+"""A branch of equilibria as a smooth curve: points with two derivatives, and the quintic between two of them.
+
+Unknowns are the outward motions xi of the edges and the control tau.  The curve K(xi, tau) = 2 sqrt(w(xi)) is regular
+at folds, where tau turns.  Whatever is looked for on it closes these equations with one more condition phi(xi, tau) = 0
+and is found by Newton on the bordered system
+
+    [ (J - beta r K_Delta k^T - diag(w'/sqrt w)) / sqrt w    r K_Delta / sqrt w ] [ d xi  ]   [ 2 - K / sqrt w ]
+    [ phi_xi                                                 phi_tau            ] [ d tau ] = [ - phi          ],
+
+J = dK/dxi at fixed penetration, r = dDelta/dtau at fixed edges, beta the load weight of the control and k = dP/dxi
+(H. B. Keller, Numerical Methods in Bifurcation Problems, 1987, section 5).  On the curve by s = c . xi / n, with the
+tangent (t, tau') and the Hessian H under control, the second derivatives solve the same system for the right
+side -((D_t H + tau' H_tau) t + tau' H_tau t + (tau' r K_Delta)^2 / 2) / w, 0.
+
+Lengths are maximum norms of motions in parts of the unit of each edge: its edge scale, or 0.4 of the shortest wave that
+may pin it.  Dimensionless.  Limits: K > 0 at every edge, and no two tangents at one point: at a bifurcation the system
+is singular (symmetry.py).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import polynomial
+from scipy.linalg import lapack
+
+from bem.adhesive.branch import after_step, outward_motion
+from bem.adhesive.equilibrium import Balance, System, forces, symmetric_part
+from bem.adhesive.lowest_modes import lowest_modes
+from bem.adhesive.third_derivatives import hessian_change_times
+from bem.geometry.arrays import FloatArray
+from bem.geometry.patches import Patches
+from bem.loading.path_events import EventNumbers
+
+PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
+BESIDE = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
+SOFTENING = 6.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit
+MODES = 4  # of a point whose Hessian is indefinite: more than turn within a step, but for equal patches
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """A condition next to the curve: phi and its derivatives by outward motions of the edges, and by the control."""
+
+    value: float
+    by_edges: FloatArray
+    by_control: float
+
+
+def unit_of(system: System, here: Balance) -> FloatArray:
+    """Lengths in which motions of the edges are measured, (2 L,)."""
+    scale = here.state.patches.edge_scale
+    return np.minimum(scale, PINNED * system.pinning.shortest(here.work, scale))
+
+
+def bordered(system: System, here: Balance, unit: FloatArray, row: Row) -> FloatArray:
+    """Matrix of the bordered system, motions in units, (2 L + 1, 2 L + 1)."""
+    state, n, rate = here.state, here.work.size, system.control.rate(here.state)
+    root = np.sqrt(here.work)
+    matrix = np.empty((n + 1, n + 1))
+    block = matrix[:n, :n]
+    block[:] = here.jacobian
+    if system.control.load_weight > 0:
+        block -= np.outer(system.control.load_weight * rate * state.stress_intensity_rate, here.load_gradient)
+    diagonal = np.arange(n)
+    block[diagonal, diagonal] -= here.work_gradient / root
+    block *= unit
+    matrix[:n, n] = state.stress_intensity_rate * rate
+    matrix[:n] /= root[:, None]
+    matrix[n, :n], matrix[n, n] = row.by_edges * unit, row.by_control
+    return matrix
+
+
+def missing(here: Balance) -> FloatArray:
+    """2 - K / sqrt w, (2 L,): zero in equilibrium."""
+    return np.asarray(2 - here.state.stress_intensity / np.sqrt(here.work))
+
+
+@dataclass(frozen=True, eq=False)
+class CurvePoint:
+    """A point of the curve with two derivatives by its parameter.
+
+    Attributes
+    ----------
+    balance : Balance
+        Forces beside it, one Newton step away.
+    patches, numbers : Patches, EventNumbers
+        The point itself.
+    rate, control_rate : (2 L,) array, float
+        First derivatives of the outward motions and of the control.
+    bend, control_bend : (2 L,) array, float
+        Second derivatives.
+    unit : (2 L,) array
+    off : float
+        Length of the Newton step.
+    """
+
+    balance: Balance
+    patches: Patches
+    numbers: EventNumbers
+    rate: FloatArray
+    control_rate: float
+    bend: FloatArray
+    control_bend: float
+    unit: FloatArray
+    off: float
+
+    @property
+    def value(self) -> float:
+        """Of the control."""
+        return self.numbers.value
+
+    @property
+    def speed(self) -> float:
+        """Length of the tangent."""
+        return float(np.max(np.abs(self.rate / self.unit)))
+
+    @cached_property
+    def lowest(self) -> tuple[FloatArray, FloatArray]:
+        """The negative eigenvalues of the scaled Hessian, ascending, and their modes; up to MODES."""
+        size = self.balance.work.size
+        if self.balance.factor is not None:
+            return np.zeros(0), np.zeros((size, 0))
+        values, modes = lowest_modes(self.balance.scaled_hessian, MODES)
+        return values[values < 0], modes[:, values < 0]
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether what the Newton step may change of the eigenvalues leaves them positive, or some are negative."""
+        if self.balance.factor is None:
+            return True
+        shifted = symmetric_part(self.balance.hessian, np.sqrt(self.unit / self.balance.work))
+        shifted.flat[:: shifted.shape[0] + 1] -= SOFTENING * self.off
+        return bool(lapack.dpotrf(shifted, lower=0, clean=0)[1] == 0)
+
+    def by(self, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """First and second derivatives of motions and control by the parameter normal . xi, (2 L + 1,) each."""
+        along, turning = float(normal @ self.rate), float(normal @ self.bend)
+        first, second = np.append(self.rate, self.control_rate), np.append(self.bend, self.control_bend)
+        return first / along, (second - first * (turning / along)) / along**2
+
+
+def curve_point(system: System, here: Balance, value: float, normal: FloatArray, length: float) -> CurvePoint | None:
+    """The point of the curve next to forces, in the plane through their edges whose normal is given.
+
+    One Newton step leads there; what it changes of the control is exact at once, the state being linear in Delta.  The
+    parameter is normal . xi / length.  None where that step is longer than a unit, or edges overlap behind it.
+    """
+    unit, row = unit_of(system, here), Row(0.0, normal, 0.0)
+    sides = np.zeros((unit.size + 1, 2))
+    sides[-1, 1] = length
+    try:
+        for _ in range(2):
+            matrix = bordered(system, here, unit, row)
+            sides[:-1, 0] = missing(here)
+            both = np.linalg.solve(matrix, sides)
+            change = float(both[-1, 0])
+            control, value = system.control, value + change
+            moved = here.state if control.load_weight else here.state.shifted(value - here.state.penetration)
+            here = forces(system, control.reach(moved, value), value)
+        rate, control_rate = both[:-1, 1] * unit, float(both[-1, 1])
+        second = np.linalg.solve(matrix, np.append(-_bent(system, here, rate, control_rate) / here.work, 0.0))
+    except np.linalg.LinAlgError:
+        return None
+    step, off = both[:-1, 0] * unit, float(np.max(np.abs(both[:-1, 0])))
+    patches = here.state.patches.moved(step)
+    if not off <= 1 or not patches.is_ordered:
+        return None
+    numbers = after_step(system, here, value, step, 0.0)
+    return CurvePoint(here, patches, numbers, rate, control_rate, second[:-1] * unit, float(second[-1]), unit, off)
+
+
+def _bent(system: System, here: Balance, rate: FloatArray, control_rate: float) -> FloatArray:
+    """Second derivative of the gradient along a tangent, (2 L,)."""
+    bent = hessian_change_times(system, here, rate, control_rate, rate)
+    bent += control_rate * hessian_change_times(system, here, None, 1.0, rate)
+    bent += (control_rate * here.state.stress_intensity_rate * system.control.rate(here.state)) ** 2 / 2
+    return bent
+
+
+def first_point(system: System, here: Balance, value: float, direction: float) -> CurvePoint | None:
+    """The point next to a stable state; its parameter grows as the control moves in a direction."""
+    along = -direction * system.control.rate(here.state) * here.response(here.load_gradient)
+    unit = unit_of(system, here)
+    along = along / np.max(np.abs(along / unit))
+    normal = along / unit**2
+    return curve_point(system, here, value, normal, float(normal @ along))
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """The curve between two of its points, a quintic in a parameter s from 0 to 1.
+
+    s is c . xi, c along the chord or along the tangent at the end, by whichever both ends agree better: near a fold the
+    control and all edges that follow it are polynomials of the mode that folds.
+
+    Attributes
+    ----------
+    first, last : CurvePoint
+    normal : (2 L,) array
+        c: s of edges that are moved outward by xi from the first point is c . xi.
+    coefficients : (6, 2 L + 1) array
+        Of the motions and of the control less that of the first point, by powers of s.
+    rise : float
+        Largest change of the control per s.
+    misfit : float
+        Chord less what the derivatives at both ends say of it, z' and z'': y - (z'0 + z'1)/2 - (z''0 - z''1)/12, over
+        the length of the chord, or over the rise.
+    """
+
+    first: CurvePoint
+    last: CurvePoint
+    normal: FloatArray
+    coefficients: FloatArray
+    rise: float
+    misfit: float
+
+    @classmethod
+    def between(cls, first: CurvePoint, last: CurvePoint) -> Piece | None:
+        """The piece between two points; None where neither parameter grows from one to the other."""
+        chord = outward_motion(first.patches, last.patches)
+        whole, size = np.append(chord, last.value - first.value), float(np.max(np.abs(chord / first.unit)))
+        found: Piece | None = None
+        for along in (chord, last.rate):
+            normal = along / first.unit**2
+            if min(normal @ first.rate, normal @ last.rate, normal @ chord) <= 0:
+                continue
+            normal = normal / float(normal @ chord)
+            (z0, w0), (z1, w1) = first.by(normal), last.by(normal)
+            off = whole - (z0 + z1) / 2 - (w0 - w1) / 12
+            rise = max(abs(float(z0[-1])), abs(float(z1[-1])), abs(float(whole[-1])))
+            misfit = max(float(np.max(np.abs(off[:-1] / first.unit))) / size, abs(float(off[-1])) / rise)
+            if found is None or misfit < found.misfit:
+                a, b, c = whole - z0 - w0 / 2, z1 - z0 - w0, w1 - w0
+                higher = (10 * a - 4 * b + c / 2, -15 * a + 7 * b - c, 6 * a - 3 * b + c / 2)
+                coefficients = np.stack([np.zeros_like(whole), z0, w0 / 2, *higher])
+                found = cls(first, last, normal, coefficients, rise, misfit)
+        return found
+
+    @property
+    def size(self) -> float:
+        """Length of the chord."""
+        return float(np.max(np.abs(outward_motion(self.first.patches, self.last.patches) / self.first.unit)))
+
+    def _at(self, s: float) -> FloatArray:
+        """Motions and the control less that of the first point, (2 L + 1,)."""
+        return np.asarray(polynomial.polyval(s, self.coefficients))
+
+    def at(self, s: float) -> tuple[Patches, float]:
+        """Edges and control at a parameter."""
+        y = self._at(s)
+        return self.first.patches.moved(y[:-1]), self.first.value + float(y[-1])
+
+    def parameter(self, patches: Patches) -> float:
+        """s of the plane in which edges lie."""
+        return float(self.normal @ outward_motion(self.first.patches, patches))
+
+    def holds(self, patches: Patches, value: float) -> bool:
+        """Whether edges at a value of the control lie on this piece, as its two ends say."""
+        motion = outward_motion(self.first.patches, patches)
+        s = float(self.normal @ motion)
+        y = self._at(s)
+        off = float(np.max(np.abs((motion - y[:-1]) / self.first.unit)))
+        risen = abs(value - self.first.value - float(y[-1]))
+        return -BESIDE <= s <= 1 + BESIDE and off <= BESIDE * self.size and risen <= BESIDE * self.rise
+
+    def turns(self) -> FloatArray:
+        """Parameters at which the control turns, ascending."""
+        return _roots(np.asarray(polynomial.polyder(self.coefficients[:, -1])))
+
+    def reaches(self, value: float) -> FloatArray:
+        """Parameters at which the control has a value, ascending."""
+        control = self.coefficients[:, -1].copy()
+        control[0] = self.first.value - value
+        return _roots(control)
+
+
+def _roots(coefficients: FloatArray) -> FloatArray:
+    """Real roots from 0 to 1, ascending."""
+    coefficients = np.trim_zeros(coefficients, "b")
+    if coefficients.size < 2:
+        return np.zeros(0)
+    roots = polynomial.polyroots(coefficients)
+    real = np.sort(roots.real[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots.real))])
+    return np.asarray(real[(real >= 0) & (real <= 1)])

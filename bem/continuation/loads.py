@@ -1,0 +1,161 @@
+"""States at given loads on the stretches of a path.
+
+On a stretch the load is monotonic (path.py splits it where the load turns); the parameter at which it has a value is
+found by the Illinois form of the secant, each trial being a point of the curve, whose load is exact to second order.
+Under a given separation the last gap closes, and the first opens, under a tension without bound: loads beyond that of
+the narrowest gap on the path are met in between, in the gap that a row of cracks has at that load (opening.py).
+Dimensionless.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module
+
+import numpy as np
+from numpy.polynomial import polynomial
+
+from bem.adhesive.equilibrium import System
+from bem.continuation.curve import CurvePoint, Piece, curve_point
+from bem.continuation.locating import AtControl, AtLoad, Refused, Start, evaluated, settle
+from bem.continuation.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
+from bem.continuation.points_with_edges import Equilibrium, Stretch
+from bem.elastic.collocation import evaluate
+from bem.loading.complete_contact import CompleteContact
+from bem.loading.control import LoadControl
+from bem.loading.increments import Accuracy
+
+SECANTS = 40
+LOAD_ACCURACY = 1e-11  # of the load, or of a load of 1e-3
+GAP_ACCURACY = 1e-5  # of the width of a narrow gap, from where Newton needs one or two steps
+DIGITS = 64  # spacings of the control, by which it misses a load in a narrow gap
+TWICE = 2.0  # times as far beyond the ends of a piece as its cubic says: where the load may turn
+LEVEL = 1e-9  # of the change of dP/ds over a piece: where the load turns
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """Finds loads on a path.
+
+    Parameters
+    ----------
+    system : System
+    complete : CompleteContact
+    fine : Accuracy
+        Of the states found.
+    asked : tuple of float
+        Loads that are asked for on the way.
+    """
+
+    system: System
+    complete: CompleteContact
+    fine: Accuracy
+    asked: tuple[float, ...] = ()
+
+    def on_stretch(self, stretch: Stretch, load: float) -> Equilibrium | None:
+        """The state at a load between those at both ends of a stretch; None where there is none."""
+        (a, b), piece = stretch.ends, stretch.piece
+        miss_a, miss_b = (at - load for at in stretch.loads)
+        if miss_a * miss_b > 0:
+            return None
+        allowed = LOAD_ACCURACY * max(abs(load), 1e-3)
+        point: CurvePoint | None = None
+        for _ in range(SECANTS):
+            s = (a * miss_b - b * miss_a) / (miss_b - miss_a)
+            point = self.point(piece, s)
+            if point is None:
+                return None
+            miss = point.numbers.load - load
+            if abs(miss) <= allowed:
+                break
+            if miss * miss_b < 0:
+                a, miss_a = b, miss_b
+            else:
+                miss_a /= 2
+            b, miss_b = s, miss
+        return None if point is None else self._settled(point, load, allowed)
+
+    def _settled(self, point: CurvePoint, load: float, allowed: float) -> Equilibrium | None:
+        """The state at a load next to a point of the curve; beside an extremum at the control of the point."""
+        start = Start(point.patches, point.numbers.penetration, point.value)
+        for on in (AtLoad(self.system, load, allowed), AtControl(point.value)):
+            found = settle(self.system.sloped, start, on, self.fine)
+            if not isinstance(found, Refused) and abs(found[0].state.load - load) <= 10 * allowed:
+                return Equilibrium.of(found[1], found[0], settled=True)
+        return None
+
+    def point(self, piece: Piece, s: float) -> CurvePoint | None:
+        """The point of the curve at a parameter of a piece."""
+        if s in (0.0, 1.0):
+            return piece.first if s == 0 else piece.last
+        patches, value = piece.at(s)
+        here = evaluated(
+            self.system.sloped, Start(patches, piece.first.numbers.penetration, value), self.fine.tolerance
+        )
+        return None if isinstance(here, Refused) else curve_point(self.system, here, value, piece.normal, 1.0)
+
+    def turns(self, piece: Piece, reach: float) -> Iterator[tuple[float, CurvePoint]]:
+        """Where the load turns on a piece up to a parameter, if one that is asked for may lie beyond its ends there.
+
+        The cubic that has the loads and their rates at both ends says so; the place is found by the secant of the rate.
+        """
+        ends = (piece.first.numbers.load, piece.last.numbers.load)
+        low, high = 0.0, 1.0
+        rate_low, rate_high = (self._rate(piece, point) for point in (piece.first, piece.last))
+        if rate_low * rate_high >= 0 or not self._may_pass(ends, (rate_low, rate_high)):
+            return
+        level = LEVEL * abs(rate_low - rate_high)
+        for _ in range(SECANTS):
+            s = low - rate_low * (high - low) / (rate_high - rate_low)
+            point = self.point(piece, s)
+            if point is None:
+                return
+            rate = self._rate(piece, point)
+            if abs(rate) <= level:
+                if s < reach:
+                    yield s, point
+                return
+            if rate * rate_low > 0:
+                low, rate_low = s, rate
+            else:
+                high, rate_high = s, rate
+
+    def _may_pass(self, ends: tuple[float, float], rates: tuple[float, float]) -> bool:
+        """Whether a load that is asked for lies beyond both ends, twice as far as the cubic says."""
+        (first, last), (a, b) = ends, rates
+        rise = last - first
+        cubic = np.array([first, a, 3 * rise - 2 * a - b, a + b - 2 * rise])
+        at = polynomial.polyroots(polynomial.polyder(cubic)).real
+        top = polynomial.polyval(np.clip(at, 0.0, 1.0), cubic)
+        highest, lowest = max(ends), min(ends)
+        above, below = TWICE * (max(top) - highest), TWICE * (lowest - min(top))
+        return any(highest <= load <= highest + above or lowest - below <= load <= lowest for load in self.asked)
+
+    def _rate(self, piece: Piece, point: CurvePoint) -> float:
+        """dP/ds at a point of a piece."""
+        row, along = AtLoad(self.system, 0.0, 0.0).row(point.balance, point.value), point.by(piece.normal)[0]
+        return float(row.by_edges @ along[:-1] + row.by_control * along[-1])
+
+    def in_last_gap(self, point: Equilibrium, load: float, tolerance: float) -> Equilibrium | None:
+        """The state at a load between complete contact and a point with one gap."""
+        patches, system = point.patches, self.system
+        widest = float(patches.gap_after[0])
+        center = float(patches.right[0]) + widest / 2
+
+        def gap(width: float) -> Flaw:
+            return flaw_of(system, self.complete, width, tolerance) or Flaw(center, width)
+
+        def miss(width: float) -> float:
+            return opening_load(system, self.complete, gap(width), tolerance) - load
+
+        if patches.count > 1 or widest <= FINEST_GAP or miss(FINEST_GAP) * miss(widest) > 0:
+            return None
+        brentq = import_module("scipy.optimize").brentq
+        flaw = gap(float(brentq(miss, FINEST_GAP, widest, rtol=GAP_ACCURACY)))
+        crack, highest = with_gap(flaw.center, flaw.width), system.elastic.profile.max_height
+        state = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load)
+        depth = state.penetration
+        allowed = max(LOAD_ACCURACY * max(abs(load), 1e-3), DIGITS * float(np.spacing(depth)) * state.load_rate)
+        found = settle(system, Start(crack, depth, depth), AtLoad(system, load, allowed), self.fine)
+        return None if isinstance(found, Refused) else Equilibrium.of(found[1], found[0], settled=True)

@@ -1,0 +1,128 @@
+"""Steps along a branch: predicted to second order, corrected in the plane of the step, judged by its misfit.
+
+A step is accepted if K > 0 at its end, the Newton step that is left is short, and the chord agrees with the derivatives
+at both ends (curve.py).  Both are of third order in its length, which grows or shrinks with the cube root of what the
+Newton step is over what it should be (pacopy's and AUTO's control does the same by the count of iterations).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bem.adhesive.equilibrium import System
+from bem.adhesive.third_derivatives import with_slopes
+from bem.continuation.curve import CurvePoint, Piece, curve_point, first_point
+from bem.continuation.locating import Refused, Start, evaluated
+from bem.continuation.points_with_edges import Equilibrium
+from bem.geometry.arrays import FloatArray
+
+GOOD, LARGEST = 0.01, 0.05  # units: the Newton step that a prediction should leave, and the longest that it may
+PART = 0.3  # of the step: the same
+MISFIT = 0.04  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
+EXACT = 1e-4  # of the step: a Newton step whose end is not evaluated again for a better curve
+GROWTH = 0.5, 2.0  # of the length of a step from one to the next
+PAST = 0.01  # units: how far a step may go past where the control turns
+BEYOND = 1.05  # times the way to where the control turns, or to its last value: how far a step goes
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """Where a branch is followed to.
+
+    Attributes
+    ----------
+    direction : float
+        Sign of the motion of the control.
+    end : float
+        Its last value.
+    longest : float
+        Length of a step, in units.
+    largest : float
+        Change of the control in a step.
+    tolerance : float
+        Of the evaluations.
+    """
+
+    direction: float
+    end: float
+    longest: float
+    largest: float
+    tolerance: float
+
+    def beyond(self, value: float) -> float:
+        """How far a value lies beyond the end."""
+        return (value - self.end) * self.direction
+
+
+def curve_from(system: System, point: Equilibrium, way: Way) -> CurvePoint | None:
+    """The first point of the curve of a stable state."""
+    here = with_slopes(system, point.balance, point.value, way.tolerance)
+    return first_point(system, here, point.value, way.direction)
+
+
+def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], way: Way) -> Piece | Refused:
+    """A step along the curve, to what is predicted of it."""
+    motion, change = ahead
+    tried = float(np.max(np.abs(motion / at.unit)))
+    normal = motion / at.unit**2
+    start = Start(at.patches.moved(motion), at.numbers.penetration, at.value + change)
+    there = _point_at(system, start, normal, float(normal @ motion), way.tolerance)
+    if isinstance(there, Refused):
+        return there
+    if there.off > min(LARGEST, PART * tried):
+        return Refused.DIVERGED
+    piece = Piece.between(at, there)
+    fits = piece is not None and piece.misfit <= MISFIT
+    if (not fits and there.off > EXACT * tried) or (fits and not there.is_clear):
+        better = evaluated_at_itself(system, there, way)
+        if isinstance(better, Refused):
+            return better
+        piece = Piece.between(at, better)
+    return piece if piece is not None and piece.misfit <= MISFIT else Refused.MISFIT
+
+
+def growth(piece: Piece) -> float:
+    """How much longer the next step may be."""
+    return float(np.clip((GOOD / max(piece.last.off, 1e-12)) ** (1 / 3), *GROWTH))
+
+
+def evaluated_at_itself(system: System, at: CurvePoint, way: Way) -> CurvePoint | Refused:
+    """The same point from an evaluation at itself, with better derivatives."""
+    normal = at.rate / at.unit**2
+    start = Start(at.patches, at.numbers.penetration, at.value)
+    return _point_at(system, start, normal, float(normal @ at.rate), way.tolerance)
+
+
+def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, float]:
+    """Motion of the edges and change of the control along the Taylor series.
+
+    As long as asked, the control changing by no more than its largest step; a little beyond a turn of the control and
+    beyond its last value, so that both lie on the piece.
+    """
+
+    def at_parameter(h: float) -> tuple[FloatArray, float]:
+        return h * at.rate + h**2 / 2 * at.bend, h * at.control_rate + h**2 / 2 * at.control_bend
+
+    h = length / at.speed
+    for _ in range(3):
+        h *= min(1.0, length / float(np.max(np.abs(at_parameter(h)[0] / at.unit))))
+    rate, bend = at.control_rate * way.direction, at.control_bend * way.direction
+    if bend < 0 < rate:
+        turn = -rate / bend
+        h = min(h, max(BEYOND * turn, turn + PAST / at.speed))
+    for left in (way.largest, -BEYOND * way.beyond(at.value)):
+        if h * rate + h**2 / 2 * bend >= left > 0:
+            h = min(h, 2 * left / (rate + np.sqrt(max(rate**2 + 2 * bend * left, 0.0))))
+    return at_parameter(h)
+
+
+def _point_at(
+    system: System, start: Start, normal: FloatArray, length: float, tolerance: float
+) -> CurvePoint | Refused:
+    """The point of the curve next to edges, in their plane."""
+    here = evaluated(system.sloped, start, tolerance)
+    if isinstance(here, Refused):
+        return here
+    return curve_point(system, here, start.value, normal, length) or Refused.SINGULAR

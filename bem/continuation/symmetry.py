@@ -1,0 +1,86 @@
+"""Branches that begin or end where a symmetry breaks or is restored.
+
+There two branches cross, the bordered system of the curve is singular, and each is taken up a little beside: the branch
+of broken symmetry in the plane a small motion along the neutral mode away, the symmetric one with that mode at rest
+(branch switching; H. B. Keller, Numerical Methods in Bifurcation Problems, 1987, section 5).  Where several modes are
+neutral together, as among equal patches, the motion is that nearest to one patch alone that shrinks or slides: such
+branches begin there by symmetry (Golubitsky, Stewart, Schaeffer, Singularities and Groups in Bifurcation Theory II,
+1988, chapter XIII).  Dimensionless.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bem.adhesive.branch import outward_motion
+from bem.adhesive.equilibrium import System, symmetric_part
+from bem.continuation.curve import CurvePoint, curve_point, unit_of
+from bem.continuation.locating import AtControl, InPlane, Located, Refused, Start, locate
+from bem.continuation.steps import Way
+from bem.continuation.turns import LimitPoint
+from bem.geometry.arrays import FloatArray
+
+ASIDE = 0.05, 0.0125, 0.003, 8e-4, 2e-4  # units: the motion along the mode; shorter where more is going on
+AHEAD = 0.03, 0.01, 0.1  # units: the motion along the symmetric branch
+TIED = 1e-6  # relative difference of patches that are equal
+
+
+def alone(limit: LimitPoint) -> FloatArray:
+    """Outward motion of the edges, (2 L,), nearest to one patch that shrinks, or slides where modes slide patches more.
+
+    Among equal patches the first.
+    """
+    unit = limit.modes / np.linalg.norm(limit.modes, axis=0)
+    left, right = np.split(unit, 2)
+    shrink, slide = -(left + right), right - left
+    single = max(shrink, slide, key=np.linalg.norm)
+    share = np.linalg.norm(single, axis=1)
+    first = int(np.flatnonzero(share >= (1 - TIED) * share.max())[0])
+    return np.asarray(unit @ single[first])
+
+
+def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way) -> CurvePoint | Refused:
+    """The branch that begins where a symmetry breaks, a little along a motion; its parameter grows from there on.
+
+    So close to there that no more modes are unstable on it than were neutral.
+    """
+    at = limit.at
+    unit, refused = unit_of(system, at.balance), Refused.UNCLEAR
+    motion = motion / np.max(np.abs(motion / unit))
+    for part in ASIDE:
+        patches = at.patches.moved(part * motion)
+        normal = motion / unit**2
+        start = Start(patches, at.exact.penetration, at.exact.value)
+        found = locate(system, start, InPlane(patches, normal), way.tolerance)
+        if isinstance(found, Refused):
+            refused = found
+            continue
+        moved = outward_motion(at.patches, found.patches)
+        point = curve_point(system, found.balance, found.exact.value, normal, float(normal @ moved))
+        if point is not None and point.lowest[0].size <= limit.modes.shape[1]:
+            return point
+    return refused
+
+
+def symmetric_branch(system: System, limit: LimitPoint, way: Way) -> Located | Refused:
+    """A stable state of the symmetric branch a little beyond where a broken symmetry is restored."""
+    here, scale = limit.at.balance, limit.at.balance.scale
+    unit, refused = unit_of(system, here), Refused.UNCLEAR
+    size, count = scale.size, limit.modes.shape[1]
+    modes = limit.modes / scale[:, None]
+    modes = modes / np.linalg.norm(modes, axis=0)
+    pull = here.load_gradient * scale * system.control.rate(here.state)
+    matrix = np.block([[symmetric_part(here.hessian, scale), modes], [modes.T, np.zeros((count, count))]])
+    side = np.append(-way.direction * pull, np.zeros(count))
+    along = np.linalg.solve(matrix, side)[:size] * scale
+    for part in AHEAD:
+        step = part / float(np.max(np.abs(along / unit)))
+        value = limit.at.exact.value + way.direction * step
+        if way.beyond(value) > 0:
+            step, value = abs(way.end - limit.at.exact.value), way.end
+        start = Start(limit.at.patches.moved(step * along), limit.at.exact.penetration, value)
+        found = locate(system, start, AtControl(value), way.tolerance)
+        if isinstance(found, Located) and found.balance.factor is not None:
+            return found
+        refused = found if isinstance(found, Refused) else Refused.UNCLEAR
+    return refused

@@ -1,0 +1,194 @@
+"""What ends the stable part of a branch on a piece of its curve: a fold, a broken symmetry, or where one is restored.
+
+The end of a piece says which, by the number of negative eigenvalues of the Hessian and by the way the control goes:
+
+=========  =======  ==============================================================================================
+negative   control  what lies on the piece
+=========  =======  ==============================================================================================
+none       onward   nothing, unless the quintic turns in between: a snap hides there, and a shorter step tells
+one        back     a fold: the control turns, and the mode that is neutral there carries the contact away
+none       back     a symmetry is restored: the branch goes on as its mirror image, and the symmetric one leads on
+any        any      if the control does no work on the modes that turned unstable: a symmetry broke
+others              a shorter step tells
+=========  =======  ==============================================================================================
+
+All are located as equilibria with a neutral mode (locating.py), whose error comes with them.  Modes that break a
+symmetry are held at rest meanwhile; if that takes a force, the profile has not quite the symmetry, and shorter steps
+lead to the fold beside the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge scale over
+work of adhesion, of order 1.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.adhesive.equilibrium import Balance, System
+from bem.continuation.curve import Piece
+from bem.continuation.locating import AtRest, Located, NeutralMode, Refused, Start, locate
+from bem.geometry.arrays import FloatArray
+
+IDLE = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
+NEARLY_IDLE = 0.03  # the same: of the mode of a fold, which may then be where a symmetry is restored
+FELT = 1e-9  # of the work of adhesion: a force that holds a mode at rest
+NEUTRAL, SOFT = 1e-4, 1e-2  # eigenvalues: of a neutral mode, and of modes that turn unstable together
+FIRST = 1e-7  # the same: what another mode may be below the neutral one by rounding
+ATTEMPTS = 4  # at the modes that turn unstable first
+
+
+@dataclass(frozen=True, eq=False)
+class LimitPoint:
+    """An equilibrium at which a branch ends or loses its stability.
+
+    Attributes
+    ----------
+    kind : {"fold", "broken_symmetry", "restored_symmetry"}
+    at : Located
+    modes : (2 L, n) array
+        Outward motions of the edges without resistance; one at a fold, to the side on which the potential falls.
+    bend : float
+        At a fold, D_v H v . v / 2: on the branch the forces are that times the square of the motion along v.
+    place : float
+        Its parameter on the piece.
+    """
+
+    kind: Literal["fold", "broken_symmetry", "restored_symmetry"]
+    at: Located
+    modes: FloatArray
+    bend: float
+    place: float
+
+
+def does_no_work(here: Balance, scale: FloatArray, modes: FloatArray) -> NDArray[np.bool_]:
+    """On which modes, (2 L, n) in units `scale`, the control does no work."""
+    pull = here.load_gradient * scale
+    return np.asarray(np.abs(modes.T @ pull) < IDLE * np.linalg.norm(pull))
+
+
+@dataclass(frozen=True, eq=False)
+class Turns:
+    """Finds limit points on pieces.
+
+    Parameters
+    ----------
+    system : System
+    direction : float
+        Sign of the motion of the control.
+    tolerance : float
+        Of the evaluations that locate them.
+    """
+
+    system: System
+    direction: float
+    tolerance: float
+
+    def on(self, piece: Piece) -> LimitPoint | Refused | None:
+        """The limit point on a piece; None where there is none."""
+        last = piece.last
+        (values, modes), onward = last.lowest, last.control_rate * self.direction > 0
+        idle = does_no_work(last.balance, last.balance.scale, modes)
+        if np.any(idle):
+            return self._broken(piece, last.balance, modes[:, idle])
+        if values.size == 0 and onward:
+            return Refused.UNCLEAR if piece.turns().size else None
+        turns = piece.turns()
+        if onward or values.size > 1 or turns.size == 0:
+            return Refused.UNCLEAR
+        if values.size == 0:
+            mode = last.rate / last.balance.scale
+            return self._restored(piece, float(turns[0]), mode / np.linalg.norm(mode))
+        return self._fold(piece, float(turns[0]))
+
+    def _fold(self, piece: Piece, place: float) -> LimitPoint | Refused:
+        """The fold at about a parameter, unless a symmetry breaks before it."""
+        scale = piece.first.balance.scale
+        along = piece.last.rate / scale
+        neutral = NeutralMode(self.system, scale, along / np.linalg.norm(along), NEUTRAL)
+        at = locate(self.system, self._start(piece, place), neutral, self.tolerance)
+        if isinstance(at, Refused):
+            return at
+        if not piece.holds(at.patches, at.exact.value):
+            return Refused.FAR
+        pull, mode = at.balance.load_gradient * scale, neutral.last
+        pull = pull * self.system.control.rate(at.balance.state)
+        before = (neutral.values <= 0) & (np.arange(neutral.values.size) != neutral.index)
+        if np.any(before):
+            before &= does_no_work(at.balance, scale, neutral.modes)
+            return self._broken(piece, at.balance, neutral.modes[:, before], scale) if before.any() else Refused.UNCLEAR
+        work = float(pull @ mode)
+        if abs(work) < NEARLY_IDLE * np.linalg.norm(pull):
+            restored = self._restored(piece, piece.parameter(at.patches), mode)
+            if isinstance(restored, LimitPoint):
+                return restored
+        cubic = float(neutral.by_edges @ neutral.motion)
+        if cubic * work * self.direction <= 0:
+            return Refused.UNCLEAR
+        down = -np.sign(cubic) * neutral.motion
+        return LimitPoint("fold", at, down[:, None], abs(cubic) / 2, piece.parameter(at.patches))
+
+    def _restored(self, piece: Piece, place: float, mode: FloatArray) -> LimitPoint | Refused:
+        """Where a broken symmetry is restored, at about a parameter; `mode` is that of the symmetry."""
+        scale = piece.first.balance.scale
+        neutral = NeutralMode(self.system, scale, mode, NEUTRAL / 10)
+        rest = AtRest((mode * scale)[:, None], restored=True)
+        at = locate(self.system, self._start(piece, place), neutral, self.tolerance, rest)
+        if isinstance(at, Refused):
+            return at
+        if not piece.holds(at.patches, at.exact.value):
+            return Refused.FAR
+        soft = does_no_work(at.balance, scale, neutral.modes) & (neutral.values < SOFT)
+        if not soft[neutral.index] or np.any(neutral.values[~soft] <= 0):
+            return Refused.UNCLEAR
+        modes = neutral.modes[:, soft] * scale[:, None]
+        return LimitPoint("restored_symmetry", at, modes, 0.0, piece.parameter(at.patches))
+
+    def _broken(
+        self, piece: Piece, here: Balance, modes: FloatArray, scale: FloatArray | None = None
+    ) -> LimitPoint | Refused:
+        """Where the first of some modes turns unstable on which the control does no work, these held at rest.
+
+        `scale` has the units of the modes, found in the state `here`: its own, if not given.
+        """
+        held = modes * (here.scale if scale is None else scale)[:, None]
+        scale = piece.first.balance.scale
+        stiff, soft = (np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (piece.first.balance, here))
+        shares = np.where((stiff > 0) & (soft < 0), stiff / np.where(soft < stiff, stiff - soft, 1.0), 1.0)
+        start, along = self._start(piece, float(shares.min())), held[:, int(np.argmin(shares))] / scale
+        for _ in range(ATTEMPTS):
+            neutral = NeutralMode(self.system, scale, along / np.linalg.norm(along), NEUTRAL / 10)
+            at = locate(self.system, start, neutral, self.tolerance, AtRest(held))
+            if isinstance(at, Refused):
+                return at
+            start = Start(at.patches, at.exact.penetration, at.exact.value)
+            felt = _forces(at.balance, held) > FELT
+            if felt.any() and not felt.all():  # those are held by forces: the profile has not their symmetry
+                held = held[:, ~felt]
+                continue
+            lowest = int(np.argmin(neutral.values))
+            if neutral.values[lowest] > neutral.values[neutral.index] - FIRST:
+                return self._breaking(piece, at, neutral)
+            along = neutral.modes[:, lowest]
+        return Refused.UNCLEAR
+
+    def _breaking(self, piece: Piece, at: Located, neutral: NeutralMode) -> LimitPoint | Refused:
+        """The point where a symmetry breaks, if the profile has it and nothing else turned unstable before."""
+        soft = does_no_work(at.balance, neutral.scale, neutral.modes) & (neutral.values < SOFT)
+        modes = neutral.modes * neutral.scale[:, None]
+        pushed = np.any(_forces(at.balance, modes[:, soft & (neutral.values < NEUTRAL)]) > FELT)
+        behind = (at.exact.value - piece.first.value) * self.direction < -FELT
+        if not soft[0] or np.any(neutral.values[~soft] <= 0) or pushed or behind:
+            return Refused.UNCLEAR
+        return LimitPoint("broken_symmetry", at, modes[:, soft], 0.0, piece.parameter(at.patches))
+
+    def _start(self, piece: Piece, place: float) -> Start:
+        """Where Newton begins on a piece."""
+        patches, value = piece.at(place)
+        return Start(patches, piece.first.numbers.penetration, value)
+
+
+def _forces(here: Balance, modes: FloatArray) -> FloatArray:
+    """Forces along motions of the edges over the work of adhesion, (n,)."""
+    return np.asarray(np.abs(here.gradient @ (modes / np.linalg.norm(modes, axis=0))) / np.max(here.work))
