@@ -29,7 +29,7 @@ from bem.continuation.loads import Loads
 from bem.continuation.locating import AtControl, Located, Refused, Start, settle
 from bem.continuation.opening import Flaw
 from bem.continuation.points_with_edges import Equilibrium, Point, Stretch
-from bem.continuation.steps import EXACT, Way, curve_from, evaluated_at_itself, growth, predicted, step_from
+from bem.continuation.steps import Way, curve_from, evaluated_at_itself, growth, predicted, step_from
 from bem.continuation.symmetry import alone, other_branch, symmetric_branch
 from bem.continuation.touches import Touch
 from bem.continuation.turns import LimitPoint
@@ -203,7 +203,7 @@ class Path:
                 yield self._by_control(at, way)
                 return
             piece = step_from(self.system, at, ahead, way)
-            if piece is Refused.MISFIT and again and at.off > EXACT * tried:
+            if piece is Refused.MISFIT and again:
                 better, again = evaluated_at_itself(self.system, at, way), False
                 at = at if isinstance(better, Refused) else better
                 continue

@@ -15,13 +15,13 @@ from bem.adhesive.equilibrium import System
 from bem.adhesive.third_derivatives import with_slopes
 from bem.continuation.curve import CurvePoint, Piece, curve_point, first_point
 from bem.continuation.locating import Refused, Start, evaluated
+from bem.elastic.collocation import Resolution, finer, resolve
 from bem.continuation.points_with_edges import Equilibrium
 from bem.geometry.arrays import FloatArray
 
 GOOD, LARGEST = 0.01, 0.05  # units: the Newton step that a prediction should leave, and the longest that it may
 PART = 0.3  # of the step: the same
-MISFIT = 0.04  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
-EXACT = 1e-4  # of the step: a Newton step whose end is not evaluated again for a better curve
+MISFIT = 0.02  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
 GROWTH = 0.5, 2.0  # of the length of a step from one to the next
 PAST = 0.01  # units: how far a step may go past where the control turns
 BEYOND = 1.05  # times the way to where the control turns, or to its last value: how far a step goes
@@ -75,7 +75,7 @@ def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], w
         return Refused.DIVERGED
     piece = Piece.between(at, there)
     fits = piece is not None and piece.misfit <= MISFIT
-    if (not fits and there.off > EXACT * tried) or (fits and not there.is_clear):
+    if not fits or not there.is_clear:
         better = evaluated_at_itself(system, there, way)
         if isinstance(better, Refused):
             return better
@@ -92,7 +92,8 @@ def evaluated_at_itself(system: System, at: CurvePoint, way: Way) -> CurvePoint 
     """The same point from an evaluation at itself, with better derivatives."""
     normal = at.rate / at.unit**2
     start = Start(at.patches, at.numbers.penetration, at.value)
-    return _point_at(system, start, normal, float(normal @ at.rate), way.tolerance)
+    resolution = finer(system.elastic, at.patches, resolve(system.elastic, at.patches, way.tolerance), 1e-2 * way.tolerance)
+    return _point_at(system, start, normal, float(normal @ at.rate), way.tolerance, resolution)
 
 
 def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, float]:
@@ -119,10 +120,10 @@ def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, floa
 
 
 def _point_at(
-    system: System, start: Start, normal: FloatArray, length: float, tolerance: float
+    system: System, start: Start, normal: FloatArray, length: float, tolerance: float, resolution: Resolution | None = None
 ) -> CurvePoint | Refused:
     """The point of the curve next to edges, in their plane."""
-    here = evaluated(system.sloped, start, tolerance)
+    here = evaluated(system.sloped, start, tolerance, resolution)
     if isinstance(here, Refused):
         return here
     return curve_point(system, here, start.value, normal, length) or Refused.SINGULAR
