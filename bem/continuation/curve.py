@@ -151,19 +151,19 @@ def curve_point(system: System, here: Balance, value: float, normal: FloatArray,
     unit, row = unit_of(system, here), Row(0.0, normal, 0.0)
     sides = np.zeros((unit.size + 1, 2))
     sides[-1, 1] = length
-    try:
-        for _ in range(2):
-            matrix = bordered(system, here, unit, row)
-            sides[:-1, 0] = missing(here)
-            both = np.linalg.solve(matrix, sides)
-            change = float(both[-1, 0])
-            control, value = system.control, value + change
-            moved = here.state if control.load_weight else here.state.shifted(value - here.state.penetration)
-            here = forces(system, control.reach(moved, value), value)
-        rate, control_rate = both[:-1, 1] * unit, float(both[-1, 1])
-        second = np.linalg.solve(matrix, np.append(-_bent(system, here, rate, control_rate) / here.work, 0.0))
-    except np.linalg.LinAlgError:
-        return None
+    for _ in range(2):
+        factors, pivots, singular = lapack.dgetrf(bordered(system, here, unit, row), overwrite_a=1)
+        if singular:
+            return None
+        sides[:-1, 0] = missing(here)
+        both = lapack.dgetrs(factors, pivots, sides)[0]
+        value += float(both[-1, 0])
+        control = system.control
+        moved = here.state if control.load_weight else here.state.shifted(value - here.state.penetration)
+        here = forces(system, control.reach(moved, value), value)
+    rate, control_rate = both[:-1, 1] * unit, float(both[-1, 1])
+    bent = np.append(-_bent(system, here, rate, control_rate) / here.work, 0.0)
+    second = lapack.dgetrs(factors, pivots, bent)[0]
     step, off = both[:-1, 0] * unit, float(np.max(np.abs(both[:-1, 0])))
     patches = here.state.patches.moved(step)
     if not off <= 1 or not patches.is_ordered:
@@ -174,8 +174,7 @@ def curve_point(system: System, here: Balance, value: float, normal: FloatArray,
 
 def _bent(system: System, here: Balance, rate: FloatArray, control_rate: float) -> FloatArray:
     """Second derivative of the gradient along a tangent, (2 L,)."""
-    bent = hessian_change_times(system, here, rate, control_rate, rate)
-    bent += control_rate * hessian_change_times(system, here, None, 1.0, rate)
+    bent = hessian_change_times(system, here, rate, 2 * control_rate, rate)
     bent += (control_rate * here.state.stress_intensity_rate * system.control.rate(here.state)) ** 2 / 2
     return bent
 
