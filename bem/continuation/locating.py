@@ -32,7 +32,7 @@ from bem.loading.path_events import EventNumbers
 STEPS = 12  # of Newton; three to five do
 LONGEST_STEP = 0.2  # units: what is taken of a longer step
 SHORT, LAST = 1e-3, 1e-5  # units: a step behind which the last evaluation comes, and one that leaves 1e-10
-FINER = 1e-2  # of the tolerance, for which the last evaluation has the modes
+FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 MODES = 8  # lowest ones, among which the neutral one is followed
 
 
@@ -245,12 +245,8 @@ def locate(
     before: EventNumbers | None = None
     place, last = start, np.inf
     for _ in range(STEPS):
-        wanted = None
-        if before is not None:
-            wanted = finer(
-                system.elastic, place.patches, resolve(system.elastic, place.patches, tolerance), FINER * tolerance
-            )
-        here = evaluated(on.asked(system.sloped), place, tolerance, wanted)
+        asked = on.asked(system.sloped)
+        here = evaluated(asked, place, tolerance) if before is None else evaluated_finely(asked, place, tolerance)
         if isinstance(here, Refused):
             return here
         row = on.row(here, place.value)
@@ -306,6 +302,13 @@ def evaluated(
         return Refused.OVERLAP
     here = if_solvable(balance, system, place.patches, place.penetration, place.value, tolerance, resolution)
     return Refused.COMPRESSED if here is None or not here.all_tensile else here
+
+
+def evaluated_finely(system: System, place: Start, tolerance: float) -> Balance | Refused:
+    """The same with the nodes and modes of a finer tolerance: what this changes is the error of an evaluation."""
+    elastic = system.elastic
+    wanted = finer(elastic, place.patches, resolve(elastic, place.patches, tolerance), FINER * tolerance)
+    return evaluated(system, place, tolerance, wanted)
 
 
 def newton_step(

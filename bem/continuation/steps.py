@@ -1,8 +1,12 @@
 """Steps along a branch: predicted to second order, corrected in the plane of the step, judged by its misfit.
 
 A step is accepted if K > 0 at its end, the Newton step that is left is short, and the chord agrees with the derivatives
-at both ends (curve.py).  Both are of third order in its length, which grows or shrinks with the cube root of what the
-Newton step is over what it should be (pacopy's and AUTO's control does the same by the count of iterations).
+at both ends (curve.py); where it does not, both ends are evaluated again more finely before a shorter step is tried:
+what an evaluation lacks turns the tangent of a soft motion.
+
+The Newton step and the misfit are of third order in the length of the step, which grows or shrinks with the cube root
+of what the Newton step is over what it should be (pacopy's and AUTO's control does the same by the count of
+iterations).
 """
 
 from __future__ import annotations
@@ -11,11 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bem.adhesive.equilibrium import System
+from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.third_derivatives import with_slopes
 from bem.continuation.curve import CurvePoint, Piece, curve_point, first_point
-from bem.continuation.locating import Refused, Start, evaluated
-from bem.elastic.collocation import Resolution, finer, resolve
+from bem.continuation.locating import Refused, Start, evaluated, evaluated_finely
 from bem.continuation.points_with_edges import Equilibrium
 from bem.geometry.arrays import FloatArray
 
@@ -68,7 +71,8 @@ def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], w
     tried = float(np.max(np.abs(motion / at.unit)))
     normal = motion / at.unit**2
     start = Start(at.patches.moved(motion), at.numbers.penetration, at.value + change)
-    there = _point_at(system, start, normal, float(normal @ motion), way.tolerance)
+    here = evaluated(system.sloped, start, way.tolerance)
+    there = _point_of(system, here, start.value, normal, float(normal @ motion))
     if isinstance(there, Refused):
         return there
     if there.off > min(LARGEST, PART * tried):
@@ -89,11 +93,10 @@ def growth(piece: Piece) -> float:
 
 
 def evaluated_at_itself(system: System, at: CurvePoint, way: Way) -> CurvePoint | Refused:
-    """The same point from an evaluation at itself, with better derivatives."""
+    """The same point from a finer evaluation at itself, with better derivatives."""
     normal = at.rate / at.unit**2
-    start = Start(at.patches, at.numbers.penetration, at.value)
-    resolution = finer(system.elastic, at.patches, resolve(system.elastic, at.patches, way.tolerance), 1e-2 * way.tolerance)
-    return _point_at(system, start, normal, float(normal @ at.rate), way.tolerance, resolution)
+    here = evaluated_finely(system.sloped, Start(at.patches, at.numbers.penetration, at.value), way.tolerance)
+    return _point_of(system, here, at.value, normal, float(normal @ at.rate))
 
 
 def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, float]:
@@ -119,11 +122,10 @@ def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, floa
     return at_parameter(h)
 
 
-def _point_at(
-    system: System, start: Start, normal: FloatArray, length: float, tolerance: float, resolution: Resolution | None = None
+def _point_of(
+    system: System, here: Balance | Refused, value: float, normal: FloatArray, length: float
 ) -> CurvePoint | Refused:
-    """The point of the curve next to edges, in their plane."""
-    here = evaluated(system.sloped, start, tolerance, resolution)
+    """The point of the curve next to forces, in the plane of their edges."""
     if isinstance(here, Refused):
         return here
-    return curve_point(system, here, start.value, normal, length) or Refused.SINGULAR
+    return curve_point(system, here, value, normal, length) or Refused.SINGULAR
