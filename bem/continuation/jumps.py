@@ -19,10 +19,9 @@ import numpy as np
 from bem.adhesive.branch import moving_patches, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.relaxation import Cause, Relaxed, relax
-from bem.continuation.locating import Located
+from bem.continuation.locating import LONGEST_STEP, AtControl, Located, Refused, Start, locate
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import Equilibrium, Point
-from bem.continuation.rest import at_rest
 from bem.continuation.symmetry import TIED
 from bem.continuation.touches import Touch
 from bem.continuation.turns import LimitPoint
@@ -35,7 +34,6 @@ from bem.loading.increments import Accuracy, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-FINE = 1e-5  # tolerance of the first of the two evaluations of the state behind a jump
 DOUBT = 3.0  # times its error: less energy is not an event, where all patches stay
 FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet; the last, finely evaluated
 LONGEST_PUSH = 0.16  # of the edge scale
@@ -154,7 +152,7 @@ class Jumps:
         """
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
-        value, here, found = relaxed.target, relaxed.balance, self._at_rest(relaxed.balance, relaxed.target, surely)
+        value, here, found = relaxed.target, relaxed.balance, self._at_rest(relaxed.balance, relaxed.target)
         if found is None and relaxed.status == "converged":
             finer = self._relaxed(here.state, here.state.patches, value, fine=True)
             if finer.status in ("converged", "separated", "complete_contact"):
@@ -162,27 +160,28 @@ class Jumps:
                 relaxed, surely = finer, surely or bool(finer.changes)
             if relaxed.balance is None:
                 return self._without_edges(at, error, relaxed, changes)
-            here, found = relaxed.balance, self._at_rest(relaxed.balance, value, surely)
+            here, found = relaxed.balance, self._at_rest(relaxed.balance, value)
         after, uncertain = self._at_fixed_edges(here, value, value), np.inf
         if found is not None:
-            here, after, uncertain = found[0], found[1], found[2].potential
+            here, after, uncertain = found.balance, found.exact, found.error.potential
         released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
         doubt = error.potential + uncertain + self._elsewhere(at, error, after.penetration, after.load)
         happened = surely or not np.isfinite(doubt) or released > DOUBT * doubt
         events = path_events(changes, at, error, released, doubt) if happened else ()
         if relaxed.status != "converged":
             return _failed(relaxed, events)
-        patches = here.state.patches
-        if found is not None:
-            patches = patches.moved(-here.response(here.gradient))
+        patches = here.state.patches if found is None else found.patches
         return Equilibrium(value, here, patches, after.load, events=events)
 
-    def _at_rest(self, here: Balance, value: float, surely: bool) -> tuple[Balance, EventNumbers, EventNumbers] | None:
-        """The equilibrium behind a jump, improved, if finer evaluations find it."""
-        finest = self.increments.fine.tolerance
-        fine = max(min(FINE, self.increments.coarse.tolerance), finest)
-        energies = finest if self.system.elastic.kernel else fine  # their error falls with the square of the tolerance
-        return at_rest(self.system, here, value, (fine, energies) if surely else (finest, finest))
+    def _at_rest(self, here: Balance, value: float) -> Located | None:
+        """The stable equilibrium beside the one in which a jump ended, with its errors; None where there is none."""
+        outward = -here.response(here.gradient)
+        start = Start(here.state.patches.moved(outward), here.state.penetration, value)
+        found = locate(self.system, start, AtControl(value), self.increments.fine.tolerance)
+        if isinstance(found, Refused) or found.balance.factor is None:
+            return None
+        moved = outward_motion(here.state.patches, found.patches) / here.state.patches.edge_scale
+        return found if np.max(np.abs(moved)) <= LONGEST_STEP else None
 
     def _force(
         self, patches: Patches, penetration: float, value: float, motion: FloatArray, accuracy: Accuracy

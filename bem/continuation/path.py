@@ -26,7 +26,7 @@ from bem.continuation.branch_ends import BranchEnds, End, Goal
 from bem.continuation.curve import CurvePoint, Piece
 from bem.continuation.jumps import Jumps, leading_patch
 from bem.continuation.loads import Loads
-from bem.continuation.locating import AtControl, Located, Refused, Start, settle
+from bem.continuation.locating import AtControl, Condition, InPlane, Located, Refused, Start, settle
 from bem.continuation.opening import Flaw
 from bem.continuation.points_with_edges import Equilibrium, Point, Stretch
 from bem.continuation.steps import Way, curve_from, evaluated_at_itself, growth, predicted, step_from
@@ -129,14 +129,18 @@ class Path:
                 return
 
     def refine(self, point: Point, direction: float) -> Point:
-        """The point at the accuracy of a target; `direction` is not needed here."""
+        """The point at the accuracy of a target; `direction` is not needed here.
+
+        On a piece of the curve in its plane: beside a fold the control does not say where.
+        """
         if not isinstance(point, Equilibrium) or point.settled:
             return replace(point, events=())
-        return self._settled(point.patches, point.state.penetration, point.value)
+        start, stretch = Start(point.patches, point.state.penetration, point.value), point.stretch
+        return self._stable(start, None if stretch is None else InPlane(point.patches, stretch.piece.normal))
 
     def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> Point:
         """The point at given equilibrium edges, from which the path continues as if it began there."""
-        return self._settled(patches, penetration, value)
+        return self._stable(Start(patches, penetration, value))
 
     def assess(self, point: Equilibrium) -> Assessment:
         """Stability, stiffness and estimated errors, from finer evaluations."""
@@ -166,12 +170,12 @@ class Path:
         beside = [point for point in (before, after) if isinstance(point, Equilibrium)]
         return self.loads.in_last_gap(beside[0], load, self.increments.coarse.tolerance) if beside else None
 
-    def _settled(self, patches: Patches, penetration: float, value: float) -> Equilibrium | Failed:
-        """The stable state next to edges at a value of the control."""
-        found = settle(self.system.sloped, Start(patches, penetration, value), AtControl(value), self.increments.fine)
+    def _stable(self, start: Start, on: Condition | None = None) -> Equilibrium | Failed:
+        """The stable state next to edges that meets a condition, or at their value of the control."""
+        found = settle(self.system.sloped, start, on or AtControl(start.value), self.increments.fine)
         if isinstance(found, Refused) or found[0].factor is None:
-            return Failed(value, "not_converged")
-        return Equilibrium.of(value, found[0], settled=True)
+            return Failed(start.value, "not_converged")
+        return Equilibrium.of(found[1], found[0], settled=True)
 
     def _way(self, point: Equilibrium, direction: float, end: float) -> Way:
         """How a branch is followed from a point."""
@@ -268,7 +272,7 @@ class Path:
                 return replace(_on_curve(other), events=events)
             part = np.sqrt(max(-way.beyond(at.exact.value), 0.0) / abs(other.value - at.exact.value))
             outward = part * outward_motion(at.patches, other.patches)
-            settled = self._settled(at.patches.moved(outward), at.exact.penetration, way.end)
+            settled = self._stable(Start(at.patches.moved(outward), at.exact.penetration, way.end))
             return replace(settled, events=events)
         return self.jumps.from_broken_symmetry(at, motion, edges) or self._by_control(piece.first, way)
 
@@ -286,7 +290,7 @@ class Path:
             at, length = step.last, min(way.longest, length * growth(step))
             if at.balance.factor is not None and (at.value - value) * way.direction > 0:
                 place = float(step.reaches(value)[-1:].sum())
-                found = self._settled(step.at(place)[0], at.numbers.penetration, value)
+                found = self._stable(Start(step.at(place)[0], at.numbers.penetration, value))
                 if isinstance(found, Equilibrium):
                     return found
                 break
@@ -300,7 +304,7 @@ class Path:
         for change in NATURAL:
             change = min(change * self.increments.largest / self.increments.deepest, -way.beyond(at.value))
             value = at.value + way.direction * change
-            found = self._settled(at.patches, at.numbers.penetration, value)
+            found = self._stable(Start(at.patches, at.numbers.penetration, value))
             if isinstance(found, Failed):
                 continue
             moved = outward_motion(at.patches, found.patches) / at.unit
