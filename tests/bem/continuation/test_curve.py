@@ -61,11 +61,12 @@ def test_the_control_turns_on_a_piece_around_johnsons_fold(quantity):
     system, at = begin(control, 0.9 * lowest(quantity))
     way = Way(-1.0, -np.inf, 0.15, np.inf, TOLERANCE)
     for _ in range(30):
-        piece = step_from(system, at, predicted(at, 0.15, way), way)
+        piece = step_from(system, at, predicted(at, 0.1, way), way)
         assert not isinstance(piece, Refused)
         if piece.last.control_rate * way.direction < 0:
             break
         at = piece.last
+    piece = Piece.between(at_itself(system, piece.first), at_itself(system, piece.last))
     (place,) = piece.turns()
     patches, value = piece.at(float(place))
     assert value == pytest.approx(lowest(quantity), rel=1e-6)
