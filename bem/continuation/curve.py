@@ -27,7 +27,7 @@ from numpy.polynomial import polynomial
 from scipy.linalg import lapack
 
 from bem.adhesive.branch import after_step, outward_motion
-from bem.adhesive.equilibrium import Balance, System, symmetric_part
+from bem.adhesive.equilibrium import Balance, System, forces, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
 from bem.geometry.arrays import FloatArray
@@ -128,7 +128,12 @@ class CurvePoint:
 
     @property
     def is_clear(self) -> bool:
-        """Whether what the Newton step may change of the eigenvalues leaves them positive, or some are negative."""
+        """Whether what the Newton step may change of the eigenvalues leaves them positive, or some are negative.
+
+        Where an edge is not tensile beside the point the Hessian there says nothing.
+        """
+        if not self.balance.all_tensile:
+            return False
         if self.balance.factor is None:
             return True
         shifted = symmetric_part(self.balance.hessian, np.sqrt(self.unit / self.balance.work))
@@ -145,17 +150,22 @@ class CurvePoint:
 def curve_point(system: System, here: Balance, value: float, normal: FloatArray, length: float) -> CurvePoint | None:
     """The point of the curve next to forces, in the plane through their edges whose normal is given.
 
-    One Newton step leads there; its derivatives are those beside it.  The parameter is normal . xi / length.  None
-    where that step is longer than a unit, or edges overlap behind it.
+    One Newton step leads there; what it changes of the control is exact at once, the state being linear in Delta.  The
+    parameter is normal . xi / length.  None where that step is longer than a unit, or edges overlap behind it.
     """
     unit, row = unit_of(system, here), Row(0.0, normal, 0.0)
     sides = np.zeros((unit.size + 1, 2))
     sides[-1, 1] = length
-    factors, pivots, singular = lapack.dgetrf(bordered(system, here, unit, row), overwrite_a=1)
-    if singular:
-        return None
-    sides[:-1, 0] = missing(here)
-    both = lapack.dgetrs(factors, pivots, sides)[0]
+    for _ in range(2):
+        factors, pivots, singular = lapack.dgetrf(bordered(system, here, unit, row), overwrite_a=1)
+        if singular:
+            return None
+        sides[:-1, 0] = missing(here)
+        both = lapack.dgetrs(factors, pivots, sides)[0]
+        value += float(both[-1, 0])
+        control = system.control
+        moved = here.state if control.load_weight else here.state.shifted(value - here.state.penetration)
+        here = forces(system, control.reach(moved, value), value)
     rate, control_rate = both[:-1, 1] * unit, float(both[-1, 1])
     bent = np.append(-_bent(system, here, rate, control_rate) / here.work, 0.0)
     second = lapack.dgetrs(factors, pivots, bent)[0]
@@ -163,7 +173,7 @@ def curve_point(system: System, here: Balance, value: float, normal: FloatArray,
     patches = here.state.patches.moved(step)
     if not off <= 1 or not patches.is_ordered:
         return None
-    numbers = after_step(system, here, value, step, float(both[-1, 0]))
+    numbers = after_step(system, here, value, step, 0.0)
     return CurvePoint(here, patches, numbers, rate, control_rate, second[:-1] * unit, float(second[-1]), unit, off)
 
 

@@ -40,7 +40,8 @@ class Refused(Enum):
     """Why nothing was found, or a step was not taken."""
 
     OVERLAP = "edges overlap"
-    COMPRESSED = "K is not positive at an edge, or the gaps are too narrow to resolve"
+    COMPRESSED = "K is not positive at an edge"
+    UNRESOLVED = "the gaps are too narrow to resolve"
     SINGULAR = "the bordered system is singular"
     DIVERGED = "Newton's steps do not shrink"
     FAR = "what was found is not on this piece of the curve"
@@ -298,10 +299,18 @@ def evaluated(
     system: System, place: Start, tolerance: float, resolution: Resolution | None = None
 ) -> Balance | Refused:
     """Forces on edges that are in order, all of them tensile."""
+    here = evaluated_anywhere(system, place, tolerance, resolution)
+    return here if isinstance(here, Refused) or here.all_tensile else Refused.COMPRESSED
+
+
+def evaluated_anywhere(
+    system: System, place: Start, tolerance: float, resolution: Resolution | None = None
+) -> Balance | Refused:
+    """Forces on edges that are in order."""
     if not place.patches.is_ordered:
         return Refused.OVERLAP
     here = if_solvable(balance, system, place.patches, place.penetration, place.value, tolerance, resolution)
-    return Refused.COMPRESSED if here is None or not here.all_tensile else here
+    return Refused.UNRESOLVED if here is None else here
 
 
 def evaluated_finely(system: System, place: Start, tolerance: float) -> Balance | Refused:

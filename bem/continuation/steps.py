@@ -18,7 +18,7 @@ import numpy as np
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.third_derivatives import with_slopes
 from bem.continuation.curve import CurvePoint, Piece, curve_point, first_point
-from bem.continuation.locating import Refused, Start, evaluated, evaluated_finely
+from bem.continuation.locating import Refused, Start, evaluated_anywhere, evaluated_finely
 from bem.continuation.points_with_edges import Equilibrium
 from bem.geometry.arrays import FloatArray
 
@@ -71,7 +71,7 @@ def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], w
     tried = float(np.max(np.abs(motion / at.unit)))
     normal = motion / at.unit**2
     start = Start(at.patches.moved(motion), at.numbers.penetration, at.value + change)
-    here = evaluated(system.sloped, start, way.tolerance)
+    here = evaluated_anywhere(system.sloped, start, way.tolerance)
     there = _point_of(system, here, start.value, normal, float(normal @ motion))
     if isinstance(there, Refused):
         return there
