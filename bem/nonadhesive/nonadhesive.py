@@ -20,7 +20,7 @@ import numpy as np
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
-from bem.elastic.hierarchical import if_solvable
+from bem.elastic.hierarchical import IllConditionedSystemError, if_solvable
 from bem.elastic.sensitivities import own_sensitivity
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
@@ -123,6 +123,11 @@ def solve_contact(
     accuracy : Accuracy
         Of the evaluation; its residual is that of `edge_residual` and of the contact fraction, where rounding does not
         limit them.
+
+    Raises
+    ------
+    IllConditionedSystemError
+        A contact, or the gap between two, has no width in double precision.
     """
     search = _Search(elastic, control, target, accuracy, patches, penetration)
     rounded = ROUNDED * elastic.profile.max_height
@@ -144,6 +149,8 @@ def solve_contact(
             return Contact("complete_contact", None, 0.0, count)
         if changed.count == 0:
             return Contact("separated", None, 0.0, count)
+        if not changed.is_ordered:
+            raise IllConditionedSystemError("a contact is narrower than double precision tells positions apart")
         search.stand_at(changed, coarseness)
     return Contact("not_converged", state, search.measure, ITERATIONS)
 
