@@ -178,7 +178,7 @@ class Profile:
     @cached_property
     def cell(self) -> float:
         """Distance between the points of the table."""
-        return self.period / self._table.shape[0]
+        return float(self.period / self._table.shape[0])
 
     def rise(self, x: FloatArray, step: FloatArray) -> FloatArray:
         """h(x + step) - h(x) for steps of half a `cell` at most, (n,) each, without their cancellation.
