@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 from quickest import slowest
 
 SUPPORT = Path(__file__).parent / "support"

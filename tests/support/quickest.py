@@ -1,8 +1,8 @@
 """How long tests took, and another run of the quickest of them: few tests take most of the time.
 
 `--seconds FILE` writes what every test took, set up and taken down. With `--quickest SHARE` it is read instead: tests
-are run from the quickest on until they took that share of all, so that the choice does not depend on the machine's pace;
-a test that is not in the file is run. bash .ci/run repeats tests in this way on other kernels.
+are run from the quickest on until they took that share of all, so that the choice does not depend on the machine's
+pace; a test that is not in the file is run. bash .ci/run repeats tests in this way on other kernels.
 """
 
 import json
