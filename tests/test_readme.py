@@ -67,6 +67,16 @@ def test_scene_commands_run(run_block, folder):
     assert (folder / "result" / "result.json").exists()
 
 
+def test_files_of_a_run_are_named(folder, monkeypatch):
+    """Those of the scene at the top, drawn and reported."""
+    monkeypatch.chdir(folder)
+    assert front_door.main(["run", "scene.toml", "--out", "result", "--plot", "--quiet"]) == 0
+    assert front_door.main(["report", "result"]) == 0
+    names = {re.sub(r"_\d+", "_N", path.name) for path in (folder / "result").iterdir()}
+    assert len(names) == 7  # result.json, fields.npz, drawings of three kinds, report.html, answer.csv
+    assert {name for name in names if f"`{name}`" not in README} == set()
+
+
 def test_commands_from_a_scene_to_a_page_run(run_block, tmp_path):
     run_block(blocks("sh")[3])
     assert (tmp_path / "result" / "report.html").exists()

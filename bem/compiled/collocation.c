@@ -138,9 +138,15 @@ DECLARED(right_hand_sides)
         const Table *basis = &coupled[i];
         Size size = sampling[i].n;
         double even[3] = {0.0, 0.0, 0.0}, odd[3] = {0.0, 0.0, 0.0};
-        for (k = 0; k < size; k++)
-            points[k] = center + half_width * sampling[i].nodes[k];
-        expansion(table, of_table[0], scale, 0, size, points, samples);
+        int narrow = half_width * scale <= 0.5;
+        if (narrow)
+            for (k = 0; k < size; k++)
+                samples[k] = rise_over(table, of_table[0], center * scale, half_width * scale * sampling[i].nodes[k]);
+        else {
+            for (k = 0; k < size; k++)
+                points[k] = center + half_width * sampling[i].nodes[k];
+            expansion(table, of_table[0], scale, 0, size, points, samples);
+        }
         memset(series, 0, (size_t)most * sizeof(double));
         if (sampling[i].transform != NULL)
             times('N', size, size, -PI, sampling[i].transform, size, samples, 0.0, series);
@@ -149,7 +155,7 @@ DECLARED(right_hand_sides)
             for (k = 0; k < size; k++)
                 series[k] = -PI * samples[k];
         }
-        series[0] += PI * level;
+        series[0] += PI * (level - (narrow ? height_at(table, of_table[0], center * scale) : 0.0));
         every_other(basis->n + basis->n % 2, most, series, even);
         every_other(basis->n + 1 - basis->n % 2, most, series, odd);
         tail[i] = (even[0] - odd[0]) / PI;

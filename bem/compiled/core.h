@@ -176,4 +176,18 @@ static inline double height_at(const double *table, Size rows, double place)
     return total;
 }
 
+/* Profile.rise: what the profile rises by over a step from a place, both in units of the spacing of its table. */
+static inline double rise_over(const double *table, Size rows, double place, double step)
+{
+    double offset, power = 1.0, difference = 0.0, total = 0.0;
+    const double *row = nearest_row(table, rows, place, &offset);
+    int k;
+    for (k = 1; k < TERMS; k++) {
+        difference = (offset + step) * difference + step * power;
+        power *= offset;
+        total += row[k] * difference;
+    }
+    return total;
+}
+
 #endif

@@ -23,6 +23,7 @@ from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bem.compiled.kernels import mirrored
 from bem.elastic.hierarchical import IllConditionedSystemError, Skeleton, solve
@@ -318,8 +319,9 @@ def right_hand_sides(
     energy : float
         What `uncoupled` gives.
     """
-    series = _series(profile, patches, resolution.nodes)
-    series[:, 0] += np.pi * level
+    narrow = patches.half_width <= profile.cell / 2
+    series = _series(profile, patches, resolution.nodes, narrow)
+    series[:, 0] += np.pi * (level - np.where(narrow, profile.height(patches.center), 0.0))
     coupled = chebyshev.by_size(resolution.modes)
     x, columns = np.empty(coupled.starts[-1]), np.ones((2, coupled.starts[-1]))
     for modes, members in coupled.classes:
@@ -336,15 +338,19 @@ def uncoupled(series: FloatArray, modes: IntArray) -> tuple[FloatArray, float]:
     return (term @ sums).T.reshape(2, -1), float(np.vdot(term, series))
 
 
-def _series(profile: Profile, patches: Patches, nodes: IntArray) -> FloatArray:
-    """Chebyshev coefficients of -pi h on every patch, (L, max N_i), filled up with zeros."""
-    center, half_width, sampling = patches.center, patches.half_width, chebyshev.by_size(nodes)
-    positions = [center[who, None] + half_width[who, None] * chebyshev.basis_nodes(n) for n, who in sampling.classes]
-    heights = profile.height(np.concatenate([x.ravel() for x in positions]))
-    splits = np.split(heights, np.cumsum([x.size for x in positions])[:-1])
+def _series(profile: Profile, patches: Patches, nodes: IntArray, narrow: NDArray[np.bool_]) -> FloatArray:
+    """Chebyshev coefficients of -pi h on every patch, (L, max N_i), filled up with zeros.
+
+    On narrow patches h is counted from their middle: what it varies by there may be less than its rounding.
+    """
+    sampling = chebyshev.by_size(nodes)
     series = np.zeros((patches.count, nodes.max()))
-    for (size, who), x, height in zip(sampling.classes, positions, splits, strict=True):
-        series[who, :size] = chebyshev.coefficients(-np.pi * height.reshape(x.shape))
+    for size, who in sampling.classes:
+        center, step = patches.center[who], patches.half_width[who, None] * chebyshev.basis_nodes(size)
+        samples, close = np.empty(step.shape), narrow[who]
+        samples[~close] = profile.height(center[~close, None] + step[~close])
+        samples[close] = profile.rise(np.repeat(center[close], size), step[close].ravel()).reshape(-1, size)
+        series[who, :size] = chebyshev.coefficients(-np.pi * samples)
     return series
 
 

@@ -123,7 +123,9 @@ def near_patches(
 def _power_series(terms: FloatArray, count: IntArray, column: IntArray, zeta: FloatArray) -> FloatArray:
     """sum_{n >= 1} terms_n zeta^n, for each zeta the first `count` terms of its column while its powers last, (n,)."""
     step = max(LEAST_TERMS, FEW_POWERS // max(1, zeta.size))
-    parts = np.ceil(np.minimum(NEGLIGIBLE / np.log(np.abs(zeta) - 1e-16), count[column]) / step).astype(np.int64)
+    parts = np.ceil(np.minimum(NEGLIGIBLE / np.minimum(np.log(np.abs(zeta)), -1e-16), count[column]) / step).astype(
+        np.int64
+    )
     order = np.argsort(-parts, kind="stable")
     reach = parts.size - np.cumsum(np.bincount(parts))[:-1]  # points that see more than 0, 1, ... parts of the terms
     column, powers = column[order], _powers(zeta[order], min(step, terms.shape[1]))

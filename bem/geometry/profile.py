@@ -175,6 +175,29 @@ class Profile:
         values: FloatArray = self._expand(x, 0)[0]
         return values
 
+    @cached_property
+    def cell(self) -> float:
+        """Distance between the points of the table."""
+        return float(self.period / self._table.shape[0])
+
+    def rise(self, x: FloatArray, step: FloatArray) -> FloatArray:
+        """h(x + step) - h(x) for steps of half a `cell` at most, (n,) each, without their cancellation.
+
+        It is exact to rounding of the slope times the step, however short that is: the powers of the Taylor series
+        about the grid point next to x are subtracted one by one, (o + d)^k - o^k = (o + d) ((o + d)^(k-1) - o^(k-1)) +
+        d o^(k-1).
+        """
+        position, ahead = x / self.cell, step / self.cell
+        nearest = np.rint(position)
+        offset = position - nearest
+        terms = self._table.take(nearest.astype(np.int64) % self._table.shape[0], axis=0).T
+        power, difference, total = np.ones(x.size), np.zeros(x.size), np.zeros(x.size)
+        for term in terms[1:]:
+            difference = (offset + ahead) * difference + ahead * power
+            power = power * offset
+            total += term * difference
+        return total
+
     def slope(self, x: ArrayLike) -> FloatArray:
         """h'(x), same shape as x."""
         values: FloatArray = self._expand(x, 1)[1]

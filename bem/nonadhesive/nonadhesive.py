@@ -20,7 +20,7 @@ import numpy as np
 
 from bem.elastic.collocation import Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
-from bem.elastic.hierarchical import if_solvable
+from bem.elastic.hierarchical import IllConditionedSystemError, if_solvable
 from bem.elastic.sensitivities import own_sensitivity
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
@@ -42,7 +42,7 @@ ROUNDINGS = 3.0  # of K, as the certificate allows; measured 1.8
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
-MOST_MODES = 4000  # of a patch: a gap beside it that asks for more at the accuracy of targets counts as closed
+CLOSING_MODES = 4000  # of a patch: a gap beside it that asks for more at the accuracy of targets counts as closed
 DOUBTFUL = 1e-9  # of the mean pressure of a patch: the accuracy at which a dip may be a gap too narrow to be seen here
 
 ContactStatus = Literal["converged", "separated", "complete_contact", "narrow_gaps", "not_converged", "ill_conditioned"]
@@ -123,6 +123,11 @@ def solve_contact(
     accuracy : Accuracy
         Of the evaluation; its residual is that of `edge_residual` and of the contact fraction, where rounding does not
         limit them.
+
+    Raises
+    ------
+    IllConditionedSystemError
+        A contact, or the gap between two, has no width in double precision.
     """
     search = _Search(elastic, control, target, accuracy, patches, penetration)
     rounded = ROUNDED * elastic.profile.max_height
@@ -144,6 +149,8 @@ def solve_contact(
             return Contact("complete_contact", None, 0.0, count)
         if changed.count == 0:
             return Contact("separated", None, 0.0, count)
+        if not changed.is_ordered:
+            raise IllConditionedSystemError("a contact is narrower than double precision tells positions apart")
         search.stand_at(changed, coarseness)
     return Contact("not_converged", state, search.measure, ITERATIONS)
 
@@ -264,7 +271,7 @@ def _least_gap(
 ) -> FloatArray:
     """Gaps that count as closed between patches of these widths; the modes beside them are `coupling_modes`."""
     narrower, wider = np.minimum(before, behind), np.maximum(before, behind)
-    resolved = wider * (np.log(tolerance) / (2 * MOST_MODES)) ** 2
+    resolved = wider * (np.log(tolerance) / (2 * CLOSING_MODES)) ** 2
     closed = closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * narrower)
     return np.asarray(np.maximum(closed, resolved))
 

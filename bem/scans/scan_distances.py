@@ -16,8 +16,11 @@ from bem.scans.scan_keys import METRES
 from bem.scans.scan_refusal import Refusal, ScanFileError
 
 
-def distance_of(lengths: Sequence[Length], count: int, is_map: bool) -> tuple[float, Length]:
-    """The distance of samples (m) that a file states, and where; ScanFileError where it states none, or two."""
+def distance_of(lengths: Sequence[Length], bare: Sequence[str], count: int, is_map: bool) -> tuple[float, Length]:
+    """The distance of samples (m) that a file states, and where; ScanFileError where it states none, or two.
+
+    `bare` are lines with one in no unit.
+    """
     for length in lengths:
         if length.kind == "width" and not is_map:
             continue
@@ -29,7 +32,8 @@ def distance_of(lengths: Sequence[Length], count: int, is_map: bool) -> tuple[fl
         raise ScanFileError([Refusal("spacing", found, "correct the file, or remove the line that is wrong")])
     allowed = "the distance of two samples in unit_x: the file has heights alone"
     if not lengths:
-        raise ScanFileError([Refusal("spacing", "is missing", allowed)])
+        found = f"is missing: {bare[0]} has no unit" if bare else "is missing"
+        raise ScanFileError([Refusal("spacing", found, allowed)])
     width = lengths[0]
     edges, centres = (f"{width.metres / n / METRES[width.unit]:.9g}" for n in (count, max(count - 1, 1)))
     allowed = (

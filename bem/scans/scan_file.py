@@ -232,7 +232,7 @@ def _in_metres(columns: _Columns, header: Header, facts: dict[str, Any], values:
     count = columns.h.size
     if stated:
         try:
-            dx, length = distance_of(header.lengths, count, columns.used is None)
+            dx, length = distance_of(header.lengths, header.bare, count, columns.used is None)
         except ScanFileError as error:
             raise ScanFileError([*error.refusals, *refusals]) from None
     if refusals:

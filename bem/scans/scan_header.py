@@ -35,6 +35,7 @@ SETTING = re.compile(r"([^:=]*)[:=](.*)")
 BRACKETS = re.compile(r"([^\[\](){}<>]*)[\[({<]([^\[\](){}<>]*)[\])}>]")
 STROKES = re.compile(r"/\s*([^\s/;,]+)|\bin\s+([^\s;,]+)")
 NUMBERED = re.compile(r"([-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?)(.*)")
+BARE = re.compile(r"(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?")
 SECOND = re.compile(r"^[x×*]\s*[\d.,]+\s*")  # of 10 x 10 um
 
 
@@ -59,6 +60,7 @@ class Header:
 
     units: list[Statement] = field(default_factory=list)
     lengths: list[Length] = field(default_factory=list)
+    bare: list[str] = field(default_factory=list)  # lines with a distance or a width in no unit: it may be of pixels
 
 
 class Axes(NamedTuple):
@@ -157,6 +159,8 @@ def _take(found: Header, number: int, line: str, name: str, value: str, axes: Ax
     else:
         length = _length(number, line, name, value)
         found.lengths += [] if length is None else [length]
+        if length is None and BARE.fullmatch(value.strip(SIGNS)) and _kind(words_of(name)):
+            found.bare.append(told)
 
 
 def _marked(number: int, cells: Sequence[str], axes: Axes) -> list[Statement]:

@@ -103,6 +103,13 @@ def test_right_hand_sides(posed):
     assert energy == pytest.approx(expected_energy, rel=ROUNDING)
 
 
+def test_right_hand_sides_of_a_narrow_patch_beyond_their_mean():
+    patch = Patches(np.array([1.0]), np.array([1.0 + 1e-7]))
+    given = ROUGH, patch, 0.7, collocation.resolve(Elastic(ROUGH), patch, 1e-4)
+    found, expected = (sides(*given)[0][:, 1:] for sides in (CORE.right_hand_sides, collocation.right_hand_sides))
+    check(found, expected)
+
+
 @pytest.mark.parametrize("edge_columns", [0, 2, 4], ids=["", "edges", "slopes"])
 @pytest.mark.parametrize(
     ("layered", "largest"), [(False, 10**9), (False, 110), (False, 30), (True, 30)],

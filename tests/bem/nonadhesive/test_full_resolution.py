@@ -139,3 +139,13 @@ def test_a_layer_of_three_ten_thousandths_of_the_period():
     assert state.status == "converged"
     overlap = np.arccos(1 - 0.003 / 0.01) / np.pi  # a bed of springs touches where the profile is above the plane
     assert state.contact_fraction == pytest.approx(overlap, abs=3e-4)  # measured 1.1e-4
+
+
+def test_surfaces_do_not_overlap_at_the_edge_of_a_patch_that_is_wide_for_its_layer():
+    """Heights there are as right as on the patch: pressures of a thin incompressible layer are hundreds of its."""
+    profile = bem.Profile.self_affine(period=1.0, hurst=0.3, rms_height=1e-3, harmonics=300, seed=23)
+    solid = {"youngs_modulus": 7.5e5, "poisson_ratio": 0.5}
+    pressure = 0.6 * plane_strain_modulus(solid) * rms_slope(profile)
+    (state,) = solved(profile, [pressure], solid=solid, layer={"thickness": 0.01}).targets
+    assert state.certificate.ok
+    assert state.certificate.min_gap >= -1.5e-10 * 1e-3  # m; measured 5e-11 of the rms height

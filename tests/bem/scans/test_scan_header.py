@@ -174,6 +174,14 @@ def test_what_cannot_be_used_is_refused(header, said, tmp_path):
     assert (refusal.key, said in refusal.found, "line 1" in refusal.found) == ("file", True, True), refusal
 
 
+@pytest.mark.parametrize("header", ["# Width: 100", "Scan size = 1.5e2", "Pixel size: 2.5", "Width;100"])
+def test_a_width_without_a_unit_is_told_where_the_distance_of_samples_is_missing(header, tmp_path):
+    refusal = refusal_of(tmp_path, f"{header}\n# Value units: um\n{MAP}", row=0)
+    assert (refusal.key, refusal.found.startswith("is missing: line 1"), "no unit" in refusal.found) == (
+        "spacing", True, True,
+    )  # fmt: skip
+
+
 def test_two_distances_in_a_file_are_told(tmp_path):
     refusal = refusal_of(tmp_path, "Pixel size: 2.0 um\nWidth: 10.0 um\nUnit: nm\n" + MAP, row=0)
     assert ("line 1" in refusal.found, "line 2" in refusal.found) == (True, True)
