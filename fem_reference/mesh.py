@@ -23,6 +23,7 @@ from skfem import MeshTri1
 
 from fem_reference.problem import FloatArray, IntArray, InvalidProblemError
 
+FEWEST_LEVELS = 4  # halvings at the tips
 NARROWEST = 1e-6  # of the period; below it the coordinates of the smallest triangles lose their digits
 
 
@@ -54,14 +55,21 @@ class Resolution:
             raise InvalidProblemError("resolution", f"order must be 2 or 4, got {self.order!r}")
         if self.cells < 4:
             raise InvalidProblemError("resolution", f"cells must be at least 4, got {self.cells!r}")
-        if not 4 <= self.tip_levels <= 24:
+        if not FEWEST_LEVELS <= self.tip_levels <= 24:
             raise InvalidProblemError("resolution", f"tip_levels must lie in 4..24, got {self.tip_levels!r}")
 
+    @property
+    def _cells_of_coarser(self) -> int:
+        return int(np.ceil(0.75 * self.cells))
+
+    @property
+    def levels_fewer(self) -> int:
+        """By how many tip levels the next coarser member has fewer: the tip keeps pace with the order of a load."""
+        return round(2 * self.order * np.log2(self.cells / self._cells_of_coarser))
+
     def coarser(self) -> "Resolution":
-        """The next coarser member: 3/4 of the cells, rounded up, tip levels fewer by 2 order log2 of the ratio."""
-        cells = max(4, int(np.ceil(0.75 * self.cells)))
-        levels = round(2 * self.order * np.log2(self.cells / cells))
-        return replace(self, cells=cells, tip_levels=max(4, self.tip_levels - levels))
+        """The next coarser member: 3/4 of the cells, rounded up, and as many tip levels fewer as keep pace."""
+        return replace(self, cells=self._cells_of_coarser, tip_levels=self.tip_levels - self.levels_fewer)
 
 
 @dataclass(frozen=True)
@@ -105,21 +113,21 @@ class LayerMesh:
         return np.asarray(np.minimum(nearest, self.depth).reshape(self.edges.shape))
 
 
-def check_edges(edges: FloatArray) -> None:
+def check_edges(edges: FloatArray, argument: str = "edges") -> None:
     """Raise `InvalidProblemError` unless the patches (n_patches, 2) are ordered, disjoint and wide enough."""
     if edges.ndim != 2 or edges.shape[1] != 2 or edges.shape[0] == 0:
-        raise InvalidProblemError("edges", "must be a sequence of pairs (a, b)")
+        raise InvalidProblemError(argument, "must be a sequence of pairs (a, b)")
     if not np.all(np.isfinite(edges)):
-        raise InvalidProblemError("edges", "must be finite")
+        raise InvalidProblemError(argument, "must be finite")
     if np.any(edges[:, 1] <= edges[:, 0]):
-        raise InvalidProblemError("edges", "every patch needs a < b")
+        raise InvalidProblemError(argument, "every patch needs a < b")
     flat = np.append(edges.ravel(), edges[0, 0] + 1.0)
     lengths = np.diff(flat)
     if np.any(lengths <= 0.0):
-        raise InvalidProblemError("edges", "patches overlap or are out of order on the period")
+        raise InvalidProblemError(argument, "patches overlap or are out of order on the period")
     if np.any(lengths < NARROWEST):
         raise InvalidProblemError(
-            "edges", f"a patch or a gap is narrower than the mesh can carry ({NARROWEST:g} periods)"
+            argument, f"a patch or a gap is narrower than the mesh can carry ({NARROWEST:g} periods)"
         )
 
 

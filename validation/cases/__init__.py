@@ -18,6 +18,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.finite_elements.fem_closed_forms",
     "validation.cases.finite_elements.fem_closure",
     "validation.cases.finite_elements.fem_equilibria",
+    "validation.cases.finite_elements.fem_matrix",
     "validation.cases.states.fault_gaps",
     "validation.cases.theory.theory_routes",
     "validation.cases.suite.reduced_hard_cases",

@@ -27,7 +27,7 @@ from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
 FRACTIONS = (0.3, 0.5, 0.7)
-RESOLUTION = Resolution(2, 8, 8)
+RESOLUTION = Resolution(2, 10, 10)
 
 
 def stiffness(wave: Sinusoid, psi: float) -> tuple[float, float]:
