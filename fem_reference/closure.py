@@ -2,9 +2,9 @@
 
     K_e = sqrt(2 E* gamma sqrt(1 + h'(e)^2))      at every edge (K_e = 0 without adhesion),
 
-at given penetration, total displacement, load or contact fraction. Under a given contact fraction the load is that at
-which the mean of K - K_c over a scale (`residual`) vanishes, and every residual has the relative difference of the
-contact fraction added: all vanish together where both are met, at a limit point of the others too. Far from the closure every edge moves the way that lowers the
+at given penetration, total displacement, load or width of one patch. Under a given width the load is that at which the
+mean of K - K_c over a scale (`residual`) vanishes, and every residual has the relative difference of the width added:
+all vanish together where both are met, at a limit point of the others too. Far from the closure every edge moves the way that lowers the
 energy (out where K < K_c); near it Newton's method takes over: the Jacobian by differences on a coarse
 P2/P1 mesh that moves with the edges, updated by Broyden's formula (Math. Comp. 19 (1965) 577,
 doi:10.1090/S0025-5718-1965-0198670-6), then the same Jacobian as a chord on finer meshes, where two or three
@@ -34,7 +34,7 @@ from fem_reference.mesh import NARROWEST, LayerMesh, Resolution, layer_mesh, mov
 from fem_reference.problem import FloatArray, InvalidProblemError, Problem
 
 ControlKind = Literal["separation", "penetration", "total_displacement", "mean_pressure"]
-PrescribedKind = ControlKind | Literal["contact_fraction"]
+PrescribedKind = ControlKind | Literal["width"]
 Outcome = Literal["converged", "no_equilibrium", "not_converged"]
 
 LARGEST_CHANGE = 0.3  # of a patch or gap in one step
@@ -54,12 +54,13 @@ class Control:
 
     kind: PrescribedKind
     value: float
+    patch: int = 0  # whose width is prescribed
 
     def load(self, states: UnitStates, edges: EdgeStates | None) -> float:
         """Load per period at which the states meet the control."""
         if self.kind == "mean_pressure":
             return self.value
-        if self.kind == "contact_fraction":
+        if self.kind == "width":
             assert edges is not None
             critical, scale = _critical_and_scale(states.problem, states.mesh.edges)
             at_rest, per_load = edges.stress_intensity[..., 0], edges.stress_intensity[..., 1]
@@ -101,15 +102,15 @@ def evaluate(
 
 
 def residual(problem: Problem, evaluation: Evaluation, control: Control) -> FloatArray:
-    """(K - K_c) over a fixed scale at every edge, shape (2 n_patches,); what else a contact fraction asks for is added.
+    """(K - K_c) over a fixed scale at every edge, shape (2 n_patches,), and what a prescribed width lacks.
 
     The scale is the larger of K_c and E* sqrt(width) / 10, the stress intensity of a fair share of the rms height.
     """
     critical, scale = _critical_and_scale(problem, evaluation.edges)
     found = np.asarray(((evaluation.values.stress_intensity - critical) / scale).ravel())
-    if control.kind != "contact_fraction":
+    if control.kind != "width":
         return found
-    return np.asarray(found + float(np.sum(np.diff(evaluation.edges))) / control.value - 1.0)
+    return np.asarray(found + float(np.diff(evaluation.edges)[control.patch, 0]) / control.value - 1.0)
 
 
 def _critical_and_scale(problem: Problem, edges: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -250,13 +250,27 @@ def rows(comparison: Comparison) -> list[Row]:
 
 
 def _judged(prefix: str, difference: Difference, comparison: Comparison) -> Row:
-    """The row of a quantity: what is allowed is twice the combined uncertainty, and of that `TAKEN` was measured."""
-    allowed = max(2.0 * difference.uncertainty, ROUNDING)
-    taken = TAKEN[2 if comparison.fem is None else comparison.fem.resolution.order]
-    return compared(prefix + difference.quantity, difference.unit,
-                    Reference(kind="FEM", source=_source(comparison), uncertainty=difference.fem_uncertainty),
-                    difference.fem, difference.bem, allowed, taken * allowed, "absolute", difference.scale,
-                    basis="required", uncertainty=difference.bem_uncertainty)  # fmt: skip
+    """The row of a quantity: nothing but the uncertainties of both decides."""
+    order = 2 if comparison.fem is None else comparison.fem.resolution.order
+    reference = Reference(kind="FEM", source=_source(comparison), uncertainty=difference.fem_uncertainty)
+    return within(prefix + difference.quantity, difference.unit, reference, difference.fem, difference.bem,
+                  difference.bem_uncertainty, difference.scale, TAKEN[order])  # fmt: skip
+
+
+def within(
+    quantity: str,
+    unit: str,
+    reference: Reference,
+    expected: list[float],
+    computed: list[float],
+    uncertainty: float,
+    scale: float,
+    taken: float,
+) -> Row:
+    """A row judged by twice the uncertainties of both sides; `taken` is the share of it that was measured."""
+    allowed = max(2.0 * (uncertainty + reference.uncertainty) / scale, ROUNDING)
+    return compared(quantity, unit, reference, expected, computed, allowed, taken * allowed, "absolute", scale,
+                    basis="required", uncertainty=uncertainty)  # fmt: skip
 
 
 def _source(comparison: Comparison) -> str:

@@ -1,7 +1,7 @@
 """Boundary elements against finite elements: equilibria of layers on unequal crests, each code with its own edges.
 
-One case for every kind of scene at the coarse elements (quick) and at the fine ones (standard), and all thicknesses with
-all Poisson's ratios (full). How both are compared: fem_comparison.py.
+One case for every kind of scene at the coarse elements (quick) and at the fine ones (standard), and all thicknesses
+with all Poisson's ratios (full). How both are compared: fem_comparison.py.
 """
 
 from __future__ import annotations
