@@ -20,6 +20,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.finite_elements.fem_verification",
     "validation.cases.finite_elements.fem_equilibria",
     "validation.cases.finite_elements.fem_matrix",
+    "validation.cases.finite_elements.fem_rough",
     "validation.cases.finite_elements.fem_events",
     "validation.cases.finite_elements.fem_release_rate",
     "validation.cases.states.fault_gaps",
