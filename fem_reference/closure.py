@@ -4,12 +4,13 @@
 
 at given penetration, total displacement, load or width of one patch. Under a given width the load is that at which the
 mean of K - K_c over a scale (`residual`) vanishes, and every residual has the relative difference of the width added:
-all vanish together where both are met, at a limit point of the others too. Far from the closure every edge moves the way that lowers the
-energy (out where K < K_c); near it Newton's method takes over: the Jacobian by differences on a coarse
-P2/P1 mesh that moves with the edges, updated by Broyden's formula (Math. Comp. 19 (1965) 577,
-doi:10.1090/S0025-5718-1965-0198670-6), then the same Jacobian as a chord on finer meshes, where two or three
-evaluations suffice. A step never changes a patch or a gap by more than a fraction of itself, so the edges keep their
-order; a patch that shrinks away, a gap that closes, and a stalled iteration are outcomes with names.
+all vanish together where both are met, at a limit point of the others too.
+
+Far from the closure every edge moves the way that lowers the energy (out where K < K_c); near it Newton's method takes
+over: the Jacobian by differences on a coarse P2/P1 mesh that moves with the edges, updated by Broyden's formula (Math.
+Comp. 19 (1965) 577, doi:10.1090/S0025-5718-1965-0198670-6), then the same Jacobian as a chord on finer meshes, where
+two or three evaluations suffice. A step never changes a patch or a gap by more than a fraction of itself, so the edges
+keep their order; a patch that shrinks away, a gap that closes, and a stalled iteration are outcomes with names.
 
 Stability under the same control: the Hessian of the potential energy in the outward motions of the edges,
 

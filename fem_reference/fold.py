@@ -93,7 +93,9 @@ def fold(state: Result, turning: Turning) -> Fold:
         slope = curves[turning].deriv()
         roots = [float(r.real) for r in slope.roots() if abs(r.imag) < 1e-12 and points.min() < r.real < points.max()]
         if len(roots) != 1:
-            raise InvalidProblemError("state", f"has {len(roots)} folds where patch {leader} is {width:.4g} periods wide")
+            raise InvalidProblemError(
+                "state", f"has {len(roots)} folds where patch {leader} is {width:.4g} periods wide"
+            )
         found.append(({name: float(curve(roots[0])) for name, curve in curves.items()}, states[POINTS // 2]))
         width = roots[0]
     last = found[-1][1].evaluation

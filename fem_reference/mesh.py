@@ -24,6 +24,8 @@ from skfem import MeshTri1
 from fem_reference.problem import FloatArray, IntArray, InvalidProblemError
 
 FEWEST_LEVELS = 4  # halvings at the tips
+GROWTH = 0.35  # row height H (1 + y/GROWTH): the fields decay at least as exp(-2 pi y)
+UNKNOWNS_PER_TRIANGLE = {2: 4.5, 4: 20.5}  # by order, far from boundaries: 2 m^2 / 2 of displacement, (m-1)^2 / 2
 NARROWEST = 1e-6  # of the period; below it the coordinates of the smallest triangles lose their digits
 
 
@@ -149,16 +151,32 @@ def crisscross(x: FloatArray, y: FloatArray) -> Any:
     return MeshTri1(np.hstack([corners, centres]), t)
 
 
-def _base(depth: float, resolution: Resolution, highest_order: int) -> tuple[Any, float]:
-    """Crisscross mesh without edges, and its base size H."""
+def _grid(depth: float, resolution: Resolution, highest_order: int) -> tuple[int, int]:
+    """Columns and rows of the base mesh."""
     n = resolution.cells
     size = min(1.0 / n, 4.0 * depth / n, 4.0 / (n * highest_order))
-    columns = int(np.ceil(1.0 / size - 1e-9))
-    growth = 0.35  # row height H (1 + y/growth): the fields decay at least as exp(-2 pi y)
-    rows = max(2, int(np.ceil(growth / size * np.log1p(depth / growth) - 1e-9)))
-    y = growth * np.expm1(np.linspace(0.0, np.log1p(depth / growth), rows + 1))
+    rows = max(2, int(np.ceil(GROWTH / size * np.log1p(depth / GROWTH) - 1e-9)))
+    return int(np.ceil(1.0 / size - 1e-9)), rows
+
+
+def base_unknowns(depth: float, resolution: Resolution, highest_order: int) -> float:
+    """About how many unknowns a mesh has before it is graded to any edge, and without making it.
+
+    Examples
+    --------
+    >>> base_unknowns(2.0, Resolution(4, 8, 18), 20)
+    90200.0
+    """
+    columns, rows = _grid(depth, resolution, highest_order)
+    return 4 * columns * rows * UNKNOWNS_PER_TRIANGLE[resolution.order]
+
+
+def _base(depth: float, resolution: Resolution, highest_order: int) -> Any:
+    """Crisscross mesh without edges."""
+    columns, rows = _grid(depth, resolution, highest_order)
+    y = GROWTH * np.expm1(np.linspace(0.0, np.log1p(depth / GROWTH), rows + 1))
     y[-1] = depth
-    return crisscross(np.linspace(0.0, 1.0, columns + 1), y), size
+    return crisscross(np.linspace(0.0, 1.0, columns + 1), y)
 
 
 def _refined_where_large(mesh: Any, tips: FloatArray, floor: FloatArray, slope: float) -> tuple[Any, bool]:
@@ -219,7 +237,7 @@ def layer_mesh(depth: float, edges: FloatArray, resolution: Resolution, highest_
     >>> mesh.seam, bool(np.any(mesh.triangles.p[0] == (0.4 - mesh.seam) % 1.0))
     (0.0, True)
     """
-    base, _ = _base(depth, resolution, highest_order)
+    base = _base(depth, resolution, highest_order)
     if edges.size == 0:
         return LayerMesh(base, base.p, edges, edges, 0.0, depth)
     check_edges(edges)

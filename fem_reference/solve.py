@@ -35,7 +35,10 @@ from fem_reference.result import Quantity, Result, Status, interface_fields, pat
 Harmonics = tuple[ArrayLike, ArrayLike, ArrayLike]
 Edges = ArrayLike | Literal["complete"] | None
 
-FEWEST_CELLS = {2: 10, 4: 6}  # by order; from these on 299 of 300 true errors of P2 were within the uncertainty, one 1.18
+FEWEST_CELLS = {
+    2: 10,
+    4: 6,
+}  # by order; from these on 299 of 300 true errors of P2 were within the uncertainty, one 1.18
 
 
 def solve(

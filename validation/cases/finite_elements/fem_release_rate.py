@@ -91,5 +91,6 @@ def _case(name: str, level: Any, elements: str, chosen: tuple[str, ...]) -> Case
 
 CASES = (
     _case("fem-release-rate-coarse", "quick", "P2/P1", ("one crest",)),
-    _case("fem-release-rate", "standard", "P4/P3", ("two crests",)),
+    _case("fem-release-rate", "standard", "P4/P3", ("one crest",)),
+    _case("fem-release-rate-two", "full", "P4/P3", ("two crests",)),
 )

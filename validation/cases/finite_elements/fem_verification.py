@@ -1,10 +1,10 @@
 """Code verification of the finite elements: manufactured solutions, orders, Richardson and GCI, and their uncertainty.
 
-- A plane wave u = A sin(k x + c), p = p0 cos(k x + c) with the body force it needs, on uniform crisscross meshes: errors
-  in L2 fall as h^(m+1) for displacements of order m and h^m for pressures, any nu.
+- A plane wave u = A sin(k x + c), p = p0 cos(k x + c) with the body force it needs, on uniform crisscross meshes: its
+  errors in L2 fall as h^(m+1) for displacements of order m and h^m for pressures, any nu.
 - Johnson's state at given edges on four meshes graded to the edges, sizes in the ratio r: the load is an energy and
-  falls as h^2m. On the last three meshes the observed order p, or 2 m where it is less, gives Richardson's value and the
-  grid convergence index
+  falls as h^2m. On the last three meshes the observed order p, or 2 m where that is less, gives Richardson's value and
+  the grid convergence index
 
       q_R = q_4 + (q_4 - q_3) / (r^p - 1),   GCI = 1.25 |q_4 - q_3| / (r^p - 1)
 
