@@ -224,8 +224,8 @@ def _loop(elements: str) -> Outcome:
     total = Reference(
         kind="FEM", source=f"fem_reference, {elements}", uncertainty=sum(jump.released[1] for jump in theirs)
     )
-    rows.append(within("energy lost in the loop", "J/m^2", total, [loss],
-                       [sum(event.energy_released or 0.0 for event in ours)], TOLERANCE * loss, loss, taken))  # fmt: skip
+    lost = sum(event.energy_released or 0.0 for event in ours)
+    rows.append(within("energy lost in the loop", "J/m^2", total, [loss], [lost], TOLERANCE * loss, loss, taken))
     return Outcome(rows=tuple(rows), tables=(_table(theirs, ours),))
 
 
