@@ -100,6 +100,8 @@ def test_a_uniformly_compressed_layer_has_uniform_fields():
     lateral = 0.01 * nu / (1 - nu)
     np.testing.assert_allclose(mesh.point_data["pressure"], (0.01 + 2 * lateral) / 3, rtol=1e-10)
     np.testing.assert_allclose(mesh.cell_data["von_mises"][0], 0.01 - lateral, rtol=1e-10)
+    stress = np.diag([-lateral, -0.01, -lateral]).ravel()
+    np.testing.assert_allclose(mesh.cell_data["stress"][0], np.tile(stress, (len(mesh.cells[0].data), 1)), atol=1e-13)
 
 
 def test_the_committed_gmsh_mesh_has_its_boundaries_and_sizes(imported):
