@@ -105,7 +105,7 @@ def targets(arguments: dict[str, Any], values: list[float], resolution: Resoluti
         begun = time.process_time()
         here = arguments | {"value": value, "resolution": resolution}
         known = found[-1][0].edges if found and len(found[-1][0].edges) else None
-        result = fem_reference.solve(**here, **({} if known is None else {"start": known}))
+        result = fem_reference.solve(**here, start=known)
         while result.status == "interpenetration" and len(result.edges) < MOST_PATCHES:
             wider = with_entered(result)
             _affordable(arguments, resolution, len(wider))

@@ -40,9 +40,15 @@ def fem_arguments(posed: Scene) -> dict[str, Any]:
     }
 
 
-def solve_fem(posed: Scene, resolution: Resolution, patches: int = 1, **how: ArrayLike | None) -> Result:
-    """The reference's own state of a scene (`fem_arguments`): its own edges; `edges` and `start` as it takes them."""
-    return fem_reference.solve(**fem_arguments(posed), patches=patches, resolution=resolution, **how)
+def solve_fem(
+    posed: Scene,
+    resolution: Resolution,
+    patches: int = 1,
+    edges: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+) -> Result:
+    """The reference's own state of a scene (`fem_arguments`): its own edges, or prescribed ones (n_patches, 2) in m."""
+    return fem_reference.solve(**fem_arguments(posed), patches=patches, edges=edges, start=start, resolution=resolution)
 
 
 def contact_state(posed: Scene, edges: ArrayLike, penetration: float) -> bem.ContactState:

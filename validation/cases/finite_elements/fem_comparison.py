@@ -97,8 +97,8 @@ def compare_equilibria(label: str, posed: Scene, elements: str, patches: int | N
             label, (), failure=f"boundary elements: {state.status}, certificate ok: {state.certificate.ok}"
         )
     edges, period = np.array(state.edges), posed.surface().period
-    start = {} if patches else {"start": _aside(edges, period)}
-    fem = fem_adapter.solve_fem(posed, RESOLUTIONS[elements], patches or len(edges), **start)
+    start = None if patches else _aside(edges, period)
+    fem = fem_adapter.solve_fem(posed, RESOLUTIONS[elements], patches or len(edges), start=start)
     if fem.status != REACHED or fem.edges.shape != (state.n_patches, 2):
         return Comparison(
             label,

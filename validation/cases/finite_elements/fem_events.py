@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -65,7 +66,7 @@ def _waves(elements: str) -> Outcome:
 
 
 def _wave(penetration: float, elements: str) -> Result:
-    changes = {
+    changes: dict[str, dict[str, Any] | None] = {
         "solid": {"poisson_ratio": WAVE.poisson_ratio},
         "adhesion": {"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
         "loading": {"targets": [penetration]},
@@ -107,7 +108,7 @@ def _load_fold() -> float:
 def _pull_off(turning: Turning) -> Event:
     """The event at which the boundary elements lose the contact of the wave, on the way out."""
     targets = {"penetration": [0.0, -2 * WAVE.amplitude], "mean_pressure": [0.0, -0.5 * WAVE.full_contact_pressure]}
-    changes = {
+    changes: dict[str, dict[str, Any] | None] = {
         "solid": {"poisson_ratio": WAVE.poisson_ratio},
         "adhesion": {"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
         "loading": {"control": turning, "targets": targets[turning]},
