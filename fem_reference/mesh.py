@@ -67,7 +67,7 @@ class Resolution:
     @property
     def levels_fewer(self) -> int:
         """By how many tip levels the next coarser member has fewer: the tip keeps pace with the order of a load."""
-        return int(round(2 * self.order * float(np.log2(self.cells / self._cells_of_coarser))))
+        return round(2 * self.order * float(np.log2(self.cells / self._cells_of_coarser)))
 
     def coarser(self) -> "Resolution":
         """The next coarser member: 3/4 of the cells, rounded up, and as many tip levels fewer as keep pace."""

@@ -33,8 +33,9 @@ GROUP = "finite elements against closed forms"
 DOUBLING = 0.35 * float(np.expm1(1.0))  # thickness in periods at which rows of triangles double with the columns
 CELLS = {2: (16, 32), 4: (8, 16)}  # by order
 RATIOS = (-0.5, 0.3, 0.499999, 0.5)
-ORDERS = {2: (4.0, 0.2), 4: (8.0, 1.27)}  # of the energy: predicted, measured distance from it
-LARGEST_ERROR = {2: (2e-4, 9e-5), 4: (1e-8, 3.9e-9)}  # of the energy on the finer mesh: tolerance, measured
+ORDERS = {2: (4.0, 0.31), 4: (8.0, 1.27)}  # of the energy: predicted, measured distance from it
+CHANGES_SIGN = 0.4  # nu from which the error of P2 changes its sign between the meshes, and has no order
+LARGEST_ERROR = {2: (1.4e-5, 5.7e-6), 4: (1e-8, 3.9e-9)}  # of the energy on the finer mesh: tolerance, measured
 NAMES = {2: "P2/P1", 4: "P4/P3"}
 JOHNSON = Reference(kind="exact", source="Johnson 1995")
 
@@ -103,14 +104,17 @@ def _complete_rows(order: int, nu: float, fem: Result, exact: float, observed: f
     error = fem.strain_energy / PERIOD - exact
     spread = float(np.max(fem.uncertainty["strain_energy"])) / PERIOD
     tolerance, measured = LARGEST_ERROR[order]
-    return [
+    rows = [
         compared(f"energy per area, finite elements {name}", "J/m^2", source, [exact], [exact + error], tolerance,
                  measured, uncertainty=spread),
         _coverage(name, abs(error) / spread),
-        compared(f"observed order of the energy, {name}", "",
-                 Reference(kind="theory", source="energy norm of order m, squared"),
-                 [ORDERS[order][0]], [observed], 2.5 * ORDERS[order][1], ORDERS[order][1], "absolute"),
     ]  # fmt: skip
+    if order == 4 or nu < CHANGES_SIGN:
+        predicted, apart = ORDERS[order]
+        theory = Reference(kind="theory", source="energy norm of order m, squared")
+        rows.append(compared(f"observed order of the energy, {name}", "", theory, [predicted], [observed], 2.5 * apart,
+                             apart, "absolute"))  # fmt: skip
+    return rows
 
 
 def _coverage(name: str, ratio: float) -> Row:
@@ -214,7 +218,7 @@ def _figure(order: int, given: list[tuple[float, ...]]) -> Figure:
 
 
 MEASURED_BEM = 1e-15  # 5e-16 on one machine
-MEASURED_COVERAGE = 0.92  # P2/P1, nu = -0.5; elsewhere at most 0.4
+MEASURED_COVERAGE = 0.4  # of the closures; in complete contact at most 0.31
 
 
 def _case(identity: str, level: Level, question: str, equations: str, sources: tuple[str, ...], compute: Any) -> Case:
