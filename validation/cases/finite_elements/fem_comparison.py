@@ -34,7 +34,7 @@ from validation.references import fem_adapter
 
 RESOLUTIONS = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 8, 18)}
 ROUNDING = 1e-11  # of the scale: what a comparison of doubles that differ by nothing else leaves
-TAKEN = {2: 0.26, 4: 0.1}  # by order: largest |BEM - FEM| over what is allowed, of all rows of all scenes, measured
+TAKEN = {2: 0.38, 4: 0.1}  # by order: largest |BEM - FEM| over what is allowed, of all rows of all scenes, measured
 AWAY = 0.1  # of the patch or gap beside an edge
 ASIDE = 0.1  # of a patch or gap: how far off the edges begin where a start is given
 POINTS = 48  # where displacements are compared
