@@ -197,7 +197,7 @@ def field_mesh(result: Result) -> meshio.Mesh:
         displacement[nodes.nodal_dofs[0], component] = nodal[space.nodal_dofs[0]]
         displacement[nodes.facet_dofs[0], component] = nodal[space.facet_dofs[middle]]
     pressure = _pressure_at_nodes(states, field[2 * n :], nodes)
-    von_mises, density = _stress_and_energy(states, field)
+    stress, von_mises, density = _stress_and_energy(states, field)
     cells = np.vstack([nodes.nodal_dofs[0][triangles.t], nodes.facet_dofs[0][triangles.t2f]]).T
     return meshio.Mesh(
         points,
@@ -207,6 +207,7 @@ def field_mesh(result: Result) -> meshio.Mesh:
             "pressure": pressure * problem.unit_stress,
         },
         cell_data={
+            "stress": [stress * problem.unit_stress],
             "von_mises": [von_mises * problem.unit_stress],
             "strain_energy_density": [density * problem.unit_energy / problem.period**2],
         },
@@ -225,18 +226,25 @@ def _pressure_at_nodes(states: UnitStates, nodal: FloatArray, nodes: Basis) -> F
     return values
 
 
-def _stress_and_energy(states: UnitStates, field: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Means over each triangle (n_triangles,) of the von Mises stress and of the strain energy density."""
+def _stress_and_energy(states: UnitStates, field: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Means over each triangle of the stress tensor, (n_triangles, 9), the von Mises stress and the energy density."""
     space, n = states.spaces.displacement, states.spaces.sizes[0]
     mu, softness = states.problem.shear_modulus, states.problem.inverse_bulk_modulus
     ux, uy = (space.interpolate(field[c * n : (c + 1) * n]) for c in range(2))
     pressure = np.asarray(states.spaces.pressure.interpolate(field[2 * n :]))
     xx, yy, xy = ux.grad[0], uy.grad[1], 0.5 * (ux.grad[1] + uy.grad[0])
-    deviator = xx**2 + yy**2 + 2.0 * xy**2 - (xx + yy) ** 2 / 3.0  # eps' : eps' with the zz part
+    third = (xx + yy) / 3.0
+    deviator = xx**2 + yy**2 + 2.0 * xy**2 - 3.0 * third**2  # eps' : eps' with the zz part
     area = space.dx.sum(axis=1)
-    von_mises = np.sum(np.sqrt(6.0 * deviator) * mu * space.dx, axis=1) / area
-    density = np.sum((mu * deviator + 0.5 * softness * pressure**2) * space.dx, axis=1) / area
-    return np.asarray(von_mises), np.asarray(density)
+
+    def mean(values: FloatArray) -> FloatArray:
+        return np.asarray(np.sum(values * space.dx, axis=1) / area)
+
+    stress = np.zeros((len(area), 9))
+    for places, part in (((0,), xx - third), ((4,), yy - third), ((8,), -third), ((1, 3), xy)):
+        stress[:, places] = mean(2.0 * mu * part - (0.0 if len(places) > 1 else pressure))[:, None]
+    von_mises = mean(np.sqrt(6.0 * deviator) * mu)
+    return stress, von_mises, mean(mu * deviator + 0.5 * softness * pressure**2)
 
 
 def write_fields(result: Result, path: str | Path) -> None:

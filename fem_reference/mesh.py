@@ -23,6 +23,9 @@ from skfem import MeshTri1
 
 from fem_reference.problem import FloatArray, IntArray, InvalidProblemError
 
+FEWEST_LEVELS = 4  # halvings at the tips
+GROWTH = 0.35  # row height H (1 + y/GROWTH): the fields decay at least as exp(-2 pi y)
+UNKNOWNS_PER_TRIANGLE = {2: 4.5, 4: 20.5}  # by order, far from boundaries: 2 m^2 / 2 of displacement, (m-1)^2 / 2
 NARROWEST = 1e-6  # of the period; below it the coordinates of the smallest triangles lose their digits
 
 
@@ -54,14 +57,21 @@ class Resolution:
             raise InvalidProblemError("resolution", f"order must be 2 or 4, got {self.order!r}")
         if self.cells < 4:
             raise InvalidProblemError("resolution", f"cells must be at least 4, got {self.cells!r}")
-        if not 4 <= self.tip_levels <= 24:
+        if not FEWEST_LEVELS <= self.tip_levels <= 24:
             raise InvalidProblemError("resolution", f"tip_levels must lie in 4..24, got {self.tip_levels!r}")
 
+    @property
+    def _cells_of_coarser(self) -> int:
+        return int(np.ceil(0.75 * self.cells))
+
+    @property
+    def levels_fewer(self) -> int:
+        """By how many tip levels the next coarser member has fewer: the tip keeps pace with the order of a load."""
+        return round(2 * self.order * float(np.log2(self.cells / self._cells_of_coarser)))
+
     def coarser(self) -> "Resolution":
-        """The next coarser member: 3/4 of the cells, rounded up, tip levels fewer by 2 order log2 of the ratio."""
-        cells = max(4, int(np.ceil(0.75 * self.cells)))
-        levels = round(2 * self.order * np.log2(self.cells / cells))
-        return replace(self, cells=cells, tip_levels=max(4, self.tip_levels - levels))
+        """The next coarser member: 3/4 of the cells, rounded up, and as many tip levels fewer as keep pace."""
+        return replace(self, cells=self._cells_of_coarser, tip_levels=self.tip_levels - self.levels_fewer)
 
 
 @dataclass(frozen=True)
@@ -105,21 +115,21 @@ class LayerMesh:
         return np.asarray(np.minimum(nearest, self.depth).reshape(self.edges.shape))
 
 
-def check_edges(edges: FloatArray) -> None:
+def check_edges(edges: FloatArray, argument: str = "edges") -> None:
     """Raise `InvalidProblemError` unless the patches (n_patches, 2) are ordered, disjoint and wide enough."""
     if edges.ndim != 2 or edges.shape[1] != 2 or edges.shape[0] == 0:
-        raise InvalidProblemError("edges", "must be a sequence of pairs (a, b)")
+        raise InvalidProblemError(argument, "must be a sequence of pairs (a, b)")
     if not np.all(np.isfinite(edges)):
-        raise InvalidProblemError("edges", "must be finite")
+        raise InvalidProblemError(argument, "must be finite")
     if np.any(edges[:, 1] <= edges[:, 0]):
-        raise InvalidProblemError("edges", "every patch needs a < b")
+        raise InvalidProblemError(argument, "every patch needs a < b")
     flat = np.append(edges.ravel(), edges[0, 0] + 1.0)
     lengths = np.diff(flat)
     if np.any(lengths <= 0.0):
-        raise InvalidProblemError("edges", "patches overlap or are out of order on the period")
+        raise InvalidProblemError(argument, "patches overlap or are out of order on the period")
     if np.any(lengths < NARROWEST):
         raise InvalidProblemError(
-            "edges", f"a patch or a gap is narrower than the mesh can carry ({NARROWEST:g} periods)"
+            argument, f"a patch or a gap is narrower than the mesh can carry ({NARROWEST:g} periods)"
         )
 
 
@@ -141,16 +151,32 @@ def crisscross(x: FloatArray, y: FloatArray) -> Any:
     return MeshTri1(np.hstack([corners, centres]), t)
 
 
-def _base(depth: float, resolution: Resolution, highest_order: int) -> tuple[Any, float]:
-    """Crisscross mesh without edges, and its base size H."""
+def _grid(depth: float, resolution: Resolution, highest_order: int) -> tuple[int, int]:
+    """Columns and rows of the base mesh."""
     n = resolution.cells
     size = min(1.0 / n, 4.0 * depth / n, 4.0 / (n * highest_order))
-    columns = int(np.ceil(1.0 / size - 1e-9))
-    growth = 0.35  # row height H (1 + y/growth): the fields decay at least as exp(-2 pi y)
-    rows = max(2, int(np.ceil(growth / size * np.log1p(depth / growth) - 1e-9)))
-    y = growth * np.expm1(np.linspace(0.0, np.log1p(depth / growth), rows + 1))
+    rows = max(2, int(np.ceil(GROWTH / size * np.log1p(depth / GROWTH) - 1e-9)))
+    return int(np.ceil(1.0 / size - 1e-9)), rows
+
+
+def base_unknowns(depth: float, resolution: Resolution, highest_order: int) -> float:
+    """About how many unknowns a mesh has before it is graded to any edge, and without making it.
+
+    Examples
+    --------
+    >>> base_unknowns(2.0, Resolution(4, 8, 18), 20)
+    90200.0
+    """
+    columns, rows = _grid(depth, resolution, highest_order)
+    return 4 * columns * rows * UNKNOWNS_PER_TRIANGLE[resolution.order]
+
+
+def _base(depth: float, resolution: Resolution, highest_order: int) -> Any:
+    """Crisscross mesh without edges."""
+    columns, rows = _grid(depth, resolution, highest_order)
+    y = GROWTH * np.expm1(np.linspace(0.0, np.log1p(depth / GROWTH), rows + 1))
     y[-1] = depth
-    return crisscross(np.linspace(0.0, 1.0, columns + 1), y), size
+    return crisscross(np.linspace(0.0, 1.0, columns + 1), y)
 
 
 def _refined_where_large(mesh: Any, tips: FloatArray, floor: FloatArray, slope: float) -> tuple[Any, bool]:
@@ -211,7 +237,7 @@ def layer_mesh(depth: float, edges: FloatArray, resolution: Resolution, highest_
     >>> mesh.seam, bool(np.any(mesh.triangles.p[0] == (0.4 - mesh.seam) % 1.0))
     (0.0, True)
     """
-    base, _ = _base(depth, resolution, highest_order)
+    base = _base(depth, resolution, highest_order)
     if edges.size == 0:
         return LayerMesh(base, base.p, edges, edges, 0.0, depth)
     check_edges(edges)

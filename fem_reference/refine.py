@@ -27,6 +27,7 @@ from fem_reference.result import (
     aligned_values,
     defect_spread,
     quantities,
+    resolutions_of,
     spread,
     uncertainties,
 )
@@ -115,7 +116,7 @@ def observed_order(differences: Sequence[float], sizes: Sequence[float]) -> floa
 def estimate(name: str, evaluations: Sequence[Evaluation]) -> Estimate:
     """Estimate of one named quantity from solved meshes, coarsest first (at least two)."""
     values = aligned_values(name, evaluations)
-    total = spread(values, evaluations) + defect_spread(name, evaluations[-1])
+    total = spread(values, resolutions_of(evaluations)) + defect_spread(name, evaluations[-1])
     steps = [float(np.max(np.abs(b - a), initial=0.0)) for a, b in pairwise(values)]
     order = None
     if len(steps) > 1 and steps[-1] > ROUNDING * np.max(np.abs(values[-1]), initial=0.0):

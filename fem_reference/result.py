@@ -139,6 +139,11 @@ class Result:
         told = [f"{name} {value:.6g} +- {self.uncertainty[key]:.1g}{unit}" for name, value, key, unit in numbers]
         return f"<Result {self.status}: {', '.join(told)}, patches {len(self.edges)}, unknowns {self.unknowns}>"
 
+    @property
+    def separation(self) -> float:
+        """Distance of the mean planes of face and profile, h_max - Delta, m; as uncertain as the penetration."""
+        return self.problem.highest * self.problem.unit_height - self.penetration
+
     @cached_property
     def stable(self) -> bool | None:
         """Whether the equilibrium is a minimum of the energy at the given control; None when not asked."""
@@ -224,6 +229,12 @@ def middle_pressure(evaluation: Evaluation) -> FloatArray:
     return np.array(means)
 
 
+def strain_energy(evaluation: Evaluation) -> float:
+    """Whole elastic energy of the layer, E a^2."""
+    energy, load = evaluation.states.energy, evaluation.load
+    return float(energy[0, 0] + 2.0 * load * energy[0, 1] + load**2 * energy[1, 1])
+
+
 def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[str, Quantity]:
     """Every scalar and edge quantity of one mesh in SI units, by the names of `Result`.
 
@@ -233,7 +244,7 @@ def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[st
     listed = patch_order(evaluation) if order is None else order
     states, load = evaluation.states, evaluation.load
     problem, values = states.problem, evaluation.values
-    strain = float(states.energy[0, 0] + 2.0 * load * states.energy[0, 1] + load**2 * states.energy[1, 1])
+    strain = strain_energy(evaluation)
     mean = float(states.mean_displacement[0] + load * states.mean_displacement[1])
     plate = float(states.displacement_of_plate[0] + load * states.displacement_of_plate[1])
     edges = contact_edges(evaluation)
@@ -272,18 +283,23 @@ def interface_fields(evaluation: Evaluation) -> Interface:
     )
 
 
-def spread(values: Sequence[FloatArray], evaluations: Sequence[Evaluation]) -> FloatArray:
-    """Uncertainty (module docstring) of the last of two or more values of one quantity."""
+def resolutions_of(evaluations: Sequence[Evaluation]) -> list[Resolution]:
+    """How finely each was discretised."""
+    return [evaluation.resolution for evaluation in evaluations]
+
+
+def spread(values: Sequence[FloatArray], resolutions: Sequence[Resolution]) -> FloatArray:
+    """Uncertainty (module docstring) of the last of two or more values of one quantity, coarsest mesh first."""
     steps = [np.abs(b - a) for a, b in pairwise(values)]
     largest = steps[-1]
     if len(steps) > 1:
-        largest = np.maximum(largest, _shrinkage(evaluations) * steps[-2])
+        largest = np.maximum(largest, _shrinkage(resolutions) * steps[-2])
     return np.asarray(SAFETY * largest + ROUNDING * np.abs(values[-1]))
 
 
-def _shrinkage(evaluations: Sequence[Evaluation]) -> float:
+def _shrinkage(resolutions: Sequence[Resolution]) -> float:
     """(h_n / h_{n-1})^(3m/2) of the last two meshes."""
-    fine, coarse = evaluations[-1].resolution, evaluations[-2].resolution
+    fine, coarse = resolutions[-1], resolutions[-2]
     return float((coarse.cells / fine.cells) ** (1.5 * fine.order))
 
 
@@ -309,7 +325,7 @@ def uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
     fine = evaluations[-1]
     result: dict[str, Quantity] = {}
     for name in quantities(fine):
-        total = spread(aligned_values(name, evaluations), evaluations) + defect_spread(name, fine)
+        total = spread(aligned_values(name, evaluations), resolutions_of(evaluations)) + defect_spread(name, fine)
         result[name] = total if total.ndim else float(total)
     result |= _field_uncertainties(evaluations)
     return result
@@ -333,7 +349,7 @@ def _field_uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantit
     units = (problem.unit_height, problem.unit_height, problem.unit_stress)
     order = fine.resolution.order
     return {
-        name: _largest_beside(spread(values[name], evaluations), order) + ROUNDING * unit
+        name: _largest_beside(spread(values[name], resolutions_of(evaluations)), order) + ROUNDING * unit
         for name, unit in zip(values, units, strict=True)
     }
 

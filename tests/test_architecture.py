@@ -22,7 +22,12 @@ ONLY_IN = {
     "pydantic": ("bem/scene/scene.py", "bem/scene/scene_tables.py", "bem/command_line/keys.py", "validation/"),
     "skfem": ("fem_reference/",),
     "meshio": ("fem_reference/",),
-    "matplotlib": ("validation/report/", "bem/scene/plots.py", "bem/scene/result_views.py"),
+    "matplotlib": (
+        "validation/report/",
+        "validation/command_line/fem_figure.py",
+        "bem/scene/plots.py",
+        "bem/scene/result_views.py",
+    ),
     "jinja2": ("validation/report/",),
     "latex2mathml": ("validation/report/",),
 }

@@ -27,7 +27,7 @@ COMMON = {
 
 @pytest.fixture(scope="module", params=[2, 4], ids=["P2/P1", "P4/P3"])
 def result(request):
-    return solve(**COMMON, resolution=Resolution(request.param, 8, 8))
+    return solve(**COMMON, resolution=Resolution(request.param, 10, 10))
 
 
 @pytest.fixture(scope="module")
@@ -94,12 +94,14 @@ def test_exported_pressure_is_that_of_the_elements(result):
 
 def test_a_uniformly_compressed_layer_has_uniform_fields():
     flat = COMMON | {"harmonics": ([], [], []), "edges": "complete"}
-    mesh = field_mesh(solve(**flat, resolution=Resolution(4, 8, 8)))
+    mesh = field_mesh(solve(**flat, resolution=Resolution(4, 8, 10)))
     nu = 0.3
     # uniaxial strain: sigma_yy = -p, sigma_xx = sigma_zz = -p nu / (1 - nu)
     lateral = 0.01 * nu / (1 - nu)
     np.testing.assert_allclose(mesh.point_data["pressure"], (0.01 + 2 * lateral) / 3, rtol=1e-10)
     np.testing.assert_allclose(mesh.cell_data["von_mises"][0], 0.01 - lateral, rtol=1e-10)
+    stress = np.diag([-lateral, -0.01, -lateral]).ravel()
+    np.testing.assert_allclose(mesh.cell_data["stress"][0], np.tile(stress, (len(mesh.cells[0].data), 1)), atol=1e-13)
 
 
 def test_the_committed_gmsh_mesh_has_its_boundaries_and_sizes(imported):

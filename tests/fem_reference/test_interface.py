@@ -8,7 +8,7 @@ from fem_reference import Resolution, solve
 HALF, NU, AMPLITUDE = 0.2, 0.3, 0.01
 FULL = np.pi * AMPLITUDE / (1 - NU**2)
 SINE = np.sin(np.pi * HALF)
-MESHES = {"P2/P1": Resolution(2, 8, 8), "P4/P3": Resolution(4, 8, 14)}
+MESHES = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 8, 14)}
 
 
 def westergaard_pressure(x):

@@ -9,7 +9,7 @@ import fem_reference
 from fem_reference import InvalidProblemError, Resolution, export, solve
 from fem_reference.face import interpolate
 
-QUICK = Resolution(2, 8, 8)
+QUICK = Resolution(2, 10, 10)
 LAYER = {
     "youngs_modulus": 1e6,
     "poisson_ratio": 0.3,
@@ -33,8 +33,8 @@ def test_a_result_is_told_on_a_line(prescribed):
     assert len(said) < 200
 
 
-@pytest.mark.parametrize("control", ["total_displacement", "mean_pressure"])
-def test_the_three_controls_reach_the_same_state(prescribed, control):
+@pytest.mark.parametrize("control", ["separation", "total_displacement", "mean_pressure"])
+def test_the_four_controls_reach_the_same_state(prescribed, control):
     other = solve(**LAYER, control=control, value=getattr(prescribed, control), edges=EDGES)
     assert other.penetration == pytest.approx(70e-6, rel=1e-11)
     np.testing.assert_allclose(other.stress_intensity, prescribed.stress_intensity, rtol=1e-10)
@@ -173,6 +173,33 @@ GOOD = {"control": "penetration", "value": 7e-5, "edges": EDGES}
 
 
 @pytest.mark.parametrize(
+    ("resolution", "told"),
+    [
+        (Resolution(2, 8, 8), "at least 10 cells with elements of order 2, got 8"),
+        (Resolution(4, 5, 12), "at least 6 cells with elements of order 4, got 5"),
+        (Resolution(2, 10, 6), "at least 7 tip levels with 10 cells, got 6"),
+        (Resolution(4, 10, 9), "at least 10 tip levels with 10 cells, got 9"),
+    ],
+    ids=["P2 cells", "P4 cells", "P2 tips", "P4 tips"],
+)
+def test_a_resolution_too_coarse_to_tell_its_error_is_refused(resolution, told):
+    with pytest.raises(InvalidProblemError, match=f"^resolution: needs {told}"):
+        solve(**LAYER | {"resolution": resolution}, control="penetration", value=7e-5, edges=EDGES)
+
+
+def test_a_start_says_which_equilibrium_is_meant():
+    adhesive = LAYER | {"work_of_adhesion": 0.03, "control": "separation", "value": 50e-6, "resolution": QUICK}
+    both = solve(**adhesive, patches=2)
+    again = solve(**adhesive, start=both.edges + 2e-4 * np.array([-1, 1]))
+    assert np.all(np.abs(again.edges - both.edges) <= again.uncertainty["edges"] + both.uncertainty["edges"])
+
+
+def test_a_bad_start_is_named():
+    with pytest.raises(InvalidProblemError, match=r"^start: every patch needs a < b"):
+        solve(**LAYER, control="penetration", value=7e-5, start=[[3e-3, 1e-3]])
+
+
+@pytest.mark.parametrize(
     ("change", "argument"),
     [
         ({"edges": EDGES[::-1]}, "edges"),
@@ -183,7 +210,7 @@ GOOD = {"control": "penetration", "value": 7e-5, "edges": EDGES}
         ({"edges": []}, "edges"),
         ({"poisson_ratio": 0.6}, "poisson_ratio"),
         ({"thickness": 0.0}, "thickness"),
-        ({"control": "separation"}, "control"),
+        ({"control": "force"}, "control"),
         ({"edges": "complete"}, "control"),
         ({"edges": "complete", "control": "total_displacement", "poisson_ratio": 0.5}, "control"),
         ({"value": float("nan")}, "value"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.cases.finite_elements import fem_comparison
+from validation.cases.finite_elements import fem_comparison, fem_matrix
 from validation.cases.finite_elements.fem_closed_forms import layer_compliance
 from validation.cases.finite_elements.fem_equilibria import EDGES, PENETRATION, SCENES
 from validation.harness.verdict import verdict_of
@@ -31,17 +31,23 @@ def test_without_adhesion_nothing_is_paid():
     assert (arguments["work_of_adhesion"], arguments["slope_term"]) == (0.0, False)
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"layer": None}, "layer"),
-        ({"loading": {"control": "separation", "targets": [50e-6]}}, "penetration, load or total displacement"),
-    ],
-    ids=["half-space", "separation"],
-)
-def test_scenes_the_reference_cannot_take_are_refused(changes, message):
-    with pytest.raises(ValueError, match=message):
-        fem_adapter.fem_arguments(adapters.scene("layer_two_crests", changes))
+def test_a_half_space_is_refused():
+    with pytest.raises(ValueError, match=r"needs a \[layer\]"):
+        fem_adapter.fem_arguments(adapters.scene("layer_two_crests", {"layer": None}))
+
+
+def test_rows_of_the_comparison_record_what_was_measured(given_edges):
+    judged = [row for row in fem_comparison.rows(given_edges) if row.reference.uncertainty]
+    assert judged
+    assert all(0 < row.tolerance.measured < row.tolerance.value for row in judged)
+    assert all(row.uncertainty > 0 for row in judged)
+
+
+def test_random_scenes_of_the_matrix_are_those_drawn():
+    scene = fem_matrix.posed(3)
+    assert scene.accuracy.tolerance == 1e-9
+    assert scene.loading.control == "total_displacement"
+    assert [fem_matrix.taken(k) for k in (0, 3, 6)] == [False, True, False]  # no layer, one patch, complete contact
 
 
 def test_middle_pressure_is_the_weighted_mean_of_westergaards():

@@ -16,6 +16,7 @@ from validation.command_line.front_door import main
 ROOT = Path(__file__).parents[2]
 COMMANDS = (
     "example",
+    "fem",
     "check",
     "run",
     "keys",

@@ -16,7 +16,7 @@ from typing import Any
 import bem
 import bem.__main__ as scenes
 import validation.__main__ as harness
-from validation.command_line import comparison, examples
+from validation.command_line import comparison, examples, fem_answer
 from validation.harness.schema import Report
 from validation.report.history import history_of
 from validation.report.history_page import named, write_history
@@ -42,6 +42,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     example.set_defaults(command=_example, perform=harness.perform)
 
     scenes.add_commands(commands)
+    fem_answer.add_command(commands, harness.perform)
     harness.add_commands(commands, run_name="verify")
 
     several = commands.add_parser(

@@ -21,13 +21,11 @@ from validation.references.adapters import taken
 def fem_arguments(posed: Scene) -> dict[str, Any]:
     """Arguments of `fem_reference.solve` for the last target of a scene with a layer.
 
-    ValueError without a layer, and for a table or control that the finite elements do not know.
+    ValueError without a layer, and for a table that the finite elements do not know.
     """
     solid, _, layer, adhesion = taken(posed, "the finite element reference", "solid", "profile", "layer", "adhesion")
     if layer is None:
         raise ValueError("scene: the finite element reference needs a [layer]")
-    if posed.loading.control == "separation":
-        raise ValueError("scene: the finite element reference takes penetration, load or total displacement")
     surface = posed.surface()
     return {
         "youngs_modulus": solid.youngs_modulus,
@@ -42,9 +40,15 @@ def fem_arguments(posed: Scene) -> dict[str, Any]:
     }
 
 
-def solve_fem(posed: Scene, resolution: Resolution, patches: int = 1, edges: ArrayLike | None = None) -> Result:
+def solve_fem(
+    posed: Scene,
+    resolution: Resolution,
+    patches: int = 1,
+    edges: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+) -> Result:
     """The reference's own state of a scene (`fem_arguments`): its own edges, or prescribed ones (n_patches, 2) in m."""
-    return fem_reference.solve(**fem_arguments(posed), patches=patches, edges=edges, resolution=resolution)
+    return fem_reference.solve(**fem_arguments(posed), patches=patches, edges=edges, start=start, resolution=resolution)
 
 
 def contact_state(posed: Scene, edges: ArrayLike, penetration: float) -> bem.ContactState:

@@ -1,7 +1,7 @@
 """Boundary elements against finite elements: equilibria of layers on unequal crests, each code with its own edges.
 
-One case for every kind of scene at the coarse elements (quick) and at the fine ones (standard), and the whole matrix of
-thicknesses and Poisson's ratios (full). How both are compared: fem_comparison.py.
+One case for every kind of scene at the coarse elements (quick) and at the fine ones (standard), and all thicknesses
+with all Poisson's ratios (full). How both are compared: fem_comparison.py.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from validation.cases.finite_elements.fem_comparison import (
+    EQUATIONS,
+    SOURCES,
     Comparison,
     Difference,
     compare_equilibria,
@@ -78,7 +80,7 @@ def _layer(thickness: float, ratio: float) -> Any:
     return adapters.scene("layer_two_crests", changes)
 
 
-def _matrix() -> Outcome:
+def _layers() -> Outcome:
     found = {
         (thickness, ratio): compare_equilibria(
             f"d/lambda {thickness:g}, nu {ratio:g}", _layer(thickness, ratio), "P4/P3", 2
@@ -89,7 +91,7 @@ def _matrix() -> Outcome:
     solved = {place: comparison for place, comparison in found.items() if comparison.differences}
     return Outcome(
         rows=tuple(row for comparison in found.values() for row in rows(comparison)),
-        figures=(_matrix_figure(solved),),
+        figures=(_layers_figure(solved),),
         tables=tuple(
             Table(
                 caption=caption,
@@ -120,7 +122,7 @@ def _shown(comparison: Comparison, ratio: bool) -> float | str:
     return float(f"{max(d.uncertainty for d in comparison.differences[:-1]):.2g}")
 
 
-def _matrix_figure(found: dict[tuple[float, float], Comparison]) -> Figure:
+def _layers_figure(found: dict[tuple[float, float], Comparison]) -> Figure:
     """Differences and combined uncertainty against thickness above; below, the signed difference of the energy."""
 
     def edges(place: tuple[float, float]) -> Difference:
@@ -141,7 +143,7 @@ def _matrix_figure(found: dict[tuple[float, float], Comparison]) -> Figure:
         for ratio in RATIOS
     ]  # fmt: skip
     return drawn(
-        "fem-matrix",
+        "fem-layers",
         "Two unequal patches: largest difference of an edge between the codes (points) and their combined "
         "uncertainty (dashed, least of the four ratios), in periods. Below, the signed difference of the elastic "
         "energy, relative.",
@@ -153,14 +155,6 @@ def _matrix_figure(found: dict[tuple[float, float], Comparison]) -> Figure:
 def _signed(comparison: Comparison, quantity: str) -> float:
     chosen = next(d for d in comparison.differences if d.quantity == quantity)
     return (chosen.bem[0] - chosen.fem[0]) / chosen.scale
-
-
-EQUATIONS = (
-    r"$K = \sqrt{2 E^\ast \gamma \sqrt{1 + h'^2}}$ at every edge ($K = 0$ without adhesion), "
-    r"$u = h - h_{\text{max}} + \Delta$ on the contact; judged by "
-    r"$|\text{BEM} - \text{FEM}| \le 2 (u_{\text{BEM}} + u_{\text{FEM}})$"
-)
-SOURCES = ("carbone2008", "carbone2009", "gustafsson2020", "taylor1973", "destuynder1983", "shih1986", "roache1998")
 
 
 def _case(
@@ -206,10 +200,10 @@ CASES = (
     _equilibrium_case("two-patches-load", "P4/P3", "full"),
     _equilibrium_case("three-patches-load", "P4/P3", "full"),
     _case(
-        "matrix",
+        "layers",
         "P4/P3",
         "full",
-        _matrix,
+        _layers,
         "Do both codes agree on two unequal patches for thin and thick, compressible and incompressible layers?",
         "layer_two_crests",
         ("layer", "adhesion", "slope_term"),

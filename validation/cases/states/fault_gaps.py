@@ -69,7 +69,7 @@ def _layer_by_fem() -> Outcome:
         control="penetration",
         value=penetration,
         edges=edges,
-        resolution=fem_reference.Resolution(4, 6, 8),
+        resolution=fem_reference.Resolution(4, 6, 9),
     )
     known: dict[str, tuple[str, list[float], list[float]]] = {
         "load": ("N/m", [state.load], [found.load]),

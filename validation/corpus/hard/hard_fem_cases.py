@@ -34,7 +34,7 @@ from validation.corpus.hard.hard_case_scenes import (
 )
 from validation.references.closed_forms import Sinusoid, layer_compliance
 
-COARSE = Resolution(2, 8, 8)
+COARSE = Resolution(2, 10, 10)
 HALF_SPACE = 1e-10  # relative, by which a layer of two periods differs from it
 ROUGH_ORDERS = 20
 

@@ -1,0 +1,117 @@
+"""Boundary elements against finite elements on scenes drawn at random, in states that a path past events leads to.
+
+Scene k is `draw(SEED, k)` of validation/corpus/random: any profile of up to 12 harmonics, at any length from nm to m
+and modulus from 1e2 to 1e13 Pa, with and without adhesion, loaded and unloaded under every control. The full form takes
+every k below `DRAWN` with a layer of .02 to 5 periods, 0 <= nu <= 1/2 and an equilibrium of 1 to 12 patches at the last
+target; the others take some of these, chosen by their number of patches before they were solved by finite elements.
+Where a path has led cannot be known without following it: the finite elements begin `ASIDE` of the edges of the
+boundary elements, find theirs by their own closure, and say whether that is a minimum of the energy. How both are
+compared: fem_comparison.py. SI units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+
+import bem
+from bem.scene.scene import Scene, parse_scene
+from validation.cases.finite_elements.fem_comparison import (
+    EQUATIONS,
+    SOURCES,
+    Comparison,
+    compare_equilibria,
+    counts,
+    rows,
+)
+from validation.corpus.random.random_scenes import Table, draw
+from validation.harness.case import Case, Outcome
+from validation.harness.rows import counted
+from validation.harness.schema import Level, Reference
+from validation.harness.schema import Table as Shown
+
+SEED, DRAWN = 47, 200
+TINY = (3, 340, 577)  # 1, 2 and 1 patches, past 5, 2 and 1 events
+SHORT = (3, 22, 160, 568)  # 1, 12, 1 and 3 patches
+THICKNESSES, RATIOS, MOST = (0.02, 5.0), (0.0, 0.5), 12
+
+
+def posed(index: int) -> Scene:
+    """Scene `index`, its targets alone, solved as accurately as those of other comparisons with finite elements."""
+    return parse_scene(_tables(draw(SEED, index).tables))
+
+
+def _tables(drawn: Table) -> Table:
+    loading = {key: value for key, value in drawn["loading"].items() if "at_mean_pressure" not in key}
+    changed = {"loading": loading, "accuracy": drawn["accuracy"] | {"tolerance": 1e-9}}
+    return {name: table for name, table in (drawn | changed).items() if name != "output"}
+
+
+def taken(index: int) -> bool:
+    """Whether a scene is one of the matrix."""
+    drawn = draw(SEED, index)
+    if drawn.special or drawn.scan is not None or "layer" not in drawn.tables:
+        return False
+    thickness, ratio = drawn.tables["layer"]["thickness"], drawn.tables["solid"]["poisson_ratio"]
+    if not THICKNESSES[0] <= thickness / drawn.tables["profile"]["period"] <= THICKNESSES[1]:
+        return False
+    if not RATIOS[0] <= ratio <= RATIOS[1]:
+        return False
+    state = bem.solve(posed(index)).targets[-1]
+    return state.status == "converged" and 1 <= state.n_patches <= MOST
+
+
+def _matrix(elements: str, chosen: Iterable[int] | None) -> Outcome:
+    indices = [k for k in range(DRAWN) if taken(k)] if chosen is None else list(chosen)
+    found = [compare_equilibria(f"scene {k}", posed(k), elements, None) for k in indices]
+    asked = [c.fem is not None and c.fem.stable is not None for c in found]
+    stable = [c.fem is not None and bool(c.fem.stable) for c in found]
+    states = counted("adhesive states that are minima of the energy by finite elements",
+                     Reference(kind="FEM", source="fem_reference"), [sum(asked)], [sum(stable)])  # fmt: skip
+    return Outcome(
+        rows=(*(row for comparison in found for row in rows(comparison)), states),
+        tables=(_table(indices, found),),
+        counts=counts(found),
+    )
+
+
+def _table(indices: list[int], found: list[Comparison]) -> Shown:
+    """What each scene is, and how far the codes are apart."""
+    return Shown(
+        caption=f"Scenes of seed {SEED}: adhesion of any strength, or none; |BEM - FEM| over what is allowed, at most.",
+        columns=["scene", "profile", "control", "targets", "d/lambda", "nu", "adhesion", "patches", "largest share"],
+        rows=[_line(index, comparison) for index, comparison in zip(indices, found, strict=True)],
+    )
+
+
+def _line(index: int, comparison: Comparison) -> list[str | float | int | None]:
+    scene = posed(index)
+    assert scene.layer is not None
+    shares = [difference.largest / (2 * difference.uncertainty) for difference in comparison.differences]
+    return [
+        index,
+        scene.profile.kind,
+        scene.loading.control,
+        len(scene.loading.targets),
+        float(f"{scene.layer.thickness / scene.surface().period:.3g}"),
+        float(f"{scene.solid.poisson_ratio:.3g}"),
+        "none" if scene.adhesion is None else "yes",
+        len(comparison.fem.edges) if comparison.fem is not None else 0,
+        float(f"{max(shares):.2g}") if shares else comparison.failure,
+    ]
+
+
+def _case(name: str, level: Level, elements: str, chosen: Iterable[int] | None) -> Case:
+    return Case(id=name, group="boundary elements against finite elements", level=level,
+                question="Do both codes find the same equilibria of scenes drawn at random, past events, whatever the "
+                "layer, the adhesion, the control and the number of patches?",
+                equations=EQUATIONS,
+                sources=SOURCES, compute=partial(_matrix, elements, chosen),
+                effects=("layer", "adhesion", "slope_term", "unloading"))  # fmt: skip
+
+
+CASES = (
+    _case("fem-matrix-coarse", "quick", "P2/P1", TINY),
+    _case("fem-matrix", "standard", "P4/P3", SHORT),
+    _case("fem-matrix-many", "full", "P4/P3", None),
+)

@@ -1,0 +1,90 @@
+"""One rough profile where all three codes answer: boundary elements, finite elements, and Persson's theory.
+
+A self-affine profile of 20 harmonics without adhesion, several contacts, at one load on a layer of two periods, the
+half-space to 1e-8 (which the theory knows alone). Both solvers answer for this one realisation and are compared as
+everywhere (fem_comparison.py). The theory has no realisation: it sees the spectrum, and its numbers are means over all
+phases. So it is compared with the mean over realisations of the boundary elements, whose ratio to the theory is a known
+discrepancy; and the realisation of the finite elements with the theory within the spread of that ensemble. SI units.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+import bem
+from bem.scene.scene import Scene
+from validation.cases.finite_elements.fem_comparison import EQUATIONS, SOURCES, compare_equilibria, counts, rows
+from validation.cases.finite_elements.fem_figures import figure
+from validation.harness.case import Case, Outcome
+from validation.harness.schema import Band, Reference, Row, Table
+from validation.references import adapters
+
+HARMONICS, SEED, REALISATIONS = 20, 1, 12
+LOAD = 0.01 * 1e6 / (1 - 0.5**2)  # Pa, 0.01 E*
+CAUSE = (
+    "mean-field theory that neglects correlations between neighbouring contacts, strongest for roughness in one "
+    "direction and for small contact"
+)
+SOURCE = "Carbone, Scaraggi, Tartaglino 2009, abstract: about 50 % for any given load, with adhesion"
+
+
+def _posed(seed: int, layer: bool = True) -> Scene:
+    changes: dict[str, dict[str, Any] | None] = {
+        "profile": {"harmonics": HARMONICS, "seed": seed},
+        "layer": {"thickness": 0.02} if layer else None,
+        "adhesion": None,
+        "loading": {"control": "mean_pressure", "targets": [LOAD]},
+        "accuracy": {"tolerance": 1e-9},
+    }
+    return adapters.scene("rough_100", changes)
+
+
+def _banded(quantity: str, unit: str, theory: float, found: float, uncertainty: float, low: float, high: float) -> Row:
+    return Row(quantity=quantity, unit=unit, reference=Reference(kind="theory", source="Persson 2001"), norm="ratio",
+               expected=[theory], computed=[found], uncertainty=uncertainty,
+               band=Band(low=low, high=high, cause=CAUSE, source=SOURCE, review="2027-11-26"))  # fmt: skip
+
+
+def _rough(elements: str) -> Outcome:
+    found = compare_equilibria("one realisation", _posed(SEED), elements, None)
+    states = [bem.solve(_posed(seed)).targets[-1] for seed in range(REALISATIONS)]
+    if any(state.status != "converged" for state in states):
+        raise ArithmeticError("a realisation did not converge")
+    theory = adapters.persson_contact(_posed(SEED, layer=False), LOAD)
+    judged, table = rows(found), []
+    for name, unit in (("contact_fraction", ""), ("separation", "m")):
+        ensemble = np.array([getattr(state, name) for state in states])
+        mean, spread, expected = float(ensemble.mean()), float(ensemble.std(ddof=1)), float(getattr(theory, name))
+        label, of_mean, of_one = name.replace("_", " "), BANDS_OF_MEAN[name], BANDS_OF_ONE[name]
+        judged.append(
+            _banded(f"{label}: mean of {REALISATIONS} realisations, boundary elements, over Persson", unit, expected,
+                    mean, spread / REALISATIONS**0.5, *of_mean)
+        )  # fmt: skip
+        line: list[str | float | int | None] = [label, float(f"{getattr(states[SEED], name):.9g}")]
+        if found.fem is not None:
+            fem = float(getattr(found.fem, name))
+            judged.append(_banded(f"{label}: one realisation, finite elements, over Persson", unit, expected, fem,
+                                  spread, *of_one))  # fmt: skip
+            line.append(float(f"{fem:.9g}"))
+        table.append([*line, float(f"{mean:.4g}"), float(f"{spread:.2g}"), float(f"{expected:.4g}")])
+    columns = ["quantity", "bem, one realisation", "fem, one realisation", "bem, mean", "spread", "Persson"]
+    caption = f"One load, 0.01 E*: what each code says, the ensemble of {REALISATIONS} realisations by their seeds."
+    drawn = figure("fem-rough", f"Pressure of a rough profile of {HARMONICS} harmonics, {elements}.", found)
+    shown = (Table(caption=caption, columns=columns, rows=table),)
+    return Outcome(rows=tuple(judged), figures=tuple(drawn), tables=shown, counts=counts([found]))
+
+
+# ratios to the theory, measured: mean 1.33 +- 0.06 and 1.0 +- 1.0; one realisation 1.51 of a spread of 0.20, and 1.0
+BANDS_OF_MEAN = {"contact_fraction": (1.16, 1.50), "separation": (0.5, 1.5)}  # three standard errors on both sides
+BANDS_OF_ONE = {"contact_fraction": (0.74, 1.92), "separation": (0.5, 1.5)}  # three standard deviations
+
+CASES = (
+    Case(id="fem-rough", group="boundary elements against finite elements", level="standard",
+         question="What do boundary elements, finite elements and Persson's theory say of one rough profile?",
+         equations=EQUATIONS + r"; theory: $A/A_0 = \text{erf}(\sqrt{2} \sigma_0 / (E^\ast h'_{rms}))$",
+         sources=(*SOURCES, "persson2001"), compute=partial(_rough, "P2/P1"), effects=("layer", "load_control"),
+         scene=adapters.scene_text("rough_100")),
+)  # fmt: skip

@@ -1,0 +1,241 @@
+"""Code verification of the finite elements: manufactured solutions, orders, Richardson and GCI, and their uncertainty.
+
+- A plane wave u = A sin(k x + c), p = p0 cos(k x + c) with the body force it needs, on uniform crisscross meshes: its
+  errors in L2 fall as h^(m+1) for displacements of order m and h^m for pressures, any nu.
+- Johnson's state at given edges on four meshes graded to the edges, sizes in the ratio r: the load is an energy and
+  falls as h^2m. On the last three meshes the observed order p, or 2 m where that is less, gives Richardson's value and
+  the grid convergence index
+
+      q_R = q_4 + (q_4 - q_3) / (r^p - 1),   GCI = 1.25 |q_4 - q_3| / (r^p - 1)
+
+  (Roache 1998, ch. 5); meshes are in the asymptotic range where |q_3 - q_2| / |q_4 - q_3| = r^2m. Both stand
+  beside the uncertainty that the reference states of itself, and the true error.
+- Coverage: states, Poisson's ratios, adhesion and resolutions drawn at random from all that the reference accepts; how
+  often the true error is within the uncertainty, and the largest ratio.
+
+How P2 and P4 converge on uniform and on graded meshes: case convergence-rates. SI units.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy.sparse.linalg import spsolve
+
+import fem_reference
+from fem_reference import Resolution
+from fem_reference.elasticity import assemble, taylor_hood
+from fem_reference.mesh import crisscross
+from fem_reference.refine import observed_order
+from validation.harness.arrays import FloatArray
+from validation.harness.case import Case, Outcome
+from validation.harness.compare import pairwise_orders
+from validation.harness.figure_data import drawn, loglog, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Level, Reference, Row, Table
+from validation.references.closed_forms import Sinusoid
+
+RATIOS = (-0.5, 0.3, 0.499999, 0.5)
+CELLS = {2: (8, 16), 4: (3, 6)}  # of the manufactured solution
+WAVE_VECTOR, SHIFT = np.array([2.0, 3.0]), 0.3
+LADDERS = {  # sizes in the ratio 3/2 and about 3/4, tips keeping pace
+    2: (Resolution(2, 8, 6), Resolution(2, 12, 8), Resolution(2, 18, 11), Resolution(2, 27, 13)),
+    4: (Resolution(4, 6, 10), Resolution(4, 8, 13), Resolution(4, 11, 16), Resolution(4, 15, 20)),
+}
+SAFETY = 1.25  # of the grid convergence index on three meshes
+PERIOD, AMPLITUDE, MODULUS = 0.01, 50e-6, 1e6
+NAMES = {2: "P2/P1", 4: "P4/P3"}
+JOHNSON = Reference(kind="exact", source="Johnson 1995")
+EXACT = Reference(kind="manufactured", source="the plane wave")
+
+
+def manufactured_errors(order: int, nu: float, cells: int) -> tuple[float, float]:
+    """Errors in L2 of displacement and pressure on the unit square, E = 1."""
+    mu, softness = 1 / (2 * (1 + nu)), 3 * (1 - 2 * nu)
+    k = WAVE_VECTOR
+    amplitude = np.array([1.0, 0.5]) if softness > 0 else np.array([3.0, -2.0])  # no change of volume
+    p0 = -float(amplitude @ k) / softness if softness > 0 else 1.7
+
+    def phase(x: FloatArray) -> FloatArray:
+        return np.asarray(k[0] * x[0] + k[1] * x[1] + SHIFT)
+
+    grid = np.linspace(0, 1, cells + 1)
+    spaces = taylor_hood(crisscross(grid, grid), order, quadrature_order=2 * order + 2)
+    V, Q = spaces.displacement, spaces.pressure
+    n, m = spaces.sizes
+    force = mu * ((k @ k) * amplitude + (amplitude @ k) * k / 3) - p0 * k  # times the sine: - div sigma
+    sine = np.sin(phase(np.asarray(V.global_coordinates())))
+    rhs = np.zeros(2 * n + m)
+    for shape, (function, *_) in enumerate(V.basis):
+        moments = np.sum(sine * np.asarray(function) * V.dx, axis=1)
+        for component in range(2):
+            np.add.at(rhs, component * n + V.element_dofs[shape], force[component] * moments)
+    u, p = np.sin(phase(V.doflocs)), p0 * np.cos(phase(Q.doflocs))
+    found = np.concatenate([amplitude[0] * u, amplitude[1] * u, p])
+    edge = V.get_dofs().flatten()
+    pinned = np.array([2 * n] if softness == 0 else [], dtype=edge.dtype)
+    held = np.concatenate([edge, n + edge, pinned])  # one pressure where p is up to a constant
+    free = np.setdiff1d(np.arange(2 * n + m), held)
+    matrix = assemble(spaces, mu, softness).matrix
+    found[free] = spsolve(matrix[free][:, free].tocsc(), (rhs - matrix[:, held] @ found[held])[free])
+    square = 0.0
+    for component in range(2):
+        off = np.asarray(V.interpolate(found[component * n : (component + 1) * n])) - amplitude[component] * sine
+        square += float(np.sum(off**2 * V.dx))
+    off = np.asarray(Q.interpolate(found[2 * n :])) - p0 * np.cos(phase(np.asarray(Q.global_coordinates())))
+    off -= np.sum(off * Q.dx) if softness == 0 else 0.0
+    return float(np.sqrt(square)), float(np.sqrt(np.sum(off**2 * Q.dx)))
+
+
+def _manufactured() -> Outcome:
+    rows, curves = [], []
+    for order, cells in CELLS.items():
+        found = {nu: np.array([manufactured_errors(order, nu, count) for count in cells]) for nu in RATIOS}
+        for name, place, predicted in (("displacement", 0, order + 1), ("pressure", 1, order)):
+            observed = []
+            for nu in RATIOS:
+                errors = found[nu][:, place].tolist()
+                observed.append(pairwise_orders([1 / count for count in cells], errors)[0])
+                curves.append(trace(f"{NAMES[order]}, {name}, nu = {nu:g}", cells, errors))
+            rows.append(
+                compared(f"observed order of the {name} in L2, {NAMES[order]}, nu = -0.5, 0.3, 0.499999, 0.5", "",
+                         EXACT, [float(predicted)] * len(RATIOS), observed, 2.5 * MEASURED_ORDER[order][place],
+                         MEASURED_ORDER[order][place], "absolute")
+            )  # fmt: skip
+    figure = drawn("fem-manufactured", "Manufactured plane wave on uniform meshes: errors in L2 against cells.",
+                   loglog("cells per side", "error in L2", *curves))  # fmt: skip
+    return Outcome(rows=tuple(rows), figures=(figure,))
+
+
+def _arguments(wave: Sinusoid, fraction: float) -> dict[str, Any]:
+    """Johnson's state at a contact fraction, its edges given, on a layer of two periods."""
+    half = 0.5 * fraction * PERIOD
+    return {
+        "youngs_modulus": wave.youngs_modulus,
+        "poisson_ratio": wave.poisson_ratio,
+        "thickness": 2 * PERIOD,
+        "period": PERIOD,
+        "harmonics": ([1], [wave.amplitude], [0.0]),
+        "work_of_adhesion": wave.work_of_adhesion,
+        "control": "penetration",
+        "value": float(wave.penetration(fraction * np.pi / 2)),
+        "edges": [[-half, half]],
+    }
+
+
+def _richardson(orders: tuple[int, ...]) -> Outcome:
+    wave, fraction = Sinusoid(AMPLITUDE, PERIOD, MODULUS, 0.3, 0.3), 0.4
+    exact, scale = float(wave.mean_pressure(fraction * np.pi / 2)), wave.full_contact_pressure
+    rows: list[Row] = []
+    table: list[list[str | float | int | None]] = []
+    for order in orders:
+        ladder, name, predicted = LADDERS[order], NAMES[order], 2 * order
+        found = fem_reference.refine(**_arguments(wave, fraction), resolutions=ladder).estimates["mean_pressure"]
+        values = [float(value) for value in found.levels]
+        sizes = [1 / resolution.cells for resolution in ladder]
+        steps = [abs(b - a) for a, b in pairwise(values)]
+        p = observed_order(steps[-2:], sizes[-3:]) or float("nan")
+        r = sizes[-2] / sizes[-1]
+        limited = min(p, predicted)
+        richardson = values[-1] + (values[-1] - values[-2]) / (r**limited - 1)
+        index = SAFETY * steps[-1] / (r**limited - 1)
+        error, stated = abs(values[-1] - exact), float(found.uncertainty)
+        expected_ratio = (sizes[-3] ** predicted - sizes[-2] ** predicted) / (
+            sizes[-2] ** predicted - sizes[-1] ** predicted
+        )
+        of_order, of_range, of_value, of_error, of_index = MEASURED_LADDER[order]
+        rows += [
+            compared(f"observed order of the load, graded meshes, {name}", "", Reference(kind="theory", source=ENERGY),
+                     [predicted], [p], 2.5 * of_order, of_order, "absolute"),
+            compared(f"asymptotic range: ratio of differences over that of the order {predicted}, {name}", "",
+                     Reference(kind="theory", source=ENERGY), [1.0], [steps[-2] / steps[-1] / expected_ratio],
+                     2.5 * of_range, of_range, "absolute"),
+            compared(f"Richardson's value of the load over p*, {name}", "Pa", JOHNSON, [exact], [richardson],
+                     2.5 * of_value, of_value, scale=scale, uncertainty=index),
+            compared(f"true error of the load over its GCI, {name}", "", JOHNSON, [0.0], [error / index], 1.0,
+                     of_index, "absolute", basis="required", pinned="unconverged"),
+            compared(f"true error of the load over its stated uncertainty, {name}", "", JOHNSON, [0.0],
+                     [error / stated], 1.0, of_error, "absolute", basis="required", pinned="unconverged"),
+        ]  # fmt: skip
+        shown = [*(f"{(value - exact) / scale:.2e}" for value in values), f"{p:.2f}"]
+        shown += [f"{(richardson - exact) / scale:.1e}", f"{index / scale:.1e}", f"{stated / scale:.1e}"]
+        table.append([name, ", ".join(str(resolution.cells) for resolution in ladder), *shown])
+    columns = ["elements", "cells per period", *(f"error, mesh {k + 1}" for k in range(4)), "observed order"]
+    columns += ["error of Richardson's value", "GCI", "stated uncertainty"]
+    shown_table = Table(caption="Load over p* at given edges: errors are true ones.", columns=columns, rows=table)
+    return Outcome(rows=tuple(rows), tables=(shown_table,))
+
+
+def drawn_state(rng: np.random.Generator, order: int) -> tuple[Sinusoid, float, Resolution]:
+    """A wave, its contact fraction, and a resolution among the coarsest that the reference accepts."""
+    wave = Sinusoid(
+        AMPLITUDE, PERIOD, MODULUS, float(rng.choice([0.0, 0.5, rng.uniform(0, 0.5)])), float(rng.uniform(0.05, 0.5))
+    )
+    cells = int(rng.integers(*((10, 17) if order == 2 else (6, 11))))
+    tips = int(rng.integers(*((8, 15) if order == 2 else (12, 21))))
+    return wave, float(rng.uniform(0.08, 0.92)), Resolution(order, cells, tips)
+
+
+def ratios(order: int, draws: int) -> FloatArray:
+    """True error over stated uncertainty of the load and of K at both edges, (draws, 3)."""
+    rng = np.random.default_rng([SEED, order])
+    found = []
+    for _ in range(draws):
+        wave, fraction, resolution = drawn_state(rng, order)
+        fem = fem_reference.solve(**_arguments(wave, fraction), resolution=resolution)
+        critical = wave.alpha * wave.full_contact_pressure * np.sqrt(PERIOD)
+        off = abs(fem.mean_pressure - float(wave.mean_pressure(fraction * np.pi / 2)))
+        intensity = np.abs(fem.stress_intensity - critical) / np.asarray(fem.uncertainty["stress_intensity"])
+        found.append([off / float(np.max(fem.uncertainty["mean_pressure"])), *intensity.ravel()])
+    return np.array(found)
+
+
+def _coverage(order: int, draws: int) -> Outcome:
+    found = ratios(order, draws)
+    within, largest = float(np.mean(found <= 1.0)), float(np.max(found))
+    missed, most = MEASURED_COVERAGE[order, draws]
+    rows = (
+        compared(f"values whose true error is within the uncertainty, {found.size} of {NAMES[order]}", "", JOHNSON,
+                 [1.0], [within], 0.05, missed, "absolute", basis="required", pinned="unconverged"),
+        compared(f"largest true error over its uncertainty, {found.size} of {NAMES[order]}", "", JOHNSON, [0.0],
+                 [largest], 2.0, most, "absolute", basis="required", pinned="unconverged"),
+    )  # fmt: skip
+    share = [float(np.mean(found.ravel() <= at)) for at in (0.1, 0.2, 0.5, 1.0, 2.0)]
+    table = Table(caption=f"Share of true errors up to a part of the stated uncertainty, {NAMES[order]}.",
+                  columns=["0.1", "0.2", "0.5", "1", "2"], rows=[list(share)])  # fmt: skip
+    return Outcome(rows=rows, tables=(table,))
+
+
+SEED = 47
+ENERGY = "energy norm of order m, the load an energy: 2 m on graded meshes"
+MEASURED_ORDER = {2: (0.053, 0.017), 4: (0.065, 0.084)}
+# order of the load, asymptotic ratio, Richardson's value, true error over stated uncertainty, and over the GCI
+MEASURED_LADDER = {2: (0.54, 0.245, 8.3e-7, 0.071, 0.645), 4: (0.51, 0.149, 2.4e-9, 0.038, 0.716)}
+MEASURED_COVERAGE = {(2, 8): (0.0, 0.6), (2, 100): (0.0034, 1.18), (4, 60): (0.0, 1.0)}
+
+
+def _case(name: str, level: Level, question: str, equations: str, compute: Any) -> Case:
+    return Case(id=name, group="code verification of the finite elements", level=level, question=question,
+                equations=equations,
+                sources=("roache1998", "taylor1973", "gustafsson2020", "johnson1995"), compute=compute,
+                effects=("layer",))  # fmt: skip
+
+
+COVERED = "Is the true error within the uncertainty that the finite elements state of themselves?"
+CASES = (
+    _case("fem-manufactured", "quick",
+          "Do the elements converge at their order on a manufactured solution, for any Poisson's ratio?",
+          r"$\|u - u_h\|_{L_2} \propto h^{m+1}$, $\|p - p_h\|_{L_2} \propto h^m$", _manufactured),
+    _case("fem-richardson-coarse", "quick",
+          "Are the meshes in the asymptotic range, and how do Richardson's value and the GCI stand to the uncertainty?",
+          r"$q_R = q_4 + (q_4 - q_3) / (r^p - 1)$, GCI $= 1.25 |q_4 - q_3| / (r^p - 1)$", partial(_richardson, (2,))),
+    _case("fem-richardson", "standard",
+          "Are the meshes in the asymptotic range, and how do Richardson's value and the GCI stand to the uncertainty?",
+          r"$q_R = q_4 + (q_4 - q_3) / (r^p - 1)$, GCI $= 1.25 |q_4 - q_3| / (r^p - 1)$", partial(_richardson, (4,))),
+    _case("fem-coverage-coarse", "quick", COVERED, r"$|q - q_{exact}| \le U$", partial(_coverage, 2, 8)),
+    _case("fem-coverage", "full", COVERED, r"$|q - q_{exact}| \le U$", partial(_coverage, 2, 100)),
+    _case("fem-coverage-fine", "full", COVERED, r"$|q - q_{exact}| \le U$", partial(_coverage, 4, 60)),
+)  # fmt: skip
