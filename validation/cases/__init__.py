@@ -1,6 +1,7 @@
 """The registry: every group of cases is one module, listed here in the order of the report."""
 
 MODULES: tuple[str, ...] = (
+    "validation.cases.finite_elements.three_ways",
     "validation.cases.rough_profiles.overview",
     "validation.cases.exact.sinusoid",
     "validation.cases.exact.complete",
@@ -23,6 +24,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.suite.reduced_hard_cases",
     "validation.cases.suite.harness",
     "validation.cases.suite.convergence_rates",
+    "validation.cases.suite.accuracy_costs",
     "validation.cases.suite.predicted_cost",
     "validation.cases.rough_profiles.paper_method_audit",
     "validation.cases.theory.theory_accuracy",

@@ -206,17 +206,18 @@ MEASURED = {
 CASES = (
     *(
         Case(id=f"johnson-alpha-{alpha:g}", group="closed forms", level="quick",
+             problem=f"adhesive wave, alpha {alpha:g}, loop to pull-off",
              question="Does the solver follow the JKR curve of one sinusoid along a whole loop, up to pull-off?",
              equations=EQUATIONS,
              sources=("johnson1995", "carbone2009"), compute=partial(_johnson, alpha),
              effects=("half_space", "adhesion", "unloading"), scene=adapters.scene_text("sinusoid"))
         for alpha in (0.1, 0.3, 0.5)
     ),
-    Case(id="sinusoid-convergence", group="convergence", level="quick",
+    Case(id="sinusoid-convergence", group="convergence", level="quick", problem="adhesive wave, given edges",
          question="How many unknowns does an adhesive contact need for a given accuracy?",
          equations=r"geometric decay: the coupled modes of a patch fall as $\rho^{-n}$, $\rho$ from the nearest gap",
          sources=("johnson1995",), compute=_convergence, effects=("half_space", "adhesion")),
-    Case(id="westergaard", group="closed forms", level="quick",
+    Case(id="westergaard", group="closed forms", level="quick", problem="wave without adhesion",
          question="Does contact without adhesion reproduce the sinusoid of Westergaard?",
          equations=r"contact fraction $2 \psi / \pi$ at $\Delta = D S (1 - \ln S)$, $p = p^\ast S$, $S = \sin^2 \psi$",
          sources=("westergaard1939",), compute=_westergaard, effects=("half_space",),

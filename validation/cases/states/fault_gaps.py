@@ -203,16 +203,18 @@ MEASURED_PHASES = (0.15, 0.07)
 
 CASES = (
     Case(id="layer-complete-contact", group="closed forms", level="quick",
+         problem="complete contact of a layer",
          question="Has a compressible layer pressed flat the energy and the displacement of its closed form?",
          equations=r"$U_{\text{el}} = \sum_m \frac{h_m^2}{4 c(q_m)}$, "
                    r"$u_{\text{tot}} = h_{\text{max}} + c(0) \sigma_0$",
          sources=("carbone2008",), compute=_layer_complete, effects=("layer", "load_control")),
-    Case(id="layer-two-patches-fem", group="finite elements", level="quick",
+    Case(id="layer-two-patches-fem", group="boundary elements against finite elements", level="quick",
+         problem="two patches on a layer, given edges",
          question="Do both codes see the same load, stress intensity, energy and displacement of two given patches?",
          equations=r"$\nabla \cdot \sigma = 0$ in the layer; $u_y = h - h_{\text{max}} + u_{\text{tot}}$ on "
                    r"the patches; $K = \sqrt{2 E^\ast G}$",
          sources=("carbone2008",), compute=_layer_by_fem, effects=("layer",)),
-    Case(id="westergaard-spectrum", group="closed forms", level="quick",
+    Case(id="westergaard-spectrum", group="closed forms", level="quick", problem="wave without adhesion",
          question="Are spectrum and distribution of the pressure those of Westergaard's contact?",
          equations=r"$\sigma = 2 p^\ast \cos \frac{x}{2} \sqrt{\sin^2 \psi - \sin^2 \frac{x}{2}}$, "
                    r"$C_\sigma(m q_0) = \sigma_m^2 / q_0$",

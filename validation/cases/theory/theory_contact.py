@@ -172,6 +172,7 @@ CASES = (
     Case(
         id="theory-magnification",
         group="theory",
+        code="persson",
         level="quick",
         question="How much contact is left as finer roughness is resolved, and from where does adhesion act?",
         equations=EQUATIONS,
@@ -183,6 +184,7 @@ CASES = (
     Case(
         id="theory-distribution",
         group="theory",
+        code="persson",
         level="quick",
         question="Which stresses does the contact carry, how well does the double Gaussian fit, and what does half the "
         "detached width change?",
@@ -198,6 +200,7 @@ CASES = (
     Case(
         id="theory-separation",
         group="theory",
+        code="persson",
         level="quick",
         question="How far apart are the mean planes, and does the load do the work of approaching them?",
         equations=r"$s = s_0 + \int \frac{1}{\sigma} \frac{dD}{d\sigma} \, d\sigma$, "
