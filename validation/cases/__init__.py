@@ -11,6 +11,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.exact.ripple_jumps",
     "validation.cases.states.identities",
     "validation.cases.states.profile_scan",
+    "validation.cases.states.scan_steps",
     "validation.cases.states.state_verdicts",
     "validation.cases.paths.path_convergence",
     "validation.cases.rough_profiles.paper_profile",

@@ -56,13 +56,13 @@ def _johnson(alpha: float) -> Outcome:
     johnson = Reference(kind="exact", source="Johnson 1995, at the solver's own contact width")
     scale = wave.full_contact_pressure
     rows = (
-        compared("mean pressure over p*", "Pa", johnson, exact_pressure, pressure, 1e-11, MEASURED[alpha][0],
-                 "maximum over states", scale, basis="required"),
-        compared("penetration over amplitude", "m", johnson, exact_penetration, penetration, 1e-11, MEASURED[alpha][1],
-                 "maximum over states", AMPLITUDE, basis="required"),
+        compared("mean pressure over p*", "Pa", johnson, exact_pressure, pressure,
+                 2.5 * MEASURED[alpha][0], MEASURED[alpha][0], "maximum over states", scale),
+        compared("penetration over amplitude", "m", johnson, exact_penetration, penetration,
+                 2.5 * MEASURED[alpha][1], MEASURED[alpha][1], "maximum over states", AMPLITUDE),
         compared("penetration at pull-off over amplitude", "m",
                  Reference(kind="exact", source="fold of Johnson's penetration"), [lowest], pull_off[:1] or [None],
-                 1e-11, MEASURED[alpha][2], "absolute", AMPLITUDE, basis="required"),
+                 2.5 * MEASURED[alpha][2], MEASURED[alpha][2], "absolute", AMPLITUDE),
         counted("states whose certificate is not ok",
                 Reference(kind="exact", source="every state of the loop is an equilibrium"), [0.0],
                 [float(sum(not state.certificate.ok for state in result.states))]),
@@ -112,8 +112,8 @@ def _westergaard() -> Outcome:
     rows = (
         compared("contact fraction", "", source, fractions, computed, 1e-10, MEASURED[0.0][0], "maximum over states",
                  1.0, basis="required"),
-        compared("mean pressure over p*", "Pa", source, wave.mean_pressure(fractions * np.pi / 2), pressure, 1e-10,
-                 MEASURED[0.0][1], "maximum over states", wave.full_contact_pressure, basis="required"),
+        compared("mean pressure over p*", "Pa", source, wave.mean_pressure(fractions * np.pi / 2),
+                 pressure, 2.5 * MEASURED[0.0][1], MEASURED[0.0][1], "maximum over states", wave.full_contact_pressure),
     )  # fmt: skip
     error = [a - b for a, b in zip(computed, fractions, strict=True)]
     figure = drawn("westergaard", "Contact fraction against penetration without adhesion.",
@@ -198,7 +198,7 @@ SMALLEST_SHOWN = 1e-17
 # alpha: mean pressure, penetration, pull-off (0: contact fraction, mean pressure)
 MEASURED = {
     0.0: (5.5e-11, 8.2e-13),
-    0.1: (4.7e-13, 2.3e-13, 1.5e-14),
+    0.1: (6.3e-13, 2.3e-13, 1.5e-14),
     0.3: (1.5e-13, 1.6e-13, 1.5e-14),
     0.5: (5.3e-13, 2.3e-13, 9.5e-15),
 }

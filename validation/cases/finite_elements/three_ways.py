@@ -117,9 +117,11 @@ def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Qu
     def of(
         name: str, unit: str, exact: Any, ours: Any, theirs: Any, own: float | None, key: str, scale: float
     ) -> Quantity:
-        values = [np.ravel(np.asarray(value, dtype=np.float64)) for value in (exact, ours, theirs)]
+        right, one, other = (np.ravel(np.asarray(value, dtype=np.float64)) for value in (exact, ours, theirs))
         per = period if unit == "J/m^2" else 1.0  # theirs are of one period
-        return Quantity(name, unit, *values, own or 0.0, float(np.max(np.asarray(fem.uncertainty[key]))) / per, scale)
+        return Quantity(
+            name, unit, right, one, other, own or 0.0, float(np.max(np.asarray(fem.uncertainty[key]))) / per, scale
+        )
 
     def at(key: str, nodes: NDArray[np.bool_]) -> float:
         return float(np.max(np.asarray(fem.uncertainty[key])[nodes]))
@@ -205,7 +207,7 @@ def _figure(found: list[Quantity], elastic: bem.ContactState, fem: Result) -> Fi
 
     def apart(a: str, b: str) -> FloatArray:
         parts = [np.abs(getattr(q, a) - getattr(q, b)) / q.scale for q in (pressure, opened)]
-        return np.maximum(np.concatenate(parts), SMALLEST_SHOWN)
+        return np.asarray(np.maximum(np.concatenate(parts), SMALLEST_SHOWN))
 
     below = semilogy(
         "x / period, from the crest", "difference",

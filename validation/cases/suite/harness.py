@@ -15,8 +15,8 @@ from validation.harness.baseline import Baseline, differences, quantities_of
 from validation.harness.case import Case, Outcome
 from validation.harness.compare import combined_tolerance, error_of, fitted_order, pairwise_orders
 from validation.harness.rows import compared, counted
-from validation.harness.schema import Band, CaseRecord, Reference, Row
-from validation.harness.verdict import Verdict, verdict_of
+from validation.harness.schema import Band, CaseRecord, Reference, Report, Row
+from validation.harness.verdict import Verdict, fails, verdict_of
 
 KNOWN = Reference(kind="exact", source="rows made for the purpose")
 
@@ -69,6 +69,10 @@ def _harness() -> Outcome:
         _within("tolerances of known rows, the second set by the uncertainty", [0.1, 0.3], allowed),
         _within("orders of a sequence of order 5/2, fitted and between neighbours", [2.5] * 4, orders),
         _exactly("differences told from a known baseline", [3.0], [float(_differences())]),
+        _exactly(
+            "failing (1: yes): all cases reported, one fewer than planned, one more", [0.0, 1.0, 1.0], _reported()
+        ),
+        _exactly("a baseline that is gone is told (1: yes)", [1.0], [_without_baseline()]),
     )
     return Outcome(rows=rows, counts={"rows": len(_verdicts())})
 
@@ -95,6 +99,19 @@ def _differences() -> int:
         return len(differences(after, folder))
 
 
+def _reported() -> list[float | None]:
+    """Whether reports of one case fail of which one, two and none were planned."""
+    record = _record([1.0], 3.0, 100)
+    reports = (Report(level="quick", command="run", planned=n, provenance={}, cases=[record]) for n in (1, 2, 0))
+    return [float(fails(report)) for report in reports]
+
+
+def _without_baseline() -> float:
+    """Whether a record whose baseline is not in the folder is told."""
+    with tempfile.TemporaryDirectory() as name:
+        return float(differences(_record([1.0], 3.0, 100), Path(name)) != [])
+
+
 def _record(load: list[float | None], patches: float, evaluations: int) -> CaseRecord:
     counted = _row([patches], [patches]).model_copy(update={"quantity": "patches", "pinned": "exact"})
     return CaseRecord(
@@ -114,7 +131,7 @@ def _exactly(quantity: str, expected: list[float | None], computed: list[float |
 
 
 def _within(quantity: str, expected: list[float | None], computed: list[float]) -> Row:
-    return compared(quantity, "", KNOWN, expected, computed, 1e-12, MEASURED_ARITHMETIC, "absolute")
+    return compared(quantity, "", KNOWN, expected, computed, 1e-14, MEASURED_ARITHMETIC, "absolute")
 
 
 MEASURED_ARITHMETIC = 4e-15  # orders by logarithms; the others to the last digit
