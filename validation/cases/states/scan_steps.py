@@ -50,12 +50,12 @@ def _surface(x: FloatArray, h: FloatArray, **asked: Any) -> Profile:
 
 
 def _positions() -> FloatArray:
-    return SPACING * np.arange(SAMPLES)
+    return np.asarray(SPACING * np.arange(SAMPLES), dtype=np.float64)
 
 
 def _heights() -> FloatArray:
     """A rough line that no step may take for spikes."""
-    return HEIGHT * np.cumsum(np.random.default_rng(11).uniform(-1.0, 1.0, SAMPLES))
+    return np.asarray(HEIGHT * np.cumsum(np.random.default_rng(11).uniform(-1.0, 1.0, SAMPLES)), dtype=np.float64)
 
 
 def _trends() -> tuple[list[FloatArray], list[FloatArray]]:
