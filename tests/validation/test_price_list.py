@@ -1,7 +1,5 @@
 """The price list and the stages of the solver: digits on exact scenes, words, nothing left behind."""
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import pytest
@@ -10,8 +8,9 @@ import bem
 import bem.adhesive.equilibrium
 import bem.elastic.collocation
 import bem.elastic.hierarchical
+from validation.corpus.effects import EFFECTS, loaded_alone, rough
 from validation.studies.stages import REST, timed_stages
-from validation.studies.work_precision.price_list import DIGITS, EFFECTS, Price, digits_of, rough, sentences
+from validation.studies.work_precision.price_list import DIGITS, Price, digits_of, sentences
 
 PRICE = Price("layer", "bare", 3.0, 2.0, 3.0, 39, 1e-9, 1e-7, "finite elements")
 EXACT = [name for name in DIGITS if name not in ("layer", "error estimate")]
@@ -61,9 +60,7 @@ def test_list_in_words():
 
 
 def test_bare_scene_loads_no_module_of_absent_effects():
-    code = "from validation.studies.work_precision.price_list import loaded_for_nothing; print(loaded_for_nothing(10))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    assert loaded_alone(10) == []
 
 
 def test_stages_add_up_to_the_whole():

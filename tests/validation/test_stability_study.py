@@ -9,6 +9,7 @@ import pytest
 
 from validation import __main__ as command_line
 from validation.cases.suite import reduced_hard_cases as registered
+from validation.cases.suite.reduced_hard_cases import QUICK
 from validation.corpus.endings import ENDINGS, Task, counts, row_of, tasks_of
 from validation.harness import execution
 from validation.harness.execution import Ended, Running
@@ -309,7 +310,18 @@ def test_registered_case_has_a_row_for_every_hard_case(case, monkeypatch):
     monkeypatch.setattr("validation.cases.suite.reduced_hard_cases.measured", examples.converge)
     found = verdicts(case)
     assert set(found) == {"agrees"}
-    assert len(found) == 1 + sum(case.compute.args == (task.code,) for task in tasks_of(True))
+    (code,) = getattr(case.compute, "args", (None,))
+    asked = [task for task in tasks_of(True) if task.code == code or (code is None and task.id in QUICK[task.code])]
+    assert len(found) == 1 + len(asked) > 5
+
+
+def test_the_quick_case_names_hard_cases_and_lists_the_others(monkeypatch):
+    monkeypatch.setattr("validation.cases.suite.reduced_hard_cases.measured", examples.converge)
+    every = {(task.code, task.id) for task in tasks_of(True)}
+    assert {(code, name) for code, names in QUICK.items() for name in names} <= every
+    (table,) = registered.CASES[-1].compute().tables
+    assert {(row[0], row[1]) for row in table.rows} == every
+    assert len(table.rows) == len(every)
 
 
 @pytest.mark.parametrize("wrong", ["crash", "wrong"])

@@ -1,6 +1,7 @@
 """The registry: every group of cases is one module, listed here in the order of the report."""
 
 MODULES: tuple[str, ...] = (
+    "validation.cases.finite_elements.three_ways",
     "validation.cases.rough_profiles.overview",
     "validation.cases.exact.sinusoid",
     "validation.cases.exact.complete",
@@ -10,6 +11,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.exact.ripple_jumps",
     "validation.cases.states.identities",
     "validation.cases.states.profile_scan",
+    "validation.cases.states.scan_steps",
     "validation.cases.states.state_verdicts",
     "validation.cases.paths.path_convergence",
     "validation.cases.rough_profiles.paper_profile",
@@ -28,6 +30,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.suite.reduced_hard_cases",
     "validation.cases.suite.harness",
     "validation.cases.suite.convergence_rates",
+    "validation.cases.suite.accuracy_costs",
     "validation.cases.suite.predicted_cost",
     "validation.cases.rough_profiles.paper_method_audit",
     "validation.cases.theory.theory_accuracy",

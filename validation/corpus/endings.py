@@ -112,13 +112,14 @@ def counts(rows: Iterable[Row]) -> dict[str, int]:
 COLUMNS = ["code", "case", "expected", "observed", "ending", "correct", "CPU s"]
 
 
-def table_of(rows: Sequence[Row]) -> Table:
-    """The rows as a table of a report."""
+def table_of(rows: Sequence[Row], left: Sequence[Task] = ()) -> Table:
+    """The rows as a table of a report, with tasks that are left to a higher level."""
     form = rows[0].form if rows else "reduced"
     return Table(
+        id=f"hard-{form}",
         caption=f"Hard cases, {form} forms: what was expected beforehand, what came out, and whether it is correct.",
         columns=COLUMNS,
-        rows=[cells(row) for row in rows],
+        rows=[*map(cells, rows), *map(_left, left)],
     )
 
 
@@ -153,6 +154,11 @@ def cells(row: Row) -> list[str | float | int | None]:
     correct = "yes" if row.correct else "NO"
     seconds = None if row.seconds is None else round(row.seconds, 2)
     return [row.code, row.id, _short(row.expected), _short(row.observed), row.ending, correct, seconds]
+
+
+def _left(task: Task) -> list[str | float | int | None]:
+    """A task that is not run here as cells of the columns."""
+    return [task.code, task.id, _short(_case(task).expectation(task.form == "full")), "", "not run", "–", None]
 
 
 def _short(statuses: Sequence[str]) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from validation.harness.schema import Figure, Level, Row, Table
+from validation.harness.schema import Code, Figure, Level, Row, Table
 
 
 @dataclass(frozen=True)
@@ -37,3 +37,5 @@ class Case:
     compute: Callable[[], Outcome]
     effects: tuple[str, ...] = ()  # of the solver, that are active
     scene: str = ""  # verbatim
+    code: Code = "bem"  # whose answers its rows judge, where they do not say otherwise
+    problem: str = ""  # what is solved, in a few words: cases of one problem share a line of the matrix

@@ -37,14 +37,23 @@ def error_of(row: Row) -> float:
     return float(ratio[np.argmax(np.abs(ratio - (row.band.low + row.band.high) / 2))])
 
 
+def combined_uncertainty(row: Row) -> float:
+    """What both sides state of themselves, sqrt(u^2 + u_ref^2) / scale: u_val of ASME V&V 20, dimensionless.
+
+    Each uncertainty is one that its code stands for: the true error is to lie below it, which rows of their own ask.
+    No factor is put on top.
+    """
+    return math.hypot(row.uncertainty, row.reference.uncertainty) / row.scale
+
+
 def combined_tolerance(row: Row) -> float:
     """What the error may be: the tolerance, but never finer than the uncertainties of both sides.
 
-    max(tolerance, 2 (u + u_ref) / scale), dimensionless; nan for rows with a band.
+    max(tolerance, u_val), dimensionless; nan for rows with a band.
     """
     if row.tolerance is None:
         return math.nan
-    return max(row.tolerance.value, 2 * (row.uncertainty + row.reference.uncertainty) / row.scale)
+    return max(row.tolerance.value, combined_uncertainty(row))
 
 
 def error_over_tolerance(row: Row) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Literal
 
-from validation.harness.schema import Norm, Reference, Row, Tolerance
+from validation.harness.schema import Code, Norm, Reference, Row, Tolerance
 
 Basis = Literal["measured", "required", "provisional"]
 Pinned = Literal["exact", "tight", "converged", "unconverged"]
@@ -25,6 +25,7 @@ def compared(
     basis: Basis = "measured",
     pinned: Pinned = "converged",
     uncertainty: float = 0.0,
+    code: Code | None = None,
 ) -> Row:
     """A comparison with a tolerance of the scaled error, beside the error measured; None where there is no value.
 
@@ -45,6 +46,7 @@ def compared(
         uncertainty=uncertainty,
         tolerance=Tolerance(value=tolerance, measured=measured, basis=basis),
         pinned=pinned,
+        code=code,
     )
 
 

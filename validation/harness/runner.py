@@ -207,6 +207,8 @@ def record_of(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
         tables=list(outcome.tables),
         counts=dict(outcome.counts),
         seconds=seconds,
+        code=case.code,
+        problem=case.problem,
         status="not run" if outcome.skipped else "run",
         message=outcome.skipped,
     )

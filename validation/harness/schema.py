@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 SCHEMA = "linecontact-report/1"
 
 ReferenceKind = Literal["exact", "manufactured", "FEM", "theory", "independent code", "self"]
+Code = Literal["bem", "fem", "persson", "paper's method", "suite"]  # whose answer is judged; the suite's own numbers
 Norm = Literal["absolute", "relative", "maximum over states", "ratio"]
 Level = Literal["quick", "standard", "full"]
 Text = Annotated[str, Field(min_length=1)]
@@ -78,7 +79,8 @@ class Row(_Strict):
 
     `error` is max |computed - expected| / scale over the values; with a band it is the ratio computed / expected.
     `pinned` is the class of the computed values in baselines: `exact` (a number of patches), `tight` (quadrature),
-    `converged` (to the tolerance), `unconverged` (shown, never pinned).
+    `converged` (to the tolerance), `unconverged` (shown, never pinned).  `code` is whose answer was computed, by
+    default that of the case.
     """
 
     quantity: Text
@@ -94,6 +96,7 @@ class Row(_Strict):
     pinned: Literal["exact", "tight", "converged", "unconverged"] = "converged"
     status: Literal["run", "not run", "not converged", "error"] = "run"
     message: str = ""
+    code: Code | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Row:
@@ -154,8 +157,9 @@ class Figure(_Strict):
 
 
 class Table(_Strict):
-    """A table of numbers and texts."""
+    """A table of numbers and texts; its `id` begins with its place on the first screen, where it has one."""
 
+    id: Id | Literal[""] = ""
     caption: Text
     columns: list[str]
     rows: list[list[str | float | int | None]]
@@ -178,6 +182,8 @@ class CaseRecord(_Strict):
     tables: list[Table] = []
     counts: dict[str, Count] = {}
     seconds: float = 0.0
+    code: Code = "bem"
+    problem: str = ""
     status: Literal["run", "error", "not run"] = "run"
     message: str = ""
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # distinguished by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")
 MOST_INSIDE = 7  # series in a legend within the axes; more are listed below them
+MOST_BESIDE = 3  # the same of two axes one above the other, the lower one logarithmic
 SETTINGS: Any = {
     "svg.fonttype": "none",
     "svg.hashsalt": "linecontact",
@@ -62,10 +63,11 @@ def canvas_of(figure: Figure) -> Canvas:
             canvas = Canvas(figsize=(6.4, 3.9 + 0.19 * rows), layout="constrained")
             _draw(canvas.subplots(), figure.solution)
             return canvas
-        canvas = Canvas(figsize=(6.4, 5.6), layout="constrained")
-        above, below = canvas.subplots(2, 1, height_ratios=(2, 1))
-        _draw(above, figure.solution)
-        _draw(below, figure.error)
+        tall = figure.error.yscale == "log"
+        canvas = Canvas(figsize=(6.4, 6.6 if tall else 5.6), layout="constrained")
+        above, below = canvas.subplots(2, 1, height_ratios=(1, 1) if tall else (2, 1))
+        _draw(above, figure.solution, MOST_BESIDE if tall else MOST_INSIDE)
+        _draw(below, figure.error, MOST_BESIDE if tall else MOST_INSIDE)
         if figure.error.yscale != "log":
             below.axhline(0.0, color="#888888", linewidth=0.8)
         if figure.error.yscale == "linear":
@@ -164,7 +166,7 @@ def described(figure: Figure) -> str:
     return " ".join(words)
 
 
-def _draw(axes: Axes, panel: Panel) -> None:
+def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE) -> None:
     from validation.report.tick_labels import label_plainly
 
     for index, series in enumerate(panel.series):
@@ -176,9 +178,9 @@ def _draw(axes: Axes, panel: Panel) -> None:
     label_plainly(axes.xaxis, axes.yaxis)
     if not axes.get_legend_handles_labels()[1]:
         return
-    if len(panel.series) > MOST_INSIDE:
+    if len(panel.series) > most_inside:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=8.0)
-    elif axes.get_legend_handles_labels()[1]:
+    else:
         axes.legend()
 
 

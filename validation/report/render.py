@@ -24,7 +24,28 @@ from validation.harness.schema import CaseRecord, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
 from validation.report.figures import svg_of
 from validation.report.verification.all_results import first_sentence, scatter
-from validation.report.verification.row_views import budget_of, named, worst_place
+from validation.report.verification.allowances import LOOSE, budget_of, loose, unstated
+from validation.report.verification.first_screen import (
+    HARD,
+    PLACES,
+    PRICE,
+    counted_endings,
+    hard_map,
+    place_of,
+    tables_at,
+)
+from validation.report.verification.matrix import (
+    COLUMNS,
+    KINDS,
+    SIGNS,
+    TALLIED,
+    Kind,
+    kind_of,
+    matrix_of,
+    row_id,
+    tally,
+)
+from validation.report.verification.row_views import named, worst_place
 from validation.report.verification.typesetting import printable, subscripts, typeset, unset, with_links
 
 PAGE = "report.html"
@@ -32,7 +53,6 @@ POLICY = (  # attributes with a style are those of figures
     "default-src 'none'; script-src {script}; style-src {style}; style-src-attr 'unsafe-inline'; img-src data:; "
     "base-uri 'none'; form-action 'none'"
 )
-LANDING = "landing-"  # prefix of the ids of figures that open the page
 MARKS = {
     "agrees": "✓",
     "expected deviation": "≈",
@@ -56,17 +76,34 @@ class Line:
     """
 
     row: Row
+    target: str
+    kind: Kind
     name: str
     norm: str
     expected: Markup
     computed: Markup
     error: float
+    numerical: float | None
+    data: float | None
+    validation: float | None
+    decides: str
     allowed: str
     ratio: float | None
     verdict: str
     sort_expected: float | str
     sort_computed: float | str
     sort_allowed: float
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure of a case, drawn."""
+
+    case: str
+    id: str
+    caption: str
+    svg: Markup
+    files: list[str]
 
 
 @dataclass(frozen=True)
@@ -90,15 +127,15 @@ def render(report: Report) -> str:
     absent = [name for name in ("date", "commit") if name not in report.provenance]
     if absent:
         raise ReportError(f"the provenance of the report has no {' and no '.join(absent)}")
-    lines = {case.id: [_line(row) for row in case.rows] for case in report.cases}
+    lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
+    hard = hard_map(report.cases)
     return filled(
         "page.jinja",
         report=report,
         sentence=first_sentence(report),
         passed=not fails(report) and is_intact(report),
         all_results=_overview(report),
-        budgets={case.id: [budget for row in case.rows if (budget := budget_of(row))] for case in report.cases},
         lines=lines,
         verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
         marks=MARKS,
@@ -108,8 +145,24 @@ def render(report: Report) -> str:
         known=_known(report, lines),
         groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
         scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
-        landing=[_drawn(case, LANDING) for case in report.cases if any(f.id.startswith(LANDING) for f in case.figures)],
-        figures={case.id: _drawn(case, "") for case in report.cases},
+        placed={place: [one for case in report.cases for one in _drawn(case, place)] for place in PLACES},
+        drawn_of={case.id: _drawn(case, None) for case in report.cases},
+        tables={place: tables_at(report.cases, place) for place in (PRICE, HARD)},
+        hard=hard,
+        hard_counts=counted_endings(hard),
+        matrix=matrix_of(report.cases),
+        columns=list(COLUMNS),
+        signs=list(SIGNS.items()),
+        tally=tally(report.cases),
+        tallied=TALLIED,
+        kinds=KINDS,
+        summary={
+            kind: [(c, line) for c, given in lines.items() for line in given if line.kind == kind] for kind in KINDS
+        },
+        without_rows=[case for case in report.cases if not case.rows],
+        unstated=unstated(report.cases),
+        loose=loose(report.cases),
+        loose_factor=LOOSE,
         case_verdict={case.id: _worst(case) for case in report.cases},
         bibliography=bibliography(report.cases),
     )
@@ -203,18 +256,25 @@ def _is_before(review: str, today: str) -> bool:
         return False
 
 
-def _line(row: Row) -> Line:
+def _line(case: CaseRecord, place: int, row: Row) -> Line:
     allowed = f"{row.band.low:g} to {row.band.high:g}" if row.band else number(combined_tolerance(row))
     worst = worst_place(row)
     name, over = named(row.quantity, row.unit)
+    budget = budget_of(row)
     scale = "" if row.scale == 1 else f"{number(row.scale)} {row.unit}".strip()
     return Line(
         row=row,
+        target=row_id(case, place),
+        kind=kind_of(row),
         name=name,
         norm=f"{row.norm}, over {' = '.join(filter(None, (over, scale)))}" if over or scale else row.norm,
         expected=_value(row.expected, worst),
         computed=_value(row.computed, worst) + _spread(row.uncertainty),
         error=error_of(row),
+        numerical=budget.numerical,
+        data=budget.data,
+        validation=budget.validation,
+        decides=budget.decides,
         allowed=allowed,
         ratio=None if row.band else error_over_tolerance(row),
         verdict=verdict_of(row),
@@ -244,19 +304,19 @@ def _sorted_as(value: float | None) -> float | str:
     return "" if value is None else value
 
 
-def _drawn(case: CaseRecord, prefix: str) -> list[tuple[str, str, Markup, list[str]]]:
-    """Id, caption, SVG and files of the figures of a case whose id begins with `prefix`."""
-    chosen = [figure for figure in case.figures if figure.id.startswith(prefix)]
-    where = "top" if prefix else "case"
+def _drawn(case: CaseRecord, place: str | None) -> list[Drawn]:
+    """The figures of a case at a place of the first screen, or those that stand with the case."""
     return [
-        (figure.id, figure.caption, svg_of(figure, f"{where}-{case.id}-{figure.id}"), figure.files) for figure in chosen
+        Drawn(case.id, figure.id, figure.caption, svg_of(figure, f"{case.id}-{figure.id}"), figure.files)
+        for figure in case.figures
+        if place_of(figure) == place
     ]
 
 
-def _overview(report: Report) -> tuple[Markup, str] | None:
-    """SVG and caption of the figure of all results."""
+def _overview(report: Report) -> Drawn | None:
+    """The figure of all results."""
     figure = scatter(report)
-    return None if figure is None else (svg_of(figure, "all-results"), figure.caption)
+    return None if figure is None else Drawn("", figure.id, figure.caption, svg_of(figure, "all-results"), [])
 
 
 def _worst(case: CaseRecord) -> str:

@@ -1,5 +1,5 @@
 const FILTERED = 6; // rows from which a table has a filter box
-document.querySelectorAll("table").forEach((table) => {
+document.querySelectorAll("table:not(.still)").forEach((table) => {
   const heads = [...(table.tHead?.querySelectorAll("th") ?? [])];
   const body = table.tBodies[0];
   if (heads.length === 0 || body.rows.length < 2) return;

@@ -254,7 +254,7 @@ def _figure(wave: RippledWave, jumps: list[Jump], result: Result) -> Figure:
 ROUNDING = 1e-13  # of the units of pressure and energy
 LEAST_RELEASED = 1e-3  # of the work of adhesion, by a jump: measured 0.017 to 0.23; what releases less is a fold's edge
 
-MEASURED_LOADED, MEASURED_DRIVEN = (1e-12, 5.1e-14), (1e-12, 7.8e-15)
+MEASURED_LOADED, MEASURED_DRIVEN = (1.4e-13, 5.5e-14), (2e-14, 7.8e-15)
 MEASURED_RELEASED, MEASURED_PRESSURE = 8.9e-12, 4.4e-12
 
 CASES = (

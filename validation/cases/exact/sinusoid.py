@@ -56,13 +56,13 @@ def _johnson(alpha: float) -> Outcome:
     johnson = Reference(kind="exact", source="Johnson 1995, at the solver's own contact width")
     scale = wave.full_contact_pressure
     rows = (
-        compared("mean pressure over p*", "Pa", johnson, exact_pressure, pressure, 1e-11, MEASURED[alpha][0],
-                 "maximum over states", scale, basis="required"),
-        compared("penetration over amplitude", "m", johnson, exact_penetration, penetration, 1e-11, MEASURED[alpha][1],
-                 "maximum over states", AMPLITUDE, basis="required"),
+        compared("mean pressure over p*", "Pa", johnson, exact_pressure, pressure,
+                 2.5 * MEASURED[alpha][0], MEASURED[alpha][0], "maximum over states", scale),
+        compared("penetration over amplitude", "m", johnson, exact_penetration, penetration,
+                 2.5 * MEASURED[alpha][1], MEASURED[alpha][1], "maximum over states", AMPLITUDE),
         compared("penetration at pull-off over amplitude", "m",
                  Reference(kind="exact", source="fold of Johnson's penetration"), [lowest], pull_off[:1] or [None],
-                 1e-11, MEASURED[alpha][2], "absolute", AMPLITUDE, basis="required"),
+                 2.5 * MEASURED[alpha][2], MEASURED[alpha][2], "absolute", AMPLITUDE),
         counted("states whose certificate is not ok",
                 Reference(kind="exact", source="every state of the loop is an equilibrium"), [0.0],
                 [float(sum(not state.certificate.ok for state in result.states))]),
@@ -112,8 +112,8 @@ def _westergaard() -> Outcome:
     rows = (
         compared("contact fraction", "", source, fractions, computed, 1e-10, MEASURED[0.0][0], "maximum over states",
                  1.0, basis="required"),
-        compared("mean pressure over p*", "Pa", source, wave.mean_pressure(fractions * np.pi / 2), pressure, 1e-10,
-                 MEASURED[0.0][1], "maximum over states", wave.full_contact_pressure, basis="required"),
+        compared("mean pressure over p*", "Pa", source, wave.mean_pressure(fractions * np.pi / 2),
+                 pressure, 2.5 * MEASURED[0.0][1], MEASURED[0.0][1], "maximum over states", wave.full_contact_pressure),
     )  # fmt: skip
     error = [a - b for a, b in zip(computed, fractions, strict=True)]
     figure = drawn("westergaard", "Contact fraction against penetration without adhesion.",
@@ -198,7 +198,7 @@ SMALLEST_SHOWN = 1e-17
 # alpha: mean pressure, penetration, pull-off (0: contact fraction, mean pressure)
 MEASURED = {
     0.0: (5.5e-11, 8.2e-13),
-    0.1: (4.7e-13, 2.3e-13, 1.5e-14),
+    0.1: (6.3e-13, 2.3e-13, 1.5e-14),
     0.3: (1.5e-13, 1.6e-13, 1.5e-14),
     0.5: (5.3e-13, 2.3e-13, 9.5e-15),
 }
@@ -206,17 +206,18 @@ MEASURED = {
 CASES = (
     *(
         Case(id=f"johnson-alpha-{alpha:g}", group="closed forms", level="quick",
+             problem=f"adhesive wave, alpha {alpha:g}, loop to pull-off",
              question="Does the solver follow the JKR curve of one sinusoid along a whole loop, up to pull-off?",
              equations=EQUATIONS,
              sources=("johnson1995", "carbone2009"), compute=partial(_johnson, alpha),
              effects=("half_space", "adhesion", "unloading"), scene=adapters.scene_text("sinusoid"))
         for alpha in (0.1, 0.3, 0.5)
     ),
-    Case(id="sinusoid-convergence", group="convergence", level="quick",
+    Case(id="sinusoid-convergence", group="convergence", level="quick", problem="adhesive wave, given edges",
          question="How many unknowns does an adhesive contact need for a given accuracy?",
          equations=r"geometric decay: the coupled modes of a patch fall as $\rho^{-n}$, $\rho$ from the nearest gap",
          sources=("johnson1995",), compute=_convergence, effects=("half_space", "adhesion")),
-    Case(id="westergaard", group="closed forms", level="quick",
+    Case(id="westergaard", group="closed forms", level="quick", problem="wave without adhesion",
          question="Does contact without adhesion reproduce the sinusoid of Westergaard?",
          equations=r"contact fraction $2 \psi / \pi$ at $\Delta = D S (1 - \ln S)$, $p = p^\ast S$, $S = \sin^2 \psi$",
          sources=("westergaard1939",), compute=_westergaard, effects=("half_space",),

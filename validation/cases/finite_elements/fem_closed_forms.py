@@ -88,7 +88,7 @@ def _complete() -> Outcome:
     rows.append(
         compared("energy per area, boundary elements, nu = 0.3, 0.499999, 0.5", "J/m^2",
                  Reference(kind="exact", source="Carbone and Mangialardi 2008"), [exact[nu] for nu in RATIOS[1:]], ours,
-                 1e-13, MEASURED_BEM, "maximum over states", exact[0.3]),
+                 1e-13, MEASURED_BEM, "maximum over states", exact[0.3], code="bem"),
     )  # fmt: skip
     figure = drawn(
         "fem-complete",
@@ -222,7 +222,8 @@ MEASURED_COVERAGE = 0.4  # of the closures; in complete contact at most 0.31
 
 
 def _case(identity: str, level: Level, question: str, equations: str, sources: tuple[str, ...], compute: Any) -> Case:
-    return Case(id=identity, group=GROUP, level=level,
+    return Case(id=identity, group=GROUP, level=level, code="fem",
+                problem="complete contact of a layer" if compute is _complete else "adhesive wave",
                 question=question,
                 equations=equations,
                 sources=sources, compute=compute, effects=("layer",),

@@ -83,7 +83,8 @@ MEASURED = (7.1e-9, 4.8e-4)  # the iteration ends below 1e-8
 
 CASES = (
     Case(
-        id="fem-closure-modulus", group="finite elements against closed forms", level="quick",
+        id="fem-closure-modulus", group="finite elements against closed forms", level="quick", code="fem",
+        problem="adhesive wave, JKR closure",
         question="Has the contact whose edges the finite elements find the stress intensity and the stability it must?",
         equations=r"$K = \sqrt{2 E^\ast \gamma}$; "
         r"$\frac{d^2 U}{da^2} = \frac{dG}{da} = \frac{K}{E^\ast} \frac{dK}{da}$, "

@@ -162,6 +162,7 @@ def _case(
 ) -> Case:
     return Case(id=f"fem-{name}" + ("-coarse" if elements == "P2/P1" else ""),
                 group="boundary elements against finite elements", level=level,
+                problem=f"{name.replace('-', ' ')} on a layer",
                 question=question,
                 equations=EQUATIONS,
                 sources=SOURCES, compute=compute, effects=effects, scene=adapters.scene_text(scene))  # fmt: skip

@@ -13,7 +13,6 @@ from validation.harness.schema import Reference, Row, Table
 from validation.references import adapters
 
 INCREMENTS = (0.05, 0.0125)
-SCENE_TOLERANCE = 1e-6
 
 
 def _solved(increment: float) -> tuple[Result, tuple[int, int]]:
@@ -44,11 +43,11 @@ def _path_convergence() -> Outcome:
     slope = max(abs(state.mean_pressure) for state in fine)
     rows: tuple[Row, ...] = (
         compared("contact fraction at every target", "", reference, [state.contact_fraction for state in fine],
-                 [state.contact_fraction for state in coarse], SCENE_TOLERANCE, MEASURED[0], "maximum over states", 1.0,
-                 basis="required"),
+                 [state.contact_fraction for state in coarse], 2.5 * MEASURED[0], MEASURED[0],
+                 "maximum over states", 1.0),
         compared("mean pressure at every target, over the largest", "Pa", reference,
-                 [state.mean_pressure for state in fine], [state.mean_pressure for state in coarse], SCENE_TOLERANCE,
-                 MEASURED[1], "maximum over states", slope, basis="required"),
+                 [state.mean_pressure for state in fine], [state.mean_pressure for state in coarse], 2.5 * MEASURED[1],
+                 MEASURED[1], "maximum over states", slope),
         counted("patches at every target", reference, [float(state.n_patches) for state in fine],
                 [float(state.n_patches) for state in coarse]),
     )  # fmt: skip
@@ -78,7 +77,7 @@ def _path_convergence() -> Outcome:
     return Outcome(rows=rows, figures=(figure,), tables=(table,), counts=counts)
 
 
-MEASURED = (4.9e-13, 3.2e-13)
+MEASURED = (7e-13, 3.6e-13)  # of the targets, the larger of two processors
 
 MEASURED_EVENTS = (  # the largest over the BLAS kernels of four processors
     ("penetration", "m", 7.2e-13),

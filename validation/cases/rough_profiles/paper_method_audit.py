@@ -188,10 +188,12 @@ MEASURED = {
 
 CASES = (
     Case(id="paper-method-layer", group="paper's method", level="quick",
+         problem="two crests on a layer",
          question="Does the paper's own method find the same two contacts on a layer?",
          equations="minimum of $U$ over the edges; second order in 1/cells, extrapolated",
          sources=("carbone2009", "carbone2008"), compute=_layer, effects=("layer", "adhesion")),
     Case(id="paper-method-path", group="paper's method", level="standard",
+         problem="rough profile of 60 harmonics, path",
          question="Does it, from first touch on a rough profile, through all events, end in the same state?",
          equations="40 steps of penetration; contacts made where the profile enters, joined and lost as they vanish",
          sources=("carbone2009",), compute=_path, effects=("half_space", "adhesion", "slope_term")),

@@ -130,16 +130,16 @@ MEASURED = {
 MEASURED_FULL = {"fem-p2-graded": 0.05, "fem-p4-graded": 0.023, "fem-p2-uniform": 0.099, "fem-p4-uniform": 0.022}
 
 CASES = (
-    Case(id="convergence-rates", group="convergence", level="quick",
+    Case(id="convergence-rates", group="convergence", level="quick", code="suite",
          question="Does every code converge at the rate that its theory predicts, and to which plateau?",
          equations=EQUATIONS,
          sources=("johnson1995", "persson2001", "carbone2009"), compute=_rates, effects=("half_space", "adhesion")),
-    Case(id="convergence-ensemble", group="convergence", level="standard",
+    Case(id="convergence-ensemble", group="convergence", level="standard", code="suite",
          question="Does the mean area of an ensemble converge like the square root of the number of realisations?",
          equations=r"spread of the mean over groups of $n$ $\propto n^{-1/2}$",
          sources=("carbone2009",), compute=partial(_ensemble, 20, 64),
          effects=("half_space", "adhesion", "slope_term")),
-    Case(id="convergence-elements", group="convergence", level="full",
+    Case(id="convergence-elements", group="convergence", level="full", code="suite",
          question="What do the edges cost finite elements on uniform meshes, and do graded ones win it back?",
          equations="energy norm $h^m$ graded, $h^{1/2}$ uniform, whatever $m$; load: twice the order",
          sources=("johnson1995",), compute=_elements, effects=("half_space", "adhesion")),

@@ -99,7 +99,7 @@ def _predicted_cost() -> Outcome:
 MEASURED = {"evaluations": 0.0, "seconds, compiled kernels": 0.058, "seconds, NumPy": 0.039}  # of 52: none, 3, 2
 
 CASES = (
-    Case(id="predicted-cost", group="cost", level="quick",
+    Case(id="predicted-cost", group="cost", level="quick", code="suite",
          question="Does the cost that is predicted for a scene hold within a factor of 3, for nine scenes of ten?",
          equations="evaluations = 6.2 increments (under load half, or fewer) + 18.2 crests + 6.3 targets; bare: 6.9",
          sources=("persson2001",), compute=_predicted_cost, effects=("half_space", "adhesion")),

@@ -2,11 +2,13 @@
 
 What each expects is stated beforehand in hard_cases.py, hard_fem_cases.py and hard_persson_cases.py.  A row holds two
 answers apart: whether the case ended as expected, and whether nothing was found against its result.  A case that
-crashes is a row with its message.  The full forms are those of `python -m validation study stability`.
+crashes is a row with its message.  At the quick level those run that take less than a third of a second, and the table
+lists the others too, so that the map of the report shows all.  Full forms: `python -m validation study stability`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 from validation.corpus.endings import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
@@ -19,7 +21,16 @@ REFERENCE = Reference(kind="self", source="the expectation stated beforehand, an
 
 
 def _hard_cases(code: Code) -> Outcome:
-    planned = [task for task in tasks_of(quick=True) if task.code == code]
+    return _outcome([task for task in tasks_of(quick=True) if task.code == code])
+
+
+def _quick() -> Outcome:
+    every = tasks_of(quick=True)
+    return _outcome([task for task in every if task.id in QUICK[task.code]], every)
+
+
+def _outcome(planned: list[Task], every: Sequence[Task] = ()) -> Outcome:
+    """Tasks that are run; those of all that are not are left to a higher level."""
     ended = [_ended(task) for task in planned]
     found = counts(ended)
     reached = found["converged"] + found["refused as expected"]
@@ -30,7 +41,7 @@ def _hard_cases(code: Code) -> Outcome:
                 [float(row.ending in GOOD), float(row.correct)], message=row.message)
         for row in ended
     )  # fmt: skip
-    return Outcome(rows=(total, *rows), tables=(table_of(ended),))
+    return Outcome(rows=(total, *rows), tables=(table_of(ended, [task for task in every if task not in planned]),))
 
 
 def _ended(task: Task) -> HardRow:
@@ -51,10 +62,57 @@ NAMES: dict[Code, tuple[str, str, tuple[str, ...]]] = {
     "persson": ("theory", "Persson's theory", ("carbone2009", "persson2001")),
 }
 
-CASES = tuple(
+QUICK: dict[Code, tuple[str, ...]] = {
+    "bem": (
+        "flat",
+        "flat_without_adhesion",
+        "gap_1e-4",
+        "contact_fraction_1e-5",
+        "tension_no_branch_carries",
+        "thin_layer_without_adhesion",
+        "thin_incompressible_layer",
+        "last_gaps_that_close_together",
+        "penetration_beyond_complete_contact",
+        "harmonics_1",
+        "harmonics_1_without_adhesion",
+        "vanishing_patch_without_adhesion",
+        "last_gap_without_adhesion",
+    ),
+    "fem": (
+        "apart",
+        "incompressible_by_displacement",
+        "narrower_than_the_mesh",
+        "thin_incompressible_layer_in_complete_contact",
+        "poisson_ratio_-0.9",
+        "poisson_ratio_0.5",
+        "thin_incompressible_layer",
+    ),
+    "persson": (
+        "complete_contact_without_adhesion",
+        "nan_load",
+        "no_load",
+        "one_line_without_adhesion",
+        "tension",
+        "tiny_load_without_adhesion",
+        "complete_contact",
+        "work_1e-08",
+        "nearly_complete_contact",
+        "one_line",
+        "rms_height_1e-09",
+        "two_lines",
+        "hurst_0.01",
+    ),
+}
+
+CASES = (
+    *(
     Case(id=f"hard-cases-{NAMES[code][0]}", group="stability", level="standard",
          question=f"Does {NAMES[code][1]} end as expected in every hard case, and is what it gives correct?",
          equations="expected outcome stated beforehand; certificates, closed forms, second routes, invariances",
          sources=NAMES[code][2], compute=partial(_hard_cases, code))
-    for code in NAMES
+    for code in NAMES),
+    Case(id="hard-cases-quick", group="stability", level="quick",
+         question="Do the hard cases that take no time end as expected, and correct, by all three codes?",
+         equations="expected outcome stated beforehand; certificates, closed forms, second routes, invariances",
+         sources=("carbone2009", "johnson1995", "westergaard1939", "persson2001", "carbone2008"), compute=_quick),
 )  # fmt: skip

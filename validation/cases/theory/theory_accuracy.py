@@ -212,22 +212,22 @@ EQUATIONS = (
 )
 
 CASES = (
-    Case(id="theory-points", group="theory", level="quick",
+    Case(id="theory-points", group="theory", code="persson", level="quick",
          question="Does the theory with adhesion reproduce area and separation of the paper's case?",
          equations=EQUATIONS,
          sources=("carbone2009", "persson2001", "persson2002"), compute=_points, effects=("adhesion",), scene=SCENE),
     Case(
-        id="theory-routes", group="theory", level="quick",
+        id="theory-routes", group="theory", code="persson", level="quick",
         question="Do finite volumes and an integral equation, each with its own fixed point, give the same area?",
         equations=EQUATIONS + r"; $N(\frac{-D(V)}{\sqrt{V}}) = \int N(-\frac{D(V) - D(U)}{\sqrt{V - U}}) \, dF(U)$, "
         r"$D = \sigma_0 + a$, $F = 1 - A$",
         sources=("carbone2009", "peskir2002"), compute=_routes, effects=("adhesion",), scene=SCENES
     ),
-    Case(id="theory-convergence", group="theory", level="quick",
+    Case(id="theory-convergence", group="theory", code="persson", level="quick",
          question="Does the area of the theory with adhesion converge when every step is halved?",
          equations=EQUATIONS,
          sources=("carbone2009",), compute=_convergence, effects=("adhesion",), scene=SCENES),
-    Case(id="theory-load-balance", group="theory", level="quick",
+    Case(id="theory-load-balance", group="theory", code="persson", level="quick",
          question="Does the load grow by just the stress that the moving barrier absorbs?",
          equations=r"$\frac{d}{dV} \int \sigma P \, d\sigma = -a \frac{dA}{dV}$",
          sources=("carbone2009",), compute=_balance, effects=("adhesion",), scene=SCENES),

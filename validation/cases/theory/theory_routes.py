@@ -86,12 +86,12 @@ MEASURED_THEORY = ((2e-15, 1.8e-16), (5e-15, 8.5e-16), (5e-15, 1.7e-15))
 MEASURED_ROUTES = ((6e-9, 2.1e-9), (8e-6, 3.3e-6))
 
 CASES = (
-    Case(id="theory-quadrature", group="theory", level="quick",
+    Case(id="theory-quadrature", group="theory", code="persson", level="quick",
          question="Are the closed forms of the theory without adhesion the integrals they stand for?",
          equations=r"$A = \operatorname{erf}(\sqrt{2} \, \sigma_0 / (E^\ast \sqrt{S}))$, "
                    r"$U_{\text{el}} = \frac{E^\ast}{4} \int \frac{A}{q} \, dS$, narrow-band rule inside a line",
          sources=("persson2001", "carbone2009"), compute=_theory_by_quadrature),
-    Case(id="theory-energies", group="theory", level="quick",
+    Case(id="theory-energies", group="theory", code="persson", level="quick",
          question="Do finite volumes and the Volterra equation store the same energies in the theory with adhesion?",
          equations=r"$U_{\text{el}} = \frac{E^\ast}{4} \int \frac{A}{q} \, dS$ at $A$ with adhesion, "
                    r"$U_{\text{ad}} = -\gamma A M$, both at all roughness",

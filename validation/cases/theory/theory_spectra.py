@@ -80,7 +80,7 @@ MEASURED_EXPONENT = 4.4e-3
 MEASURED_LEVEL = 1.2e-2
 
 CASES = (
-    Case(id="theory-spectra", group="theory", level="quick",
+    Case(id="theory-spectra", group="theory", code="persson", level="quick",
          question="Are the spectra of displacement and pressure power laws, and is contact complete at short ones?",
          equations=r"$C_u = C \, A(q) / A_0 \propto q^{-(2 + H)}$, $C_\sigma = (E^\ast)^2 q^2 C_u / 4 \propto q^{-H}$",
          sources=("carbone2009", "persson2001"), compute=_spectra, effects=("adhesion",),

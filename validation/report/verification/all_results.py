@@ -9,9 +9,8 @@ from validation.harness.compare import error_over_tolerance
 from validation.harness.figure_data import loglog, marks, trace
 from validation.harness.schema import Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, counted, counts, fails, verdict_of
+from validation.report.verification.matrix import KINDS, kind_of
 from validation.report.verification.row_views import worst_place
-
-BEYOND = ("not run", "expected deviation", "changed")  # verdicts that no tolerance gave
 
 
 def first_sentence(report: Report) -> str:
@@ -20,13 +19,21 @@ def first_sentence(report: Report) -> str:
     Examples
     --------
     >>> first_sentence(Report(level="quick", command="run", planned=1, provenance={}, cases=[]))
-    'Failed: 0 of 0 comparisons within their tolerance; 0 of 1 planned case reported; changed after it was written.'
+    'Failed: 0 of 0 comparisons with something else agree; 0 of 1 planned case reported; changed after it was written.'
     """
     given = counts(report.cases)
-    compared = sum(count for name, count in given.items() if name not in BEYOND)
+    judged = {kind: [row for case in report.cases for row in case.rows if kind_of(row) == kind and _has_tolerance(row)]
+              for kind in KINDS}  # fmt: skip
+    others = [*judged["self-comparison"], *judged["limit"]]
+    held = {kind: sum(verdict_of(row) == "agrees" for row in rows) for kind, rows in judged.items()}
     failed = fails(report) or not is_intact(report)
-    words = [f"{'Failed' if failed else 'Passed'}: {given['agrees']} of {counted(compared, 'comparison')} within "
-             f"{'its' if compared == 1 else 'their'} tolerance"]  # fmt: skip
+    compared = len(judged["comparison"])
+    words = [f"{'Failed' if failed else 'Passed'}: {held['comparison']} of {counted(compared, 'comparison')} with "
+             f"something else {'agrees' if compared == 1 else 'agree'}"]  # fmt: skip
+    if others:
+        words.append(
+            f"{held['self-comparison'] + held['limit']} of {len(others)} self-comparisons, counts and limits hold"
+        )
     many = {"deviates": "deviate", "error": "errors"}
     failing = {name: count for name, count in given.items() if count and name in GATING and name != "changed"}
     words += [counted(count, name, many.get(name, name)) for name, count in failing.items()]
@@ -46,8 +53,13 @@ def first_sentence(report: Report) -> str:
     return "; ".join(words) + "."
 
 
+def _has_tolerance(row: Row) -> bool:
+    """Whether a row was judged by a tolerance: not one with a band, nor one that did not run."""
+    return row.band is None and row.status != "not run"
+
+
 def scatter(report: Report) -> Figure | None:
-    """Expected against computed of every comparison, and below it error over allowed; None where nothing can be drawn.
+    """Expected against computed of every comparison with something else, below it error over allowed; None without any.
 
     Each comparison is drawn where its two sides differ most, in SI units whatever they are of.
     """
@@ -92,5 +104,5 @@ def _pairs(report: Report) -> Iterator[tuple[Row, float, float]]:
         for row in case.rows:
             k = worst_place(row)
             expected, computed = row.expected[k], row.computed[k]
-            if row.status == "run" and expected is not None and computed is not None:
+            if kind_of(row) == "comparison" and row.status == "run" and expected is not None and computed is not None:
                 yield row, expected, computed

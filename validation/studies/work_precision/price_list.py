@@ -12,18 +12,14 @@ a warm-up, against the scene without the effect.  Digits: the same effect on one
   highest pressure, 2 p* sqrt(S);
 - error estimate: the estimated error of Johnson's contact fraction less the true one.
 
-An effect that a scene does not call for must cost nothing: the bare scene runs in a process of its own and names the
-modules of absent effects that were loaded, which must not happen.
+The scenes of the effects stand in corpus/effects.py.
 """
 
 from __future__ import annotations
 
 import math
-import sys
-import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -32,33 +28,13 @@ import bem
 import fem_reference
 from bem.scene.result import Result
 from fem_reference import Resolution
+from validation.corpus.effects import ADHESIVE, EFFECTS, LAYER, Changes, rough, seconds_of, solved
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 from validation.studies.stages import timed_stages
 
-Changes = dict[str, Mapping[str, Any] | None]
-
-ABSENT = (
-    "bem.elastic.layer",
-    "bem.adhesive.adhesion",
-    "bem.observables.observables",
-    "bem.observables.spectra",
-    "bem.observables.pressure_distribution",
-    "bem.observables.shapes",
-)
-TARGETS = [45e-6, 35e-6]
 DEPTH = 6e-5  # penetration of the sinusoid, m
-NU, LAYER = 0.45, 0.002
-ADHESIVE: Changes = {"adhesion": {"work_of_adhesion": 0.03, "slope_term": True}}
-
-
-@dataclass(frozen=True)
-class Effect:
-    """An effect, the scene that has it, and the one it is priced against."""
-
-    name: str
-    on_top_of: str
-    changes: Changes  # of the registry's rough scene
+NU = 0.45
 
 
 @dataclass(frozen=True)
@@ -82,26 +58,13 @@ class Price:
         return -math.log10(known) if known > 0 else math.nan
 
 
-EFFECTS: tuple[Effect, ...] = (
-    Effect("bare", "", {"adhesion": None}),
-    Effect("layer", "bare", {"adhesion": None, "layer": {"thickness": LAYER}}),
-    Effect("adhesion", "bare", {"adhesion": {"work_of_adhesion": 0.03, "slope_term": False}}),
-    Effect("slope term", "adhesion", ADHESIVE),
-    Effect("unloading", "slope term", ADHESIVE | {"loading": {"targets": [*TARGETS, TARGETS[0]]}}),
-    Effect("shapes", "slope term", ADHESIVE | {"output": {"shapes": TARGETS}}),
-    Effect("spectra", "slope term", ADHESIVE | {"output": {"spectra": True}}),
-    Effect("pressure distribution", "slope term", ADHESIVE | {"output": {"pressure_distribution": True}}),
-    Effect("width distributions", "slope term", ADHESIVE | {"output": {"width_distributions": True}}),
-)
-
-
 def priced(item: tuple[int, int]) -> list[Price]:
     """The list, for (harmonics, runs of each scene); in a process of its own."""
     harmonics, runs = item
     seconds: dict[str, float] = {}
     evaluations: dict[str, int] = {}
     for effect in EFFECTS:
-        seconds[effect.name], evaluations[effect.name] = _seconds(rough(effect.changes, harmonics), runs)
+        seconds[effect.name], evaluations[effect.name] = seconds_of(rough(effect.changes, harmonics), runs)
     prices = []
     for effect in EFFECTS:
         own, base = seconds[effect.name], seconds.get(effect.on_top_of, math.nan)
@@ -124,12 +87,6 @@ def priced(item: tuple[int, int]) -> list[Price]:
     ]
 
 
-def loaded_for_nothing(harmonics: int) -> list[str]:
-    """Modules of absent effects that the bare scene loads, in a process of its own: the list must be empty."""
-    bem.solve(rough({"adhesion": None}, harmonics))
-    return sorted(name for name in ABSENT if name in sys.modules)
-
-
 def sentences(prices: Sequence[Price], loaded: Sequence[str]) -> list[str]:
     """The list in words."""
     reported = [
@@ -143,13 +100,6 @@ def sentences(prices: Sequence[Price], loaded: Sequence[str]) -> list[str]:
     return [*reported, "Absent effects cost nothing: the bare scene loads no module of theirs."]
 
 
-def rough(changes: Changes, harmonics: int) -> Any:
-    """The rough scene with an effect."""
-    merged: Changes = {"profile": {"harmonics": harmonics}, "loading": {"targets": TARGETS}}
-    merged |= changes
-    return adapters.scene("rough_100", merged)
-
-
 def digits_of(price: Price) -> str:
     """Digits as printed in the list."""
     if math.isnan(price.error):
@@ -158,30 +108,12 @@ def digits_of(price: Price) -> str:
     return f"{price.digits:.1f}{more}"
 
 
-def _seconds(scene: Any, runs: int) -> tuple[float, int]:
-    """Least CPU seconds of a few runs after a warm-up, and evaluations."""
-    result = _solved(scene)
-    least = math.inf
-    for _ in range(runs):
-        begun = time.process_time()
-        result = _solved(scene)
-        least = min(least, time.process_time() - begun)
-    return least, sum(state.evaluations for state in result.states)
-
-
-def _solved(scene: Any) -> Result:
-    result = bem.solve(scene)
-    if result.status != "converged":
-        raise ArithmeticError(f"the rough scene ended with {result.status}")
-    return result
-
-
 def _wave(alpha: float) -> Sinusoid:
     return Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=alpha)
 
 
 def _sinusoid(changes: Changes) -> Result:
-    return _solved(adapters.scene("sinusoid", {"loading": {"targets": [DEPTH]}} | changes))
+    return solved(adapters.scene("sinusoid", {"loading": {"targets": [DEPTH]}} | changes))
 
 
 def _fraction_error(result: Result, psi: float) -> float:

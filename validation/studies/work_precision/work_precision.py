@@ -13,11 +13,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from validation.corpus.accuracy_costs import FILE as STORED
+from validation.corpus.accuracy_costs import AccuracyCosts, CostPoint
+from validation.corpus.effects import loaded_for_nothing
 from validation.harness.provenance import provenance
 from validation.harness.runner import Listener
 from validation.references import fft_adhesion as fft_methods
@@ -29,7 +32,7 @@ from validation.studies.work_precision.conclusion import Mark, MethodCurve, sent
 from validation.studies.work_precision.methods import METHODS, Method
 from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
 from validation.studies.work_precision.points import SHOWN, Point, Timed
-from validation.studies.work_precision.price_list import Price, digits_of, loaded_for_nothing, priced
+from validation.studies.work_precision.price_list import Price, digits_of, priced
 from validation.studies.work_precision.price_list import sentences as price_sentences
 from validation.studies.work_precision.references import SOURCES, Reference, Source, source_for
 
@@ -322,3 +325,18 @@ def _write(
         "failures": list(failures),
     }  # fmt: skip
     write_json(folder / FILE, content)
+    write_json(folder / STORED, asdict(kept_costs(points, facts)))
+
+
+def kept_costs(points: Sequence[Point], facts: Mapping[str, Any]) -> AccuracyCosts:
+    """What validation/corpus keeps of the points: those that have an answer and an error."""
+    known = [(point, point.timed.found) for point in points]
+    return AccuracyCosts(
+        machine=str(facts["processor"]),
+        date=str(facts["date"])[:10],
+        points=[
+            CostPoint(p.scene, p.method, p.timed.setting, found.unknowns, p.timed.cpu_seconds, p.error, p.floor,
+                      p.reference)
+            for p, found in known if found is not None and not math.isnan(p.error)
+        ],
+    )  # fmt: skip

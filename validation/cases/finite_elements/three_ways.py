@@ -1,0 +1,246 @@
+"""One adhesive contact three ways: boundary elements, finite elements, and Johnson's closed form, each with the others.
+
+Both codes are given the same load on a layer of three periods, which is a half-space to 1e-12, and find their own
+edges.  With S = sin^2 psi, psi = pi/2 times the contact fraction, v = sin(pi x / wavelength) from the crest on and
+T = alpha p* sqrt(tan psi), the pressure and the gap are
+
+    p = 2 p* cos(pi x / wavelength) sqrt(S - v^2) - T cos(pi x / wavelength) / sqrt(S - v^2),
+    g = 2 D (v sqrt(v^2 - S) - S arcosh(v S^-1/2)) + (2 wavelength T / pi E*) arcosh(v S^-1/2)
+
+(K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423; H. M. Westergaard, J. Appl. Mech. 6 (1939) A49).  Points: the
+inner 0.8 of the contact, and the gap from a tenth of its width off the edge.  SI units.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import bem
+from bem.scene.result import State
+from fem_reference import Resolution, Result
+from validation.harness.arrays import FloatArray
+from validation.harness.case import Case, Outcome
+from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
+from validation.harness.rows import compared
+from validation.harness.schema import Figure, Reference, Row
+from validation.references import adapters, fem_adapter
+from validation.references.closed_forms import Sinusoid
+
+WAVE = Sinusoid(amplitude=50e-6, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
+FRACTION = 0.5
+PSI = 0.5 * np.pi * FRACTION
+SHARE = float(np.sin(PSI) ** 2)
+TENSION = float(WAVE.alpha * WAVE.full_contact_pressure * np.sqrt(np.tan(PSI)))  # T, Pa
+CREST = -0.7 / (2 * np.pi) * WAVE.wavelength  # of the scene
+QUARTIC = Resolution(4, 8, 18)
+INNER, AWAY = 0.8, 0.1
+SMALLEST_SHOWN = 1e-17
+ROUNDING = 1e-11  # of the scale: what a comparison of doubles that differ by nothing else leaves
+# of the scale: the boundary elements less the closed form, largest of two processors and of the kernels in NumPy
+MEASURED = {
+    "contact fraction": 6.5e-15,
+    "penetration": 5.7e-15,
+    "edges": 4.5e-15,
+    "elastic energy per area": 2.8e-14,
+    "pressure at points": 4.1e-14,
+    "gap at points": 1.8e-14,
+}
+JOHNSON = Reference(kind="exact", source="Johnson 1995")
+CAPTION = (
+    "One adhesive wave under given load, three ways: pressure on the contact and gap beside it by boundary elements "
+    "(line), finite elements (points) and Johnson's closed form (dashed). Below, how far apart any two of them are, "
+    "pressure over p*, gap over the amplitude; and the uncertainty that the finite elements state of themselves. The "
+    "boundary elements state none at single points."
+)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity by both codes and the closed form, with the uncertainties that the codes state, in one unit."""
+
+    name: str
+    unit: str
+    exact: FloatArray
+    bem: FloatArray
+    fem: FloatArray
+    bem_uncertainty: float
+    fem_uncertainty: float
+    scale: float
+
+
+def exact_pressure(x: FloatArray) -> FloatArray:
+    """Pressure in Pa at distances x, m, from the crest, on the contact."""
+    v = np.sin(np.pi * x / WAVE.wavelength)
+    root = np.sqrt(SHARE - v**2)
+    return np.asarray(np.cos(np.pi * x / WAVE.wavelength) * (2 * WAVE.full_contact_pressure * root - TENSION / root))
+
+
+def exact_gap(x: FloatArray) -> FloatArray:
+    """Gap in m at distances x, m, from the crest, off the contact."""
+    v = np.abs(np.sin(np.pi * x / WAVE.wavelength))
+    angle = np.arccosh(v / np.sqrt(SHARE))
+    open_gap = 2 * WAVE.amplitude * (v * np.sqrt(v**2 - SHARE) - SHARE * angle)
+    return np.asarray(open_gap + 2 * WAVE.wavelength * TENSION / (np.pi * WAVE.modulus) * angle)
+
+
+def exact_energy() -> float:
+    """Elastic energy per area, J/m^2: Westergaard's, and a flat punch under the mean tension T (posed_contacts.py)."""
+    full, length, log = WAVE.full_contact_pressure, WAVE.wavelength, float(np.log(SHARE))
+    lift = length * TENSION * log / (np.pi * WAVE.modulus)
+    dry = full * WAVE.amplitude * (SHARE**2 / 4 - SHARE**2 / 2 * log)
+    return float(dry + full * SHARE * lift - np.pi * WAVE.modulus * lift**2 / (2 * length * log))
+
+
+def _posed() -> Any:
+    return adapters.scene(
+        "layer_sinusoid",
+        {
+            "layer": {"thickness": 3 * WAVE.wavelength},
+            "adhesion": {"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
+            "loading": {"control": "mean_pressure", "targets": [float(WAVE.mean_pressure(PSI))]},
+        },
+    )
+
+
+def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Quantity]:
+    """All that is compared; lengths along the period by it, heights by the amplitude, pressures by p*."""
+    period, depth, star = WAVE.wavelength, WAVE.amplitude, WAVE.full_contact_pressure
+    half = 0.5 * FRACTION * period
+    estimate, x = state.error_estimate, fem.interface.x
+    distance = _from_crest(x)
+    inside, outside = _away_from_edges(distance)
+
+    def of(
+        name: str, unit: str, exact: Any, ours: Any, theirs: Any, own: float | None, key: str, scale: float
+    ) -> Quantity:
+        right, one, other = (np.ravel(np.asarray(value, dtype=np.float64)) for value in (exact, ours, theirs))
+        per = period if unit == "J/m^2" else 1.0  # theirs are of one period
+        return Quantity(
+            name, unit, right, one, other, own or 0.0, float(np.max(np.asarray(fem.uncertainty[key]))) / per, scale
+        )
+
+    def at(key: str, nodes: NDArray[np.bool_]) -> float:
+        return float(np.max(np.asarray(fem.uncertainty[key])[nodes]))
+
+    energy, height = exact_energy(), elastic.profile.height(x[outside]) - depth
+    gap = elastic.displacement(x[outside]) - height - elastic.penetration
+    return [
+        of("contact fraction", "", FRACTION, state.contact_fraction, fem.contact_fraction, estimate.contact_fraction,
+           "contact_fraction", 1.0),
+        of("penetration", "m", WAVE.penetration(PSI), state.penetration, fem.penetration, estimate.penetration,
+           "penetration", depth),
+        of("edges", "m", [-half, half], _from_crest(np.array(state.edges[0])), _from_crest(fem.edges[0]),
+           (estimate.contact_fraction or 0.0) * period, "edges", period),
+        of("elastic energy per area", "J/m^2", energy, state.elastic_energy, fem.elastic_energy / period,
+           estimate.elastic_energy, "elastic_energy", energy),
+        Quantity("pressure at points", "Pa", exact_pressure(distance[inside]), elastic.pressure(x[inside]),
+                 fem.interface.pressure[inside], 0.0, at("pressure", inside), star),
+        Quantity("gap at points", "m", exact_gap(distance[outside]), gap,
+                 fem.gap(x[outside]), 0.0, at("gap", outside), depth),
+    ]  # fmt: skip
+
+
+def _away_from_edges(distance: FloatArray) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which distances from the crest lie where pressures are compared, and where gaps are."""
+    half = 0.5 * FRACTION * WAVE.wavelength
+    return np.abs(distance) < INNER * half, np.abs(distance) > half + AWAY * (WAVE.wavelength - 2 * half)
+
+
+def _from_crest(x: FloatArray) -> FloatArray:
+    return np.asarray((x - CREST + 0.5 * WAVE.wavelength) % WAVE.wavelength - 0.5 * WAVE.wavelength)
+
+
+def _rows(found: list[Quantity], unknowns: int) -> list[Row]:
+    """Each quantity three times: both codes against the closed form, and against each other."""
+    source = f"fem_reference, P4/P3, {unknowns} unknowns"
+    rows = []
+    for q in found:
+        fem = Reference(kind="FEM", source=source, uncertainty=q.fem_uncertainty)
+        rows += [
+            compared(f"{q.name}, boundary elements", q.unit, JOHNSON, q.exact, q.bem, 2.5 * MEASURED[q.name],
+                     MEASURED[q.name], "absolute", q.scale, uncertainty=q.bem_uncertainty),
+            compared(f"{q.name}, finite elements", q.unit, JOHNSON, q.exact, q.fem, ROUNDING, 0.0, "absolute", q.scale,
+                     basis="required", uncertainty=q.fem_uncertainty, code="fem"),
+            compared(q.name, q.unit, fem, q.fem, q.bem, ROUNDING, 0.0, "absolute", q.scale, basis="required",
+                     uncertainty=q.bem_uncertainty),
+        ]  # fmt: skip
+    return rows
+
+
+def _figure(found: list[Quantity], elastic: bem.ContactState, fem: Result) -> Figure:
+    """Pressure and gap by all three; below, the differences of any two and the uncertainty stated."""
+    period, star, depth = WAVE.wavelength, WAVE.full_contact_pressure, WAVE.amplitude
+    half = 0.5 * FRACTION * period
+    on, off = np.linspace(-0.97 * half, 0.97 * half, 161), np.linspace(half * 1.0001, 0.5 * period, 121)
+    off = np.concatenate([-off[::-1], off])
+    nodes = _from_crest(fem.interface.x)
+    inside, outside = _away_from_edges(nodes)
+    beside = np.abs(nodes) > half * (1 + 1e-9)
+    height = elastic.profile.height(CREST + off) - depth
+    gap = elastic.displacement(CREST + off) - height - elastic.penetration
+    shown = np.abs(nodes) < 0.97 * half
+
+    def over(x: FloatArray, values: FloatArray, scale: float) -> tuple[list[float], list[float]]:
+        order = np.argsort(x)
+        return (x[order] / period).tolist(), (values[order] / scale).tolist()
+
+    left = off < 0
+    halves = [over(off[side], gap[side], depth) for side in (left, ~left)]
+    exact = [over(off[side], exact_gap(off[side]), depth) for side in (left, ~left)]
+    exact.insert(1, over(on, exact_pressure(on), star))
+    above = axes(
+        "x / period, from the crest",
+        "pressure / p*,  gap / amplitude",
+        trace("pressure, boundary elements", *over(on, elastic.pressure(CREST + on), star), hue=0),
+        marks("pressure, finite elements", *over(nodes[shown], fem.interface.pressure[shown], star), hue=0),
+        trace("gap, boundary elements", *_parted(halves), hue=1),
+        marks("gap, finite elements", *over(nodes[beside], fem.interface.gap[beside], depth), hue=1),
+        trace("Johnson 1995, both", *_parted(exact), "dashed", hue=5),
+    )
+    pressure, opened = found[-2:]
+    places, own = np.concatenate([nodes[inside], nodes[outside]]), fem.uncertainty
+    stated = np.concatenate([np.asarray(own["pressure"])[inside] / star, np.asarray(own["gap"])[outside] / depth])
+
+    def apart(a: str, b: str) -> FloatArray:
+        parts = [np.abs(getattr(q, a) - getattr(q, b)) / q.scale for q in (pressure, opened)]
+        return np.asarray(np.maximum(np.concatenate(parts), SMALLEST_SHOWN))
+
+    below = semilogy(
+        "x / period, from the crest", "difference",
+        trace("uncertainty stated by finite elements", *over(places, stated, 1.0), "dots", hue=5),
+        marks("boundary less finite elements", *over(places, apart("bem", "fem"), 1.0), hue=1),
+        marks("finite elements less Johnson", *over(places, apart("fem", "exact"), 1.0), hue=2),
+        marks("boundary elements less Johnson", *over(places, apart("bem", "exact"), 1.0), hue=0),
+    )  # fmt: skip
+    return drawn("centre-three-ways", CAPTION, above, below)
+
+
+def _parted(pieces: list[tuple[list[float], list[float]]]) -> tuple[list[float | None], list[float | None]]:
+    """Pieces of a curve as one, nothing drawn between them."""
+    x, y = ([value for piece in pieces for value in (*piece[axis], None)] for axis in (0, 1))
+    return x, y
+
+
+def _three_ways() -> Outcome:
+    posed = _posed()
+    state = bem.solve(posed).targets[-1]
+    elastic = fem_adapter.contact_state(posed, np.array(state.edges), state.penetration)
+    fem = fem_adapter.solve_fem(posed, QUARTIC)
+    found = _quantities(state, elastic, fem)
+    counts = {"unknowns": state.unknowns, "unknowns of the finite elements": fem.unknowns}
+    return Outcome(rows=tuple(_rows(found, fem.unknowns)), figures=(_figure(found, elastic, fem),), counts=counts)
+
+
+CASES = (
+    Case(id="three-ways", group="boundary elements against finite elements", level="quick",
+         question="Do boundary elements, finite elements and the closed form agree on one adhesive contact, any two?",
+         equations=r"$p = p^\ast [\sin^2 \psi - \alpha \sqrt{\tan \psi}]$ given; "
+                   r"$|E| \le \sqrt{u_{\text{num}}^2 + u_D^2}$",
+         sources=("johnson1995", "westergaard1939", "gustafsson2020", "roache1998"), compute=_three_ways,
+         effects=("layer", "adhesion", "load_control"), scene=adapters.scene_text("layer_sinusoid"),
+         problem="one adhesive wave under load"),
+)  # fmt: skip

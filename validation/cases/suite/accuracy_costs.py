@@ -1,0 +1,197 @@
+"""What accuracy costs by every route, on one smooth and one rough contact, and what each effect of a scene costs.
+
+Error against seconds comes from the stored study (corpus/accuracy_costs.py); the boundary elements solve both contacts
+again here, so that stored and present stand beside each other, and Persson's theory is asked for the contact fraction
+of the rough one at the load that they find.  Seconds are of one thread and gate nothing.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+
+import numpy as np
+
+import bem
+import fem_reference
+from bem.scene.result import State
+from bem.scene.scene import parse_scene
+from validation.corpus.accuracy_costs import CostPoint, stored
+from validation.corpus.effects import EFFECTS, loaded_alone, rough, seconds_of
+from validation.harness.case import Case, Outcome
+from validation.harness.figure_data import drawn, loglog, marks, trace
+from validation.harness.rows import compared, counted
+from validation.harness.schema import Figure, Reference, Row, Series, Table
+from validation.references import adapters
+from validation.references.closed_forms import Sinusoid
+from validation.references.posed_contacts import Posed, answer_of, exact_sinusoid, scene_tables, scenes
+
+FRACTION, THICK = 0.6, 2.0  # contact fraction of the wave at given edges; thickness of its layer in periods
+MESH = (2, 8, 12)  # order, cells, tip levels
+TOLERANCE = 1e-8  # of the contacts solved again
+SMALLEST_SHOWN = 1e-16
+ROUTES = {  # of the stored points: their label and colour, in the order of the legend
+    "bem": ("boundary elements", 0),
+    "bem, dense": ("boundary elements, edges near the answer given", 0),
+    "fem (2": ("finite elements, P2", 1),
+    "fem (4": ("finite elements, P4", 1),
+    "paper's method": ("the paper's method", 2),
+    "fft, c = 8": ("FFT grid, cohesion along 8 spacings", 3),
+    "fft, c = 16": ("FFT grid, along 16", 3),
+}
+DASHED = ("bem, dense", "fem (4", "fft, c = 16")
+HARMONICS, RUNS = 30, 1
+
+
+def _route(point: CostPoint) -> str:
+    """The route of a point, finite elements by their order."""
+    return f"{point.route} {point.setting[:2]}" if point.route == "fem" else point.route
+
+
+def _curves(points: Iterable[CostPoint]) -> list[Series]:
+    known = [(_route(point), point) for point in points]
+    curves = []
+    for route, (label, hue) in ROUTES.items():
+        chosen = [point for name, point in known if name == route]
+        if chosen:
+            seconds = [point.cpu_seconds for point in chosen]
+            errors = [max(point.error, point.floor, SMALLEST_SHOWN) for point in chosen]
+            style = "dashed" if route in DASHED else "line"
+            curves += [trace(label, seconds, errors, style, hue), marks("", seconds, errors, hue)]
+    return curves
+
+
+def _again(posed: Posed) -> tuple[State, float]:
+    """The contact solved again by the boundary elements, and the CPU seconds of it."""
+    scene = parse_scene(scene_tables(posed) | {"accuracy": {"tolerance": TOLERANCE}})
+    begun = time.process_time()
+    state = bem.solve(scene).targets[-1]
+    return state, time.process_time() - begun
+
+
+def _error(posed: Posed, state: State, answer: dict[str, float]) -> float:
+    """The larger of the errors of contact fraction and mean pressure, over their scales."""
+    found = answer_of(state.contact_fraction, state.mean_pressure, state.elastic_energy, 0.0)
+    errors = posed.errors(found, answer)
+    return max(errors["contact_fraction"], errors["mean_pressure"])
+
+
+def _figure(name: str, title: str, curves: list[Series], reference: str) -> Figure:
+    known = stored()
+    caption = (
+        f"{title}: error of contact fraction or mean pressure, the larger, against CPU seconds on one thread; every "
+        f"route finds its own contact. Against {reference}; no point is drawn below the uncertainty of its reference. "
+        f"Curves were measured on {known.date} on {known.machine}; crosses in this run."
+    )
+    return drawn(name, caption, loglog("CPU seconds", "error", *curves))
+
+
+def _costs() -> Outcome:
+    posed = scenes()
+    smooth, seconds = _again(posed["sinusoid"])
+    error = _error(posed["sinusoid"], smooth, exact_sinusoid(posed["sinusoid"]))
+    crossed = marks("boundary elements, this run", [seconds], [max(error, SMALLEST_SHOWN)], hue=5)
+    points = stored().points
+    smooth_curves = [*_curves(p for p in points if p.scene == "sinusoid"), crossed]
+
+    state, seconds = _again(posed["rough"])
+    begun = time.process_time()
+    theory = adapters.persson_contact(parse_scene(scene_tables(posed["rough"])), state.mean_pressure,
+                                      with_separation=False).contact_fraction  # fmt: skip
+    theory_seconds = time.process_time() - begun
+    rough_points = [p for p in points if p.scene == "rough"]
+    floor = next(point for point in rough_points if point.route == "bem")
+    rough_curves = [
+        *_curves(rough_points),
+        marks("Persson's theory, this run", [theory_seconds], [abs(theory - state.contact_fraction)], hue=4),
+        marks("boundary elements, this run", [seconds], [max(floor.error, floor.floor)], hue=5),
+    ]
+    figures = (
+        _figure("cost-smooth", "Smooth, one adhesive wave", smooth_curves, "Johnson's closed form"),
+        _figure("cost-rough", "Rough, 60 harmonics and nine contacts, from first touch", rough_curves,
+                "the boundary elements, and these against the paper's method extrapolated; finite elements look for "
+                "given numbers of contacts at crests and are left out"),
+    )  # fmt: skip
+    known = Reference(kind="exact", source="Johnson 1995")
+    exact = exact_sinusoid(posed["sinusoid"])["contact_fraction"]
+    own = smooth.error_estimate.contact_fraction or 0.0
+    row = compared("contact fraction, solved again", "", known, [exact], [smooth.contact_fraction], 3.5e-14,
+                   MEASURED["again"], "absolute", uncertainty=own)  # fmt: skip
+    rows, unknowns = _given_edges()
+    return Outcome(rows=(*rows, row), figures=figures, counts={"unknowns of the finite elements": unknowns})
+
+
+def _given_edges() -> tuple[tuple[Row, ...], int]:
+    """Both codes at given edges of one adhesive wave against Johnson, and the unknowns of the finite elements."""
+    wave = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
+    psi, period = FRACTION * np.pi / 2, wave.wavelength
+    penetration, pressure = float(wave.penetration(psi)), float(wave.mean_pressure(psi))
+    star, critical = wave.full_contact_pressure, float(np.sqrt(2 * wave.modulus * wave.work_of_adhesion))
+    edges = [[period * (1 - FRACTION / 2), period * (1 + FRACTION / 2)]]
+    solid = bem.Solid(wave.youngs_modulus, wave.poisson_ratio)
+    ours = bem.ContactState(bem.Profile.from_harmonics(period, [1], [wave.amplitude]), solid, edges, penetration,
+                            tolerance=1e-13)  # fmt: skip
+    fem = fem_reference.solve(
+        youngs_modulus=wave.youngs_modulus,
+        poisson_ratio=wave.poisson_ratio,
+        thickness=THICK * period,
+        period=period,
+        harmonics=([1], [wave.amplitude], [0.0]),
+        control="penetration",
+        value=penetration,
+        edges=edges,
+        resolution=fem_reference.Resolution(*MESH),
+    )
+    source = Reference(kind="exact", source="Johnson 1995, contact fraction 0.6, alpha 0.3")
+    return (
+        compared("mean pressure over p*, boundary elements", "Pa", source, [pressure], [ours.mean_pressure], 2e-15,
+                 MEASURED["ours"], "absolute", star),
+        compared("mean pressure over p*, finite elements", "Pa", source, [pressure], [fem.mean_pressure],
+                 2.5 * MEASURED["pressure"], MEASURED["pressure"], "absolute", star, code="fem",
+                 uncertainty=float(np.max(fem.uncertainty["mean_pressure"]))),
+        compared("stress intensity over critical, finite elements", "Pa m^1/2", source, [critical],
+                 [float(fem.stress_intensity.max())], 2.5 * MEASURED["intensity"], MEASURED["intensity"], "absolute",
+                 critical, code="fem", uncertainty=float(np.max(fem.uncertainty["stress_intensity"]))),
+    ), fem.unknowns  # fmt: skip
+
+
+def _prices() -> Outcome:
+    """Seconds and evaluations of the rough scene with each effect; what an absent one costs."""
+    found = {effect.name: seconds_of(rough(effect.changes, HARMONICS), RUNS) for effect in EFFECTS}
+    lines = []
+    for effect in EFFECTS:
+        seconds, evaluations = found[effect.name]
+        base = found.get(effect.on_top_of, (seconds, evaluations))
+        lines.append(
+            [effect.name, effect.on_top_of or "–", round(seconds, 3), float(f"{seconds / base[0]:.3g}"), evaluations,
+             evaluations - base[1]]
+        )  # fmt: skip
+    loaded = loaded_alone(HARMONICS)
+    absent = "0: no module of theirs is loaded" if not loaded else f"loads {', '.join(loaded)}"
+    lines.append(["any effect, absent", "bare", absent, 1.0, found["bare"][1], 0])
+    table = Table(
+        id="price-effects",
+        caption=f"CPU seconds of a rough scene of {HARMONICS} harmonics with each effect, on one thread of this run, "
+        "over those of the scene that it is put on top of; evaluations depend on no machine.",
+        columns=["effect", "on top of", "seconds", "times the scene without it", "evaluations", "more than without"],
+        rows=lines,
+    )
+    row = counted("modules of absent effects that a bare scene loads", Reference(kind="exact", source="none is called"),
+                  [0.0], [float(len(loaded))])  # fmt: skip
+    counts = {f"evaluations, {name}": evaluations for name, (_, evaluations) in found.items()}
+    return Outcome(rows=(row,), tables=(table,), counts=counts)
+
+
+# of the mean pressure of both codes and the stress intensity at given edges; of the contact solved again
+MEASURED = {"ours": 4.4e-16, "pressure": 2.5e-5, "intensity": 1.9e-4, "again": 1.3e-14}
+
+CASES = (
+    Case(id="what-accuracy-costs", group="convergence", level="quick", problem="adhesive wave, given edges",
+         question="How many seconds does a digit cost, by every route, on a smooth and on a rough contact?",
+         equations=r"$p = p^\ast [\sin^2 \psi - \alpha \sqrt{\tan \psi}]$, $K = \sqrt{2 E^\ast \gamma}$",
+         sources=("johnson1995", "carbone2009"), compute=_costs, effects=("half_space", "adhesion")),
+    Case(id="price-of-effects", group="cost", level="quick", code="suite",
+         question="What does each effect of a scene cost, and does one that is absent cost nothing?",
+         equations="CPU seconds and evaluations of the scene with the effect, over those without",
+         sources=("carbone2009",), compute=_prices, effects=("half_space", "layer", "adhesion", "slope_term")),
+)  # fmt: skip

@@ -1,0 +1,118 @@
+"""What decides a row: its uncertainty budget after ASME V&V 20, rows that state none and why, loose tolerances.
+
+With S what was computed and D what was expected, the comparison error is E = S - D and the validation uncertainty
+
+    u_val = (u_num^2 + u_input^2 + u_D^2)^(1/2),
+
+u_num as the code estimates it of itself, u_D that of the reference.  Both sides are given the same numbers, so that
+u_input = 0.  What is shown is the rule that is applied: |E| is at most the larger of u_val and of the tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from validation.harness.compare import combined_uncertainty, error_of
+from validation.harness.schema import CaseRecord, ReferenceKind, Row
+from validation.report.verification.matrix import CODES, code_of, kind_of, row_id
+
+LOOSE = 10.0  # times the error measured: a tolerance beyond that is listed
+REASONS: dict[ReferenceKind, str] = {
+    "exact": "the reference is exact, and the code estimates no error of this quantity: judged by the tolerance",
+    "manufactured": "the reference is exact, and the code estimates no error of this quantity: judged by the tolerance",
+    "FEM": "neither side states one of this quantity",
+    "theory": "the theory states no uncertainty of its assumptions: judged by a band or by the tolerance",
+    "independent code": "the other code states none",
+    "self": "one code with itself: what differs is its rounding or discretisation, which is what is asked for",
+}
+COUNTS = "counts, and magnitudes that are asked to vanish: nothing is uncertain"
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Uncertainties over the scale of the row; None where a side states none, and what decides the row."""
+
+    numerical: float | None
+    data: float | None
+    validation: float | None
+    decides: str
+
+
+@dataclass(frozen=True)
+class Unstated:
+    """Rows without an uncertainty for one reason."""
+
+    reason: str
+    rows: list[tuple[str, str]]  # id, case and quantity
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return len(self.rows)
+
+
+@dataclass(frozen=True)
+class Loose:
+    """A row with a tolerance far above the error that was measured; 0 is measured where both sides were equal."""
+
+    target: str
+    name: str
+    tolerance: float
+    measured: float
+    error: float
+    ratio: float
+    basis: str
+
+
+def budget_of(row: Row) -> Budget:
+    """The budget of a row.
+
+    Examples
+    --------
+    >>> from validation.harness.schema import Reference, Tolerance
+    >>> row = Row(quantity="load", unit="N/m", reference=Reference(kind="FEM", source="mesh 4", uncertainty=0.4),
+    ...           norm="absolute", expected=[1.0], computed=[1.5], uncertainty=0.3,
+    ...           tolerance=Tolerance(value=0.1, measured=0.04))
+    >>> found = budget_of(row)
+    >>> found.validation, found.decides
+    (0.5, 'the uncertainty')
+    """
+    exact = 0.0 if row.reference.kind in ("exact", "manufactured") else None
+    numerical = row.uncertainty / row.scale or None
+    data = row.reference.uncertainty / row.scale or exact
+    total = combined_uncertainty(row) if numerical or data else None
+    if row.tolerance is None:
+        return Budget(numerical, data, total, "the band")
+    decides = "the uncertainty" if total is not None and total > row.tolerance.value else "the tolerance"
+    return Budget(numerical, data, total, decides)
+
+
+def unstated(cases: Iterable[CaseRecord]) -> list[Unstated]:
+    """All rows of which no side states an uncertainty, by the reason for it."""
+    found: dict[str, list[tuple[str, str]]] = {}
+    for case in cases:
+        for place, row in enumerate(case.rows):
+            if combined_uncertainty(row) == 0:
+                counts = kind_of(row) == "limit"
+                whose = "" if counts else f", {CODES[code_of(case, row)][1]}"
+                reason = COUNTS if counts else REASONS[row.reference.kind] + whose
+                found.setdefault(reason, []).append((row_id(case, place), f"{case.id}, {row.quantity}"))
+    return [Unstated(reason, rows) for reason, rows in sorted(found.items(), key=lambda item: -len(item[1]))]
+
+
+def loose(cases: Iterable[CaseRecord]) -> list[Loose]:
+    """Rows that are no counts or limits whose tolerance is what decides, and far above what was measured."""
+    found = []
+    for case in cases:
+        for place, row in enumerate(case.rows):
+            given = row.tolerance
+            if given is None or kind_of(row) == "limit" or budget_of(row).decides != "the tolerance":
+                continue
+            ratio = given.value / given.measured if given.measured else float("inf")
+            if ratio > LOOSE and row.status == "run":
+                name = f"{case.id}, {row.quantity}"
+                found.append(
+                    Loose(row_id(case, place), name, given.value, given.measured, error_of(row), ratio, given.basis)
+                )
+    return sorted(found, key=lambda one: -one.ratio)
