@@ -83,8 +83,8 @@ def _merged_crests() -> Outcome:
         compared("contact fraction before the coalescence", "",
                  Reference(kind="self", source="the same surface shifted by half a period"), fractions[1][: len(APART)],
                  fractions[0][: len(APART)], 2.5 * MEASURED_SHIFT, MEASURED_SHIFT),
-        _placed("middle of the contact from the dip, over the period", symmetry, middles),
-        _placed("place of the coalescence from the dip, over the period", symmetry, places),
+        _placed("middle of the contact from the dip, over the period", symmetry, middles, MEASURED_PLACE),
+        _placed("place of the coalescence from the dip, over the period", symmetry, places, MEASURED_SNAP),
         counted("patches", crests, [2.0, 2.0, 2.0, 1.0, 1.0, 1.0] * len(DIPS),
                 [float(state.n_patches) for result in results for state in result.targets]),
         counted("coalescences", crests, [1.0] * len(DIPS), closed),
@@ -97,11 +97,9 @@ def _merged_crests() -> Outcome:
     return Outcome(rows=rows, figures=(_figure(results, exact, harmonics),), counts=counts)
 
 
-def _placed(quantity: str, reference: Reference, computed: list[float | None]) -> Row:
+def _placed(quantity: str, reference: Reference, computed: list[float | None], measured: float) -> Row:
     """Distances that are zero by symmetry; None where there is nothing to measure."""
-    return compared(
-        quantity, "", reference, [0.0] * len(computed), computed, 2.5 * MEASURED_PLACE, MEASURED_PLACE, "absolute"
-    )
+    return compared(quantity, "", reference, [0.0] * len(computed), computed, 2.5 * measured, measured, "absolute")
 
 
 def _figure(results: list[Result], exact: list[float], harmonics: list[float]) -> Figure:
@@ -129,6 +127,7 @@ def _figure(results: list[Result], exact: list[float], harmonics: list[float]) -
 
 # the largest over WORK 0.002 to 0.004 and SECOND 0.45 and 0.5
 MEASURED_FRACTION, MEASURED_SHIFT, MEASURED_PLACE = 2.8e-14, 2.9e-14, 6.6e-14
+MEASURED_SNAP = 3.0e-13  # a fold is located to rounding of its neutral mode; largest of three processors
 
 CASES = (
     Case(id="merged-crests", group="closed forms", level="quick",

@@ -27,7 +27,7 @@ from validation.references.closed_forms import Sinusoid
 from validation.references.posed_contacts import Posed, answer_of, exact_sinusoid, scene_tables, scenes
 
 FRACTION, THICK = 0.6, 2.0  # contact fraction of the wave at given edges; thickness of its layer in periods
-MESH = (2, 8, 12)  # order, cells, tip levels
+MESH = (2, 12, 12)  # order, cells, tip levels
 TOLERANCE = 1e-8  # of the contacts solved again
 SMALLEST_SHOWN = 1e-16
 ROUTES = {  # of the stored points: their label and colour, in the order of the legend
