@@ -8,7 +8,7 @@ U the strain energy of the layer (half the work of the nodal reactions), every s
 derivative at the edge and no stress intensity enter: it is independent of the domain integral (`energy_release`) and of
 the splitting of G into K.
 
-The uncertainty is that of two meshes (`result.spread`) and what the fourth-order difference changes of the
+The uncertainty is that of three meshes (`result.spread`) and what the fourth-order difference changes of the
 second-order one, squared over G: the error of the former where that of the latter is in its asymptotic range.
 
 Units: J/m^2.
@@ -39,7 +39,7 @@ def energy_difference(state: Result) -> tuple[FloatArray, FloatArray]:
     finest = state.evaluation
     held = Control("total_displacement", state.total_displacement / state.problem.unit_height)
     values, curvature = [], np.zeros(finest.edges.shape)
-    ladder = companions(state.resolution)[1:]
+    ladder = companions(state.resolution)
     for resolution in ladder:
         rates = np.zeros(finest.edges.shape)
         for place in np.ndindex(*rates.shape):
