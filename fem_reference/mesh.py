@@ -165,7 +165,7 @@ def base_unknowns(depth: float, resolution: Resolution, highest_order: int) -> f
     Examples
     --------
     >>> base_unknowns(2.0, Resolution(4, 8, 18), 20)
-    90200.0
+    88560.0
     """
     columns, rows = _grid(depth, resolution, highest_order)
     return 4 * columns * rows * UNKNOWNS_PER_TRIANGLE[resolution.order]

@@ -9,7 +9,9 @@ from validation.report.render import filled
 
 ROOT = Path(__file__).parents[2]
 SECTION = (ROOT / "bem" / "README.md").read_text("utf-8").partition("## 10. Limits of the model")[2]
-PAGES = sorted(path.name for path in (ROOT / "validation" / "report").glob("*.jinja"))
+TEXTS = {path.name: path.read_text("utf-8") for path in (ROOT / "validation" / "report").glob("*.jinja")}
+PARTS = re.findall(r'{% (?:include|from) "([^"]+)"', "".join(TEXTS.values()))
+PAGES = sorted(TEXTS.keys() - set(PARTS))
 
 
 def leads(text, begin, end):
