@@ -36,7 +36,7 @@ from bem.loading.path_events import EventNumbers
 
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
 BESIDE = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
-SOFTENING = 6.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit
+SOFTENING = 60.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit; measured 39
 MODES = 4  # of a point whose Hessian is indefinite: more than turn within a step, but for equal patches
 
 
