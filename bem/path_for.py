@@ -1,5 +1,8 @@
 """The path that a scene calls for: convex without adhesion, else event by event, with a flaw where the scene has one.
 
+Where few digits are asked for, a path with adhesion goes by leaps; under a given load it does not, as the contact may
+come apart or together at once in a leap that is too long.
+
 A flaw that the pressure shuts where it would open is a mistake of the scene.  The modules of the other path are not
 imported.
 """
@@ -19,7 +22,6 @@ if TYPE_CHECKING:
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
 TOUCHING = 1e-12  # of the rms height: crests as high as the highest are touched with it
-LEAPING = 1e-3
 
 
 def check_path(scene: Scene) -> None:
@@ -67,8 +69,8 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
     asked = tuple(problem.load_of(pressure) for pressure in pressures)
     exact = Path(system, increments, highest, complete, flaw, asked)
     adhesive: LoadingPath[Point, Equilibrium] = exact
-    if scene.accuracy.tolerance >= LEAPING and problem.control.penetration_weight > 0:
+    if scene.leaps:
         from bem.leaps.leaping_path import LeapingPath
 
-        adhesive = LeapingPath(exact, float(__import__("os").environ.get("TT",".1")))
+        adhesive = LeapingPath(exact, scene.accuracy.tolerance)
     return adhesive

@@ -34,6 +34,7 @@ ORDER = (
     "bem/loading",
     "bem/adhesive",
     "bem/continuation",
+    "bem/leaps",
     "bem/nonadhesive",
     "bem/observables",
     "bem/scans",

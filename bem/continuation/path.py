@@ -186,7 +186,7 @@ class Path:
         """Points along the curve of a state, to the goal or to what is behind the first end of the branch."""
         direction, closing, end = self.direction(point, goal), self.bare.closing_value, goal
         if direction > 0 and goal >= closing:
-            end = closing - self._last_increment(point, closing)
+            end = closing - self.last_increment(point, closing)
             if point.value >= end - SAME_VALUE * self.increments.smallest:
                 yield self.bare.closed(point, goal)
                 return
@@ -221,7 +221,7 @@ class Path:
             at, length, again = piece.last, min(way.longest, tried * growth(piece)), True
             load = at.numbers.load
 
-    def _last_increment(self, point: Equilibrium, closing: float) -> float:
+    def last_increment(self, point: Equilibrium, closing: float) -> float:
         """The increment before complete contact: the smallest; half the way, where several gaps are left."""
         if point.patches.count == 1:
             return self.increments.smallest

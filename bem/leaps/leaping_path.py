@@ -2,9 +2,9 @@
 
 What lies between two leaps is not located.  An event is a bracket: it lies somewhere in the interval of its leap, and
 its error says so.  Overdriven by up to an interval, a jump may end in another minimum, so that now and then a state is
-an equilibrium of another branch; the shorter the interval, the rarer (bem/README.md, section 4).  States that are kept are
-settled at the accuracy of targets, and just before a value that is asked for a short leap comes, behind which events
-that lie beside it are told apart.
+an equilibrium of another branch; the shorter the interval, the rarer (bem/README.md, section 4).  States that are kept
+are settled at the accuracy of targets, and a short leap comes before each value that is asked for: events beside it are
+told apart.
 
 First touch, complete contact, stored states and their assessment are those of the exact path.  Dimensionless.
 """
@@ -13,26 +13,31 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from bem.adhesive.branch import after_step
-from bem.adhesive.relaxation import Relaxed
+from bem.adhesive.relaxation import Relaxed, interpenetration
 from bem.continuation.jumps import DOUBT
 from bem.continuation.locating import AtLoad, Refused, Start, settle
 from bem.continuation.path import Path
 from bem.continuation.points_with_edges import Equilibrium, Point
 from bem.geometry.patches import Patches
 from bem.leaps.leap import leap, tangent
-from bem.loading.assessment import Assessment
+from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import EventNumbers, path_events
-from bem.loading.path_point import Complete, Failed, Separated
+from bem.loading.path_point import Failed
 
+INTERVAL, GROWTH = 0.02, 0.4  # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows
 LAST_LEAP = 2e-3  # rms heights before a value that is asked for
-NOT_SHORT = 0.3  # of an interval: less is left to no leap of its own
+NOT_SHORT = 0.3  # of an interval: no leap of its own is that short
 HALVINGS = 6  # of an interval in which a leap fails
+CLOSE = 1e-9  # of the smallest increment: as good as there
+STATES_APART = 5.0  # times `accuracy.max_increment`: a state takes as long as several leaps
+DOUBTED = 1 / 3  # of the tolerance: correction of a number whose estimated error is the tolerance of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,18 +48,23 @@ class LeapingPath:
     ----------
     exact : Path
         That of the same scene event by event.
-    interval : float
-        Of the control, from one leap to the next.
+    tolerance : float
+        Of what is reported: it says how long leaps are.
     """
 
     exact: Path
-    interval: float
+    tolerance: float
     has_history: ClassVar[bool] = True
 
-    @property
+    @cached_property
+    def interval(self) -> float:
+        """Change of the control in a leap."""
+        return min(INTERVAL * float((self.tolerance / 1e-3) ** GROWTH), self.exact.increments.largest)
+
+    @cached_property
     def increments(self) -> Increments:
-        """Those of the exact path."""
-        return self.exact.increments
+        """Those of the exact path, with states farther apart."""
+        return replace(self.exact.increments, largest=STATES_APART * self.exact.increments.largest)
 
     @property
     def effort(self) -> Effort:
@@ -67,10 +77,10 @@ class LeapingPath:
 
     def advance(self, point: Point, goal: float, separation: float | None = None) -> Iterator[Point]:
         """Yield the point behind every leap on the way to the goal; the last one is there or has failed."""
-        closing, before = self.exact.bare.closing_value, None
+        before: Point | None = None
         while point.value != goal:
             if isinstance(point, Equilibrium):
-                before, point = point, self._next(before, point, goal, closing)
+                before, point = point, self._next(before, point, goal)
             else:
                 before, point = None, self.exact.bare.advance(point, goal)
             yield point
@@ -91,53 +101,79 @@ class LeapingPath:
         return self.exact.restart(patches, penetration, value, separation)
 
     def assess(self, point: Equilibrium) -> Assessment:
-        """Stability, stiffness and estimated errors, from finer evaluations."""
-        return self.exact.assess(point)
+        """Stability, stiffness and estimated errors: those of the equilibrium, and that the path is uncertain."""
+        found, here = self.exact.assess(point), point.balance
+        part, state = DOUBTED * self.tolerance, here.state
+        load = part * max(abs(state.load), abs(found.stiffness))
+        energy = part * (state.elastic_energy + abs(found.adhesion_energy))
+        doubt = Quantities(
+            penetration=self.exact.system.control.load_weight * load,
+            load=load,
+            contact_length=part * float(np.sum(state.patches.width)),
+            elastic_energy=energy,
+            adhesion_energy=energy,
+            total_energy=energy,
+            stress_intensity=part * float(np.max(state.stress_intensity)),
+            stiffness=part * abs(found.stiffness),
+        )
+        return replace(found, correction=found.correction.widened(doubt))
 
     def load_of(self, point: Point) -> float | None:
         """Load at a point; None without edges."""
         return self.exact.load_of(point)
 
     def may_meet(self, before: Point, after: Point, load: float) -> bool:
-        """Whether a load is met between two successive points."""
+        """Whether a load is met between two successive points, or may have been before an event between them."""
         start, end = self.load_of(before), self.load_of(after)
-        return start is not None and end is not None and min(start, end) < load <= max(start, end)
+        if start is None or end is None:
+            return False
+        ends = [event.at.load + sign * event.error.load for event in after.events[:1] for sign in (-1, 1)]
+        return min(start, end, *ends) < load <= max(start, end, *ends)
 
     def at_load(self, before: Point, after: Point, load: float) -> Point | None:
-        """The refined point at a load between two successive points; None where the path jumps over it."""
+        """The refined point at a load between two successive points; None where the path jumps over it.
+
+        Where events lie between them, the interval is halved until it is on the branch of one of its ends.
+        """
         if not (isinstance(before, Equilibrium) and isinstance(after, Equilibrium)):
             return self.exact.at_load(before, after, load)
-        system, fine = self.exact.system, self.increments.fine
         for _ in range(HALVINGS):
-            for point in (after, before):
-                start = Start(point.patches, point.state.penetration, point.value)
-                found = settle(system.sloped, start, AtLoad(system, load, fine.residual), fine)
-                if not isinstance(found, Refused) and min(before.value, after.value) <= found[1] <= max(before.value, after.value):
-                    return Equilibrium.of(found[1], found[0], settled=True)
-            middle = self._leapt(None, before, (before.value + after.value) / 2)
+            found = self._on_branch(before, after, load) or self._on_branch(after, before, load)
+            middle = None if found else self._leapt(None, before, (before.value + after.value) / 2)
             if not isinstance(middle, Equilibrium):
-                return None
+                return found
             before, after = (before, middle) if self.may_meet(before, middle, load) else (middle, after)
         return None
 
-    def _next(self, before: Point | None, point: Equilibrium, goal: float, closing: float) -> Point:
+    def _on_branch(self, point: Equilibrium, other: Equilibrium, load: float) -> Equilibrium | None:
+        """The state at a load on the branch of a point, on its way to another one; None where it is not there."""
+        system, fine = self.exact.system, self.increments.fine
+        start = Start(point.patches, point.state.penetration, point.value)
+        found = settle(system.sloped, start, AtLoad(system, load, fine.residual), fine)
+        if isinstance(found, Refused) or found[0].factor is None:
+            return None
+        between = min(point.value, other.value) <= found[1] <= max(point.value, other.value)
+        closed = interpenetration(system, found[0].state, fine.allowed)
+        return Equilibrium.of(found[1], found[0], settled=True) if between and not closed.position.size else None
+
+    def _next(self, before: Point | None, point: Equilibrium, goal: float) -> Point:
         """The point behind the next leap; where none is found, behind a shorter one."""
-        direction, value = self.direction(point, goal), 0.0
-        if direction > 0 and goal >= closing and closing - point.value <= LAST_LEAP:
-            return self.exact.bare.closed(point, goal)
-        left = abs(min(goal, closing) - point.value)
-        change = self._interval(left)
-        for _ in range(HALVINGS):
-            value = goal if change == left and goal < closing else point.value + direction * change
-            found = self._leapt(before, point, value)
+        direction, closing, end = self.direction(point, goal), self.exact.bare.closing_value, goal
+        if direction > 0 and goal >= closing:
+            end = closing - self.exact.last_increment(point, closing)
+            if point.value >= end - CLOSE * self.increments.smallest:
+                return self.exact.bare.closed(point, goal)
+        change = self._change(abs(end - point.value))
+        for halved in range(HALVINGS):
+            reached = not halved and change == abs(end - point.value)
+            found = self._leapt(before, point, end if reached else point.value + direction * change / 2**halved)
             if not isinstance(found, Failed):
                 self.effort.accepted += 1
                 return found
             self.effort.rejected += 1
-            change /= 2
-        return Failed(value, "not_converged")
+        return found
 
-    def _interval(self, left: float) -> float:
+    def _change(self, left: float) -> float:
         """Change of the control in the next leap: the last one is short, and none is much shorter than an interval."""
         if left <= (1 + NOT_SHORT) * LAST_LEAP:
             return left
@@ -166,8 +202,8 @@ class LeapingPath:
         if landed.status != "converged":
             return Failed(value, "not_converged")
         state = landed.balance.state
-        released = old.potential - landed.balance.potential
-        doubt = abs(width * (system.control.force(here.state) - system.control.force(state)))
+        lag = (old.load - state.load) * width / 2  # of the energy, from the middle of the bracket to its end
+        released, doubt = old.potential - landed.balance.potential - lag, abs(lag)
         surely = any(kind != "bifurcation" for kind, _ in landed.changes)
         changes = landed.changes if surely or released > DOUBT * doubt else ()
         found = Equilibrium.of(value, landed.balance)
