@@ -108,7 +108,8 @@ def relax(
     if cause.found is not None:
         patches, active, formed = _with_new_contacts(system, patches, cause.found)
         changes += formed
-    steps = Steps(GLOBAL_STEP, ahead=CrestsAhead(system, accuracy.allowed))
+    outside = None if system.elastic.far is None else system.elastic.far.arc.outside
+    steps = Steps(GLOBAL_STEP, ahead=CrestsAhead(system, accuracy.allowed, outside))
     for _ in range(_most_rounds(system)):
         if active is not None and state is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
             patches, local = _relaxed_locally(system, patches, state, target, accuracy, active)
@@ -209,7 +210,8 @@ def _relaxed_locally(
     def at_least(trial: Patches) -> Resolution:
         return floor if trial.count == members.size else resolve(local.elastic, trial, accuracy.tolerance)
 
-    steps = Steps(LOCAL_STEP, at_least, CrestsAhead(local, accuracy.allowed, outer))
+    taken = outer if system.elastic.far is None else outer.joined(system.elastic.far.arc.outside)
+    steps = Steps(LOCAL_STEP, at_least, CrestsAhead(local, accuracy.allowed, taken))
     changes: list[tuple[str, float]] = []
     for _ in range(_most_rounds(system)):
         end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_RESIDUAL), steps)

@@ -15,6 +15,7 @@ from scipy.linalg import lapack
 from bem.adhesive.branch import moving_patches, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
+from bem.continuation.locating import Start
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
@@ -36,40 +37,53 @@ class Newton:
     lost: IntArray
 
 
-def leap(system: System, here: Balance, outward: FloatArray, value: float, accuracy: Accuracy) -> Relaxed:
+@dataclass(frozen=True, eq=False)
+class Leapt:
+    """Where a leap ended, and the forces before it where events lie between; a snap alone is a bifurcation."""
+
+    relaxed: Relaxed
+    before: Balance | None = None
+
+
+def leap(
+    system: System, start: Start, outward: FloatArray, value: float, accuracy: Accuracy, before: Balance | None = None
+) -> Leapt:
     """The equilibrium to which a state leads when the control goes to a value at once.
 
     Parameters
     ----------
     system : System
-    here : Balance
-        Of a stable equilibrium.
+    start : Start
+        Edges of a stable equilibrium.
     outward : (2 L,) array
-        Predicted motion of its edges.
+        Their predicted motion.
     value : float
         Of the control.
     accuracy : Accuracy
         Of the equilibrium that is sought.
+    before : Balance, optional
+        Forces at the start, if they are known.
     """
-    start, penetration = here.state.patches, here.state.penetration
-    most = PREDICTED * start.edge_scale
-    found = newton(system, start.moved(np.clip(outward, -most, most)), penetration, value, accuracy)
-    if found.balance is None:
-        relaxed = relax(system, start, penetration, value, accuracy, Cause(found.lost, None, here.state))
-        return relaxed if relaxed.changes else replace(relaxed, changes=(("bifurcation", _place(start, found.lost)),))
-    there = found.balance.state
-    closed = interpenetration(system, there, accuracy.allowed)
-    if closed.position.size:
-        return relax(system, there.patches, there.penetration, value, accuracy, Cause(None, closed, there))
-    passing = passing_patches(system.elastic.profile, start, there.patches)
-    if passing.size:
-        return relax(system, start, penetration, value, accuracy, Cause(passing, None, here.state))
-    return Relaxed("converged", value, found.balance, ())
-
-
-def _place(patches: Patches, lost: IntArray) -> float:
-    """Where patches snapped."""
-    return float(patches.center[lost[0]])
+    patches, most = start.patches, PREDICTED * start.patches.edge_scale
+    found = newton(system, patches.moved(np.clip(outward, -most, most)), start.penetration, value, accuracy)
+    cause, lost = Cause(), found.lost
+    if found.balance is not None:
+        there = found.balance.state
+        closed = interpenetration(system, there, accuracy.allowed)
+        if closed.position.size:
+            patches, cause = there.patches, Cause(None, closed, there)
+        else:
+            lost = passing_patches(system.elastic.profile, patches, there.patches)
+            if not lost.size:
+                return Leapt(Relaxed("converged", value, found.balance, ()))
+    if before is None:
+        before = balance(system, start.patches, start.penetration, start.value, accuracy.tolerance)
+    if lost.size:
+        cause = Cause(lost, None, before.state)
+    relaxed = relax(system, patches, start.penetration, value, accuracy, cause)
+    if not relaxed.changes and lost.size:
+        relaxed = replace(relaxed, changes=(("bifurcation", float(start.patches.center[lost[0]])),))
+    return Leapt(relaxed, before)
 
 
 def newton(system: System, patches: Patches, penetration: float, value: float, accuracy: Accuracy) -> Newton:
@@ -102,15 +116,21 @@ def newton(system: System, patches: Patches, penetration: float, value: float, a
 
 def newton_step(system: System, here: Balance) -> FloatArray | None:
     """Outward motion of the edges towards K = 2 sqrt(w), (2 L,); None where there is none."""
-    state, control, root = here.state, system.control, np.sqrt(here.work)
+    missing = 2 * np.sqrt(here.work) - here.state.stress_intensity
+    _, _, step, info = lapack.dgesv(newton_matrix(system, here), missing, overwrite_a=1)
+    return None if info else np.asarray(step * here.state.patches.edge_scale)
+
+
+def newton_matrix(system: System, here: Balance) -> FloatArray:
+    """d(K - 2 sqrt(w)) by outward motions in edge scales at a given control, (2 L, 2 L)."""
+    state, control = here.state, system.control
     matrix = here.jacobian.copy()
     if control.load_weight > 0:
         share = control.load_weight * control.rate(state)
         matrix -= np.outer(share * state.stress_intensity_rate, here.load_gradient)
-    matrix.flat[:: root.size + 1] -= here.work_gradient / root
-    scale = state.patches.edge_scale
-    _, _, step, info = lapack.dgesv(matrix * scale, 2 * root - state.stress_intensity, overwrite_a=1)
-    return None if info else np.asarray(step * scale)
+    matrix.flat[:: here.work.size + 1] -= here.work_gradient / np.sqrt(here.work)
+    matrix *= state.patches.edge_scale
+    return matrix
 
 
 def tangent(system: System, here: Balance) -> FloatArray:

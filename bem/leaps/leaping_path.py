@@ -18,26 +18,28 @@ from typing import ClassVar
 
 import numpy as np
 
-from bem.adhesive.branch import after_step
-from bem.adhesive.relaxation import Relaxed, interpenetration
-from bem.continuation.jumps import DOUBT
+from bem.adhesive.relaxation import interpenetration
 from bem.continuation.locating import AtLoad, Refused, Start, settle
 from bem.continuation.path import Path
 from bem.continuation.points_with_edges import Equilibrium, Point
 from bem.geometry.patches import Patches
-from bem.leaps.leap import leap, tangent
+from bem.leaps.brackets import brackets, unbracketed
+from bem.leaps.leap import Leapt, leap, newton, tangent
+from bem.leaps.spread import Spread, Spreading
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import EventNumbers, path_events
 from bem.loading.path_point import Failed
 
 INTERVAL, GROWTH = 0.02, 0.4  # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows
 LAST_LEAP = 2e-3  # rms heights before a value that is asked for
 NOT_SHORT = 0.3  # of an interval: no leap of its own is that short
 HALVINGS = 6  # of an interval in which a leap fails
+WINDOWED, FEW = 64, 0.8  # patches from which windows leap; part of them below which they no longer do
 CLOSE = 1e-9  # of the smallest increment: as good as there
 STATES_APART = 5.0  # times `accuracy.max_increment`: a state takes as long as several leaps
 DOUBTED = 1 / 3  # of the tolerance: correction of a number whose estimated error is the tolerance of it
+
+AnyPoint = Point | Spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,20 +68,30 @@ class LeapingPath:
         """Those of the exact path, with states farther apart."""
         return replace(self.exact.increments, largest=STATES_APART * self.exact.increments.largest)
 
+    @cached_property
+    def spreading(self) -> Spreading:
+        """What leads many patches."""
+        return Spreading(self.exact.system, self.increments.coarse, self.increments.fine)
+
+    def _spreads(self, count: int) -> bool:
+        """Whether so many patches leap in windows: on a half-space, at a given penetration."""
+        system = self.exact.system
+        return count >= WINDOWED and system.elastic.compliance is None and not system.control.load_weight
+
     @property
     def effort(self) -> Effort:
         """Counts of the work done."""
         return self.exact.effort
 
-    def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
+    def direction(self, point: AnyPoint, goal: float, separation: float | None = None) -> float:
         """Sign of the motion of the control from a point to a goal."""
-        return self.exact.direction(point, goal, separation)
+        return float(np.sign(goal - point.value))
 
-    def advance(self, point: Point, goal: float, separation: float | None = None) -> Iterator[Point]:
+    def advance(self, point: AnyPoint, goal: float, separation: float | None = None) -> Iterator[AnyPoint]:
         """Yield the point behind every leap on the way to the goal; the last one is there or has failed."""
-        before: Point | None = None
+        before: AnyPoint | None = None
         while point.value != goal:
-            if isinstance(point, Equilibrium):
+            if isinstance(point, Equilibrium | Spread):
                 before, point = point, self._next(before, point, goal)
             else:
                 before, point = None, self.exact.bare.advance(point, goal)
@@ -87,23 +99,28 @@ class LeapingPath:
             if isinstance(point, Failed):
                 return
 
-    def refine(self, point: Point, direction: float) -> Point:
+    def refine(self, point: AnyPoint, direction: float) -> AnyPoint:
         """The point at the accuracy of a target, with events that only this accuracy shows."""
+        if isinstance(point, Spread):
+            return self.spreading.settled(point, direction * LAST_LEAP) or Failed(point.value, "not_converged")
         if not isinstance(point, Equilibrium) or point.settled:
             return replace(point, events=())
-        at_rest = np.zeros(point.balance.work.size)
-        landed = leap(self.exact.system, point.balance, at_rest, point.value, self.increments.fine)
+        start = Start(point.patches, point.state.penetration, point.value)
+        at_rest, fine = np.zeros(point.balance.work.size), self.increments.fine
+        landed = leap(self.exact.system, start, at_rest, point.value, fine, point.balance)
         found = self._behind(point, landed, direction * LAST_LEAP)
         return replace(found, settled=True) if isinstance(found, Equilibrium) else found
 
-    def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> Point:
+    def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> AnyPoint:
         """The point at given equilibrium edges, from which the path continues as if it began there."""
+        if self._spreads(patches.count):
+            return self.spreading.restarted(patches, value) or Failed(value, "not_converged")
         return self.exact.restart(patches, penetration, value, separation)
 
-    def assess(self, point: Equilibrium) -> Assessment:
+    def assess(self, point: Equilibrium | Spread) -> Assessment:
         """Stability, stiffness and estimated errors: those of the equilibrium, and that the path is uncertain."""
-        found, here = self.exact.assess(point), point.balance
-        part, state = DOUBTED * self.tolerance, here.state
+        found = self.spreading.assess(point) if isinstance(point, Spread) else self.exact.assess(point)
+        part, state = DOUBTED * self.tolerance, point.state
         load = part * max(abs(state.load), abs(found.stiffness))
         energy = part * (state.elastic_energy + abs(found.adhesion_energy))
         doubt = Quantities(
@@ -118,11 +135,11 @@ class LeapingPath:
         )
         return replace(found, correction=found.correction.widened(doubt))
 
-    def load_of(self, point: Point) -> float | None:
+    def load_of(self, point: AnyPoint) -> float | None:
         """Load at a point; None without edges."""
-        return self.exact.load_of(point)
+        return point.load if isinstance(point, Spread) else self.exact.load_of(point)
 
-    def may_meet(self, before: Point, after: Point, load: float) -> bool:
+    def may_meet(self, before: AnyPoint, after: AnyPoint, load: float) -> bool:
         """Whether a load is met between two successive points, or may have been before an event between them."""
         start, end = self.load_of(before), self.load_of(after)
         if start is None or end is None:
@@ -130,7 +147,7 @@ class LeapingPath:
         ends = [event.at.load + sign * event.error.load for event in after.events[:1] for sign in (-1, 1)]
         return min(start, end, *ends) < load <= max(start, end, *ends)
 
-    def at_load(self, before: Point, after: Point, load: float) -> Point | None:
+    def at_load(self, before: AnyPoint, after: AnyPoint, load: float) -> AnyPoint | None:
         """The refined point at a load between two successive points; None where the path jumps over it.
 
         Where events lie between them, the interval is halved until it is on the branch of one of its ends.
@@ -156,7 +173,7 @@ class LeapingPath:
         closed = interpenetration(system, found[0].state, fine.allowed)
         return Equilibrium.of(found[1], found[0], settled=True) if between and not closed.position.size else None
 
-    def _next(self, before: Point | None, point: Equilibrium, goal: float) -> Point:
+    def _next(self, before: AnyPoint | None, point: Equilibrium | Spread, goal: float) -> AnyPoint:
         """The point behind the next leap; where none is found, behind a shorter one."""
         direction, closing, end = self.direction(point, goal), self.exact.bare.closing_value, goal
         if direction > 0 and goal >= closing:
@@ -179,42 +196,45 @@ class LeapingPath:
             return left
         return left - LAST_LEAP if left - LAST_LEAP < (1 + NOT_SHORT) * self.interval else self.interval
 
-    def _leapt(self, before: Point | None, point: Equilibrium, value: float) -> Point:
+    def _leapt(self, before: AnyPoint | None, point: Equilibrium | Spread, value: float) -> AnyPoint:
         """The point behind a leap to a value of the control."""
+        if isinstance(point, Spread):
+            return self._gathered(self.spreading.leapt(point, value, self.increments.coarse), value)
         system, change = self.exact.system, value - point.value
         rate = tangent(system, point.balance)
         motion = change * rate
         if isinstance(before, Equilibrium) and not point.events:
             past = point.value - before.value
             motion = motion + change**2 / (2 * past) * (rate - tangent(system, before.balance))
-        landed = leap(system, point.balance, motion, value, self.increments.coarse)
-        return self._behind(point, landed, change)
+        start = Start(point.patches, point.state.penetration, point.value)
+        landed = leap(system, start, motion, value, self.increments.coarse, point.balance)
+        return self._spread(self._behind(point, landed, change))
 
-    def _behind(self, point: Equilibrium, landed: Relaxed, width: float) -> Point:
-        """The point behind a leap, with its events as brackets: they lie in an interval of this width before it."""
-        system, here, value = self.exact.system, point.balance, landed.target
-        rate, change = tangent(system, here), value - point.value
-        old = after_step(system, here, point.value, change * rate, change)
-        at = after_step(system, here, point.value, (change - width / 2) * rate, change - width / 2)
-        error = _half(at, old, width)
-        if landed.balance is None:
-            return self.exact.jumps.behind(replace(at, potential=old.potential), error, landed, landed.changes)
-        if landed.status != "converged":
+    def _spread(self, point: Point) -> AnyPoint:
+        """A point that leaps in windows, if its patches are many."""
+        if not isinstance(point, Equilibrium) or not self._spreads(point.patches.count):
+            return point
+        rate = tangent(self.exact.system, point.balance)
+        return Spread(point.value, point.state, rate, np.zeros(rate.size), events=point.events)
+
+    def _gathered(self, point: Spread | None, value: float) -> AnyPoint:
+        """A point that leaps as a whole, if its patches are few."""
+        if point is None:
             return Failed(value, "not_converged")
-        state = landed.balance.state
-        lag = (old.load - state.load) * width / 2  # of the energy, from the middle of the bracket to its end
-        released, doubt = old.potential - landed.balance.potential - lag, abs(lag)
-        surely = any(kind != "bifurcation" for kind, _ in landed.changes)
-        changes = landed.changes if surely or released > DOUBT * doubt else ()
-        found = Equilibrium.of(value, landed.balance)
-        return replace(found, events=path_events(changes, at, error, released, doubt))
+        if point.patches.count >= FEW * WINDOWED:
+            return point
+        found = newton(self.exact.system, point.patches, value, value, self.increments.coarse).balance
+        if found is None:
+            return Failed(value, "not_converged")
+        return replace(Equilibrium.of(value, found), events=point.events)
 
-
-def _half(middle: EventNumbers, end: EventNumbers, width: float) -> EventNumbers:
-    """How far the ends of a bracket are from its middle; in it the potential is known to what the load is."""
-    return EventNumbers(
-        abs(width) / 2,
-        abs(end.penetration - middle.penetration),
-        abs(end.load - middle.load),
-        abs(end.potential - middle.potential),
-    )
+    def _behind(self, point: Equilibrium, landed: Leapt, width: float) -> Point:
+        """The point behind a leap, with its events as brackets: they lie in an interval of this width before it."""
+        relaxed = landed.relaxed
+        if relaxed.balance is None:
+            numbers, error = unbracketed(self.exact.system, point.balance, point.value, relaxed, width)
+            return self.exact.jumps.behind(numbers, error, relaxed, relaxed.changes)
+        if relaxed.status != "converged":
+            return Failed(relaxed.target, "not_converged")
+        events = brackets(self.exact.system, landed, point.value, width)
+        return replace(Equilibrium.of(relaxed.target, relaxed.balance), events=events)
