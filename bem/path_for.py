@@ -19,6 +19,8 @@ from bem.scene.scene_rules import Mistake, SceneError
 
 if TYPE_CHECKING:
     from bem.continuation.points_with_edges import Equilibrium, Point
+    from bem.leaps.leaping_path import AnyPoint
+    from bem.leaps.spread import Spread
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
 TOUCHING = 1e-12  # of the rms height: crests as high as the highest are touched with it
@@ -72,5 +74,6 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
     if scene.leaps:
         from bem.leaps.leaping_path import LeapingPath
 
-        adhesive = LeapingPath(exact, scene.accuracy.tolerance)
+        leaping: LoadingPath[AnyPoint, Equilibrium | Spread] = LeapingPath(exact, scene.accuracy.tolerance)
+        return leaping
     return adhesive

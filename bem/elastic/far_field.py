@@ -46,8 +46,9 @@ class Arc:
 
     @cached_property
     def outside(self) -> Patches:
-        """All of the period that is not in the window, as one patch."""
-        return Patches(np.array([self.delta]), np.array([self.beta + TWO_PI]))
+        """All of the period in which its edges must not be, as one patch."""
+        before, behind = (REACH * margin for margin in self.margins)
+        return Patches(np.array([self.delta - behind]), np.array([self.beta + TWO_PI + before]))
 
     def holds(self, x: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         """Whether positions are inside, (n,)."""

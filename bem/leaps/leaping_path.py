@@ -28,7 +28,7 @@ from bem.leaps.leap import Leapt, leap, newton, tangent
 from bem.leaps.spread import Spread, Spreading
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_point import Failed
+from bem.loading.path_point import Complete, Failed, Separated
 
 INTERVAL, GROWTH = 0.02, 0.4  # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows
 LAST_LEAP = 2e-3  # rms heights before a value that is asked for
@@ -152,18 +152,21 @@ class LeapingPath:
 
         Where events lie between them, the interval is halved until it is on the branch of one of its ends.
         """
-        if not (isinstance(before, Equilibrium) and isinstance(after, Equilibrium)):
-            return self.exact.at_load(before, after, load)
+        if isinstance(before, Separated | Complete | Failed) or isinstance(after, Separated | Complete | Failed):
+            beside = [None if isinstance(point, Spread) else point for point in (before, after)]
+            return None if beside[0] is None or beside[1] is None else self.exact.at_load(beside[0], beside[1], load)
         for _ in range(HALVINGS):
             found = self._on_branch(before, after, load) or self._on_branch(after, before, load)
             middle = None if found else self._leapt(None, before, (before.value + after.value) / 2)
-            if not isinstance(middle, Equilibrium):
+            if not isinstance(middle, Equilibrium | Spread):
                 return found
             before, after = (before, middle) if self.may_meet(before, middle, load) else (middle, after)
         return None
 
-    def _on_branch(self, point: Equilibrium, other: Equilibrium, load: float) -> Equilibrium | None:
+    def _on_branch(self, point: Equilibrium | Spread, other: Equilibrium | Spread, load: float) -> AnyPoint | None:
         """The state at a load on the branch of a point, on its way to another one; None where it is not there."""
+        if isinstance(point, Spread):
+            return self.spreading.at_load(point, other.value, load)
         system, fine = self.exact.system, self.increments.fine
         start = Start(point.patches, point.state.penetration, point.value)
         found = settle(system.sloped, start, AtLoad(system, load, fine.residual), fine)

@@ -1,8 +1,8 @@
 """Many patches at rest: equilibria, stability and errors of all edges from the Jacobians of windows.
 
-Newton for all edges takes the steps that the windows ask for, each for the edges of its core; the residuals are those of
-all patches.  Stability is that of the windows: the softest modes of a rough contact are of few patches.  The motion along
-the branch is corrected by what differences of evaluations still miss of it.  Dimensionless.
+Newton for all edges takes the steps that the windows ask for, each for the edges of its core; the residuals are those
+of all patches.  Stability is that of the windows: the softest modes of a rough contact are of few patches.  The motion
+along the branch is corrected by what differences of evaluations still miss of it.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ STEPS = 12  # of Newton with the Jacobians of windows; five do
 SHORT_STEP = 0.01  # edge scales: a step that keeps the resolution
 LONGEST_STEP = 0.3  # edge scales
 DIFFERENCE = 1e-5  # rms heights: step of the differences along the branch
+CLOSE = 1e-5  # change of the stiffness by a correction of the motion, after which no other comes
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +77,7 @@ class Settling:
     def settled(self, patches: Patches, value: float, accuracy: Accuracy) -> tuple[Evaluation, Jacobians] | None:
         """The stable equilibrium next to edges at a value of the control, without the compliance of its edges."""
         jacobians, kept = self.jacobians(patches, value), None
-        if jacobians is None or not jacobians.stable:
+        if jacobians is None:
             return None
         for _ in range(STEPS):
             state = self.evaluated(patches, value, accuracy.tolerance, kept)
@@ -84,7 +85,8 @@ class Settling:
                 return None
             root = np.sqrt(self._work(patches))
             if self._at_rest(state, root, accuracy.residual):
-                return state, jacobians
+                after = jacobians if jacobians.stable else self.jacobians(patches, value)
+                return (state, after) if after is not None and after.stable else None
             step = jacobians.motion(2 * root - state.stress_intensity)
             size = float(np.max(np.abs(step) / patches.edge_scale))
             if not size <= LONGEST_STEP:
@@ -136,19 +138,29 @@ class Settling:
 
     def _stiffness(self, state: Evaluation, jacobians: Jacobians) -> tuple[float, float]:
         """d(load) by the penetration along the branch, and what the last correction of the motion changed of it."""
-        found = [np.inf, np.inf]
-        rate = jacobians.rate()
-        for index in range(2):
-            there = self.evaluated(
-                state.patches.moved(DIFFERENCE * rate), state.penetration + DIFFERENCE, 0.0, state.resolution
-            )
+        rate, last, doubt = jacobians.rate(), np.inf, np.inf
+        root = np.sqrt(self._work(state.patches))
+        for _ in range(STEPS):
+            there = self._farther(state, rate)
             if there is None:
                 return np.nan, np.inf
-            found[index] = (there.load - state.load) / DIFFERENCE
-            roots = [np.sqrt(self._work(one.patches)) for one in (state, there)]
-            missed = (2 * (roots[1] - roots[0]) - (there.stress_intensity - state.stress_intensity)) / DIFFERENCE
-            rate = rate + jacobians.motion(missed)
-        return found[1], abs(found[1] - found[0])
+            stiffness = (there.load - state.load) / DIFFERENCE
+            last, doubt = stiffness, abs(stiffness - last)
+            if doubt <= CLOSE * abs(stiffness):
+                break
+            missed = 2 * (np.sqrt(self._work(there.patches)) - root) - (there.stress_intensity - state.stress_intensity)
+            rate = rate + jacobians.motion(missed / DIFFERENCE)
+        return last, doubt
+
+    def stiffness(self, state: Evaluation, rate: FloatArray) -> float:
+        """d(load) by the penetration where edges move at a rate."""
+        there = self._farther(state, rate)
+        return np.nan if there is None else (there.load - state.load) / DIFFERENCE
+
+    def _farther(self, state: Evaluation, rate: FloatArray) -> Evaluation | None:
+        """The state a difference farther along the branch, its edges moving at a rate."""
+        ahead = state.patches.moved(DIFFERENCE * rate)
+        return self.evaluated(ahead, state.penetration + DIFFERENCE, 0.0, state.resolution)
 
     def evaluated(
         self, patches: Patches, value: float, tolerance: float, resolution: Resolution | None = None

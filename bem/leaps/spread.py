@@ -1,10 +1,9 @@
 """Many patches: leaps of windows, joined, and equilibria of all without matrices of all.
 
-A leap of all patches is one of every window, in a far field that is linear in the penetration: that of the charges where
-the leap begins and of those at predicted edges where it ends.  What the windows find is joined at seams and evaluated
-as a whole; a window that finds nothing is made wider.  The equilibrium of all edges is found by Newton with the Jacobians
-of the windows, each on its own: the residuals are those of all, and fall by a hundredfold a step.  Penetration control,
-half-space.  Dimensionless.
+A leap of all patches is one of every window, in a far field that is linear in the penetration: that of the charges
+where the leap begins and of those at predicted edges where it ends.  What the windows find is joined at seams and
+evaluated as a whole; a window that finds nothing is made wider.  States that are kept come to rest as one (settling.py).
+Penetration control, half-space.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -36,6 +35,7 @@ from bem.loading.path_point import PathPoint
 WIDER = 0, 3, 7  # patches of buffer more, for a window that finds nothing
 JOINED = 0.5  # residual of windows that were joined, beyond which they did not fit
 FINER = 1e-2  # of the accuracy of targets: that of their assessment
+STEPS = 8  # of Newton to a load
 ROUNDS = 5  # of what only the accuracy of targets shows
 
 
@@ -120,6 +120,21 @@ class Spreading:
                 break
             point, events = behind, (*events, *behind.events)
         return None
+
+    def at_load(self, point: Spread, other: float, load: float) -> Spread | None:
+        """The state at a load on the branch of a point, on its way to another value; None where it is not there."""
+        low, high = sorted((point.value, other))
+        at: Spread | None = self.restarted(point.patches, point.value)
+        for _ in range(STEPS):
+            if at is None or abs(at.load - load) <= self.fine.residual:
+                break
+            change = (load - at.load) / self.settling.stiffness(at.state, at.rate)
+            value = at.value + change
+            if not low <= value <= high:
+                return None
+            at = self.restarted(at.patches.moved(change * at.rate), value)
+        closed = at is not None and low_minima(gap_field(self.system.elastic, at.state)).depth < -self.fine.allowed
+        return None if np.any(closed) else at
 
     def assess(self, point: Spread) -> Assessment:
         """Stability, stiffness and estimated errors of a settled state, from finer evaluations."""

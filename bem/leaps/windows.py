@@ -17,7 +17,7 @@ from bem.elastic.far_field import Arc
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 
-CORE, BUFFER = 16, 2  # patches
+CORE, BUFFER = 24, 2  # patches
 CHOICE = 4  # gaps, of which the widest is where a window ends, or a core
 
 
