@@ -269,16 +269,7 @@ def evaluate(
     few_waves = _has_few_waves(elastic, modes)
     level = profile.max_height - penetration
     series, x, columns, tail, tail_energy = right_hand_sides(profile, patches, level, resolution)
-    for background in elastic.backgrounds:
-        columns[0] -= background(x)
-    moving = 1  # of the columns, the one that the penetration moves
-    if elastic.far is not None:
-        value, rate = elastic.far.at(x, penetration)
-        columns[0] -= value
-        columns, moving = np.concatenate([columns, 1 + rate[None] / np.pi]), 2
-    if elastic.probes:
-        fields = [elastic.field_of_charges(np.array([probe]), np.ones(1))(x) for probe in elastic.probes]
-        columns = np.concatenate([columns, fields])
+    columns, moving = _with_others(elastic, x, columns, penetration)
     edge_columns = 4 if elastic.slopes else 2 * with_compliance
     waves = kernel.waves(x) if kernel is not None and few_waves else None
     addition = kernel.matrix(x) if kernel is not None and not few_waves else None
@@ -309,6 +300,24 @@ def evaluate(
         intensity_by_probes=intensity[moving + 1 :],
         load_by_probes=-gram[moving + 1 :, moving],
     )
+
+
+def _with_others(elastic: Elastic, x: FloatArray, columns: FloatArray, penetration: float) -> tuple[FloatArray, int]:
+    """Columns with what others do at the nodes: fields in the first, and behind the second what is asked besides.
+
+    Also which of them the penetration moves: 1, or with a far field the column behind it.
+    """
+    moving = 1
+    for background in elastic.backgrounds:
+        columns[0] -= background(x)
+    if elastic.far is not None:
+        value, rate = elastic.far.at(x, penetration)
+        columns[0] -= value
+        columns, moving = np.concatenate([columns, 1 + rate[None] / np.pi]), 2
+    if elastic.probes:
+        fields = [elastic.field_of_charges(np.array([probe]), np.ones(1))(x) for probe in elastic.probes]
+        columns = np.concatenate([columns, fields])
+    return columns, moving
 
 
 def _has_few_waves(elastic: Elastic, modes: IntArray) -> bool:

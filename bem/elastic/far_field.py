@@ -3,10 +3,10 @@
 A window [beta, delta] of the period begins and ends in gaps.  In the coordinate u = log|sin((x - beta)/2) /
 sin((x - delta)/2)| the logarithmic field of charges outside, less their sum times
 m(x) = log sqrt|sin((x - beta)/2) sin((x - delta)/2)|, is analytic in |Im u| < pi (separated_kernel.py): a short
-Chebyshev series on the part of the window that edges may reach.  Its samples are differences of the field of all charges
-and that of the charges inside, so that those of all windows take one potential of many charges at many points.  Between
-its samples on a grid of u the series is interpolated by cubics.  Dimensionless; for bodies whose kernel is that of the
-half-space.
+Chebyshev series on the part of the window that edges may reach.  Its samples are differences of the field of all
+charges and that of the charges inside, so that those of all windows take one potential of many charges at many points.
+Between points of a grid of u the series is interpolated by cubics.  Dimensionless; for bodies whose kernel is that of
+the half-space.
 """
 
 from __future__ import annotations
@@ -168,4 +168,5 @@ def _table() -> tuple[FloatArray, FloatArray]:
     """What takes a series to its values at the grid, and to their derivatives by cells, (CELLS + 1, TERMS) each."""
     t, identity = np.linspace(-1, 1, CELLS + 1), np.eye(TERMS)
     slopes = np.polynomial.chebyshev.chebder(identity, axis=0) * (2 / CELLS)
-    return np.polynomial.chebyshev.chebvander(t, TERMS - 1), np.polynomial.chebyshev.chebvander(t, TERMS - 2) @ slopes
+    values, fewer = (np.polynomial.chebyshev.chebvander(t, degree) for degree in (TERMS - 1, TERMS - 2))
+    return np.asarray(values), np.asarray(fewer @ slopes)

@@ -25,6 +25,7 @@ from bem.loading.increments import Accuracy
 STEPS = 8  # of Newton
 LONGEST_STEP = 0.3  # edge scales: a step behind which Newton has lost an edge, and what edges may move in all
 SHRINKING, SHORT_STEP = 0.5, 0.01  # a step over the one before it, unless it is as short as this, in edge scales
+LOCAL_STEP = 0.4  # largest step of a local descent: twice as long as where the path is exact
 NONE = np.zeros(0, dtype=np.int64)
 PREDICTED = 0.15  # edge scales that edges are moved at most before Newton begins
 
@@ -71,7 +72,7 @@ def leap(
         there = found.balance.state
         closed = interpenetration(system, there, accuracy.allowed)
         if closed.position.size:
-            patches, cause = there.patches, Cause(None, closed, there)
+            patches, cause = there.patches, Cause(None, closed, there, LOCAL_STEP)
         else:
             lost = passing_patches(system.elastic.profile, patches, there.patches)
             if not lost.size:
@@ -79,7 +80,7 @@ def leap(
     if before is None:
         before = balance(system, start.patches, start.penetration, start.value, accuracy.tolerance)
     if lost.size:
-        cause = Cause(lost, None, before.state)
+        cause = Cause(lost, None, before.state, LOCAL_STEP)
     relaxed = relax(system, patches, start.penetration, value, accuracy, cause)
     if not relaxed.changes and lost.size:
         relaxed = replace(relaxed, changes=(("bifurcation", float(start.patches.center[lost[0]])),))

@@ -27,10 +27,11 @@ from bem.leaps.brackets import brackets, unbracketed
 from bem.leaps.leap import Leapt, leap, newton, tangent
 from bem.leaps.spread import Spread, Spreading
 from bem.loading.assessment import Assessment, Quantities
-from bem.loading.increments import Effort, Increments
+from bem.loading.increments import Accuracy, Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
 INTERVAL, GROWTH = 0.02, 0.4  # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows
+RESIDUAL = 1e-3  # of states that are not kept
 LAST_LEAP = 2e-3  # rms heights before a value that is asked for
 NOT_SHORT = 0.3  # of an interval: no leap of its own is that short
 HALVINGS = 6  # of an interval in which a leap fails
@@ -69,9 +70,15 @@ class LeapingPath:
         return replace(self.exact.increments, largest=STATES_APART * self.exact.increments.largest)
 
     @cached_property
+    def between(self) -> Accuracy:
+        """That of states that are not kept: edges need only be near enough for the next leap."""
+        coarse = self.increments.coarse
+        return replace(coarse, residual=max(coarse.residual, RESIDUAL))
+
+    @cached_property
     def spreading(self) -> Spreading:
         """What leads many patches."""
-        return Spreading(self.exact.system, self.increments.coarse, self.increments.fine)
+        return Spreading(self.exact.system, self.increments.fine)
 
     def _spreads(self, count: int) -> bool:
         """Whether so many patches leap in windows: on a half-space, at a given penetration."""
@@ -180,9 +187,9 @@ class LeapingPath:
         """The point behind the next leap; where none is found, behind a shorter one."""
         direction, closing, end = self.direction(point, goal), self.exact.bare.closing_value, goal
         if direction > 0 and goal >= closing:
-            end = closing - self.exact.last_increment(point, closing)
+            end = closing - self.exact.last_increment(point.value, point.patches.count, closing)
             if point.value >= end - CLOSE * self.increments.smallest:
-                return self.exact.bare.closed(point, goal)
+                return self.exact.bare.closed(point.patches, goal)
         change = self._change(abs(end - point.value))
         for halved in range(HALVINGS):
             reached = not halved and change == abs(end - point.value)
@@ -202,7 +209,7 @@ class LeapingPath:
     def _leapt(self, before: AnyPoint | None, point: Equilibrium | Spread, value: float) -> AnyPoint:
         """The point behind a leap to a value of the control."""
         if isinstance(point, Spread):
-            return self._gathered(self.spreading.leapt(point, value, self.increments.coarse), value)
+            return self._gathered(self.spreading.leapt(point, value, self.between), value)
         system, change = self.exact.system, value - point.value
         rate = tangent(system, point.balance)
         motion = change * rate
@@ -210,7 +217,7 @@ class LeapingPath:
             past = point.value - before.value
             motion = motion + change**2 / (2 * past) * (rate - tangent(system, before.balance))
         start = Start(point.patches, point.state.penetration, point.value)
-        landed = leap(system, start, motion, value, self.increments.coarse, point.balance)
+        landed = leap(system, start, motion, value, self.between, point.balance)
         return self._spread(self._behind(point, landed, change))
 
     def _spread(self, point: Point) -> AnyPoint:
@@ -226,7 +233,7 @@ class LeapingPath:
             return Failed(value, "not_converged")
         if point.patches.count >= FEW * WINDOWED:
             return point
-        found = newton(self.exact.system, point.patches, value, value, self.increments.coarse).balance
+        found = newton(self.exact.system, point.patches, value, value, self.between).balance
         if found is None:
             return Failed(value, "not_converged")
         return replace(Equilibrium.of(value, found), events=point.events)

@@ -2,8 +2,8 @@
 
 A leap of all patches is one of every window, in a far field that is linear in the penetration: that of the charges
 where the leap begins and of those at predicted edges where it ends.  What the windows find is joined at seams and
-evaluated as a whole; a window that finds nothing is made wider.  States that are kept come to rest as one (settling.py).
-Penetration control, half-space.  Dimensionless.
+evaluated as a whole; a window that finds nothing is made wider.  States that are kept come to rest as one
+(settling.py).  Penetration control, half-space.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -87,12 +87,11 @@ class Spreading:
     Parameters
     ----------
     system : System
-    coarse, fine : Accuracy
-        Of leaps, and of states that are kept.
+    fine : Accuracy
+        Of states that are kept.
     """
 
     system: System
-    coarse: Accuracy
     fine: Accuracy
 
     @cached_property
