@@ -28,7 +28,7 @@ from bem.geometry.profile import Profile
 from bem.scene.scene import Scene
 
 PER_INCREMENT, PER_CREST, PER_TARGET = 6.2, 18.2, 6.3  # evaluations with adhesion
-LEAPING_SHARE = 0.33  # of the evaluations of a path event by event, where it goes by leaps: so much less time
+LEAPING_SHARE = 0.3  # of the evaluations of a path event by event, where it goes by leaps: so much less time
 DIGITS = 1e-2, 1e-3, 1e-4, 1e-6, 1e-9  # accuracies that are priced
 LOADED = 0.5  # increments under a given load count so much: fewer states are stored on the way
 BEGINNING = 5.0  # increments of a leg under load, at most, though the contact hardly moves: the first ones are short
