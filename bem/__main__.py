@@ -26,8 +26,8 @@ from bem.command_line.checkpoint import (
     usable,
 )
 from bem.command_line.console import (
-    discard_stdout,
     digits_text,
+    discard_stdout,
     effects_text,
     groups_text,
     preparation_text,
