@@ -26,6 +26,7 @@ from bem.command_line.checkpoint import (
     usable,
 )
 from bem.command_line.console import (
+    digits_text,
     discard_stdout,
     effects_text,
     groups_text,
@@ -40,7 +41,7 @@ from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
 from bem.cut_sensitivity import cut_sensitivity, in_words
 from bem.path_for import check_path
-from bem.scene.cost_prediction import cost_of, warning_of
+from bem.scene.cost_prediction import cost_of, seconds_by_digits, warning_of
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Result
@@ -128,11 +129,13 @@ def _check(options: argparse.Namespace) -> int:
     if options.json:
         listed = [vars(effect) for effect in effects]
         facts = {"scene": scene.resolved(), "effects": listed, "seconds": predicted_seconds(scene), "groups": groups}
+        facts |= {"seconds_by_tolerance": {f"{key:g}": value for key, value in seconds_by_digits(scene).items()}}
         facts |= {"warnings": [vars(caution) for caution in cautions], "profile_preparation": scene.preparation()}
         print(json.dumps(facts | {"kernels": IN_USE}))
     else:
         parts = (scene_text(scene.resolved()), preparation_text(scene.preparation()), groups_text(groups, cautions))
-        print("\n\n".join(part for part in (*parts, effects_text(effects)) if part))
+        costs = effects_text(effects) + "\n" + digits_text(seconds_by_digits(scene))
+        print("\n\n".join(part for part in (*parts, costs) if part))
     return DONE
 
 

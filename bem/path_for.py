@@ -1,5 +1,8 @@
 """The path that a scene calls for: convex without adhesion, else event by event, with a flaw where the scene has one.
 
+Where few digits are asked for, a path with adhesion goes by leaps; under a given load it does not, as the contact may
+come apart or together at once in a leap that is too long.
+
 A flaw that the pressure shuts where it would open is a mistake of the scene.  The modules of the other path are not
 imported.
 """
@@ -16,6 +19,8 @@ from bem.scene.scene_rules import Mistake, SceneError
 
 if TYPE_CHECKING:
     from bem.continuation.points_with_edges import Equilibrium, Point
+    from bem.leaps.leaping_path import AnyPoint
+    from bem.leaps.spread import Spread
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
 TOUCHING = 1e-12  # of the rms height: crests as high as the highest are touched with it
@@ -64,5 +69,11 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
     stop = scene.loading.stop_at_mean_pressure
     pressures = (*scene.loading.at_mean_pressures, *(() if stop is None else (stop,)))
     asked = tuple(problem.load_of(pressure) for pressure in pressures)
-    adhesive: LoadingPath[Point, Equilibrium] = Path(system, increments, highest, complete, flaw, asked)
+    exact = Path(system, increments, highest, complete, flaw, asked)
+    adhesive: LoadingPath[Point, Equilibrium] = exact
+    if scene.leaps:
+        from bem.leaps.leaping_path import LeapingPath
+
+        leaping: LoadingPath[AnyPoint, Equilibrium | Spread] = LeapingPath(exact, scene.accuracy.tolerance)
+        return leaping
     return adhesive

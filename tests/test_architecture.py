@@ -39,6 +39,7 @@ ORDER = (
     "bem/loading",
     "bem/adhesive",
     "bem/continuation",
+    "bem/leaps",
     "bem/nonadhesive",
     "bem/observables",
     "bem/scans",

@@ -75,11 +75,14 @@ class Cause:
         Where the equilibrium at the given edges interpenetrates.
     state : Evaluation or None
         The last equilibrium, from which far patches keep their pressure while near ones move first.
+    local_step : float
+        Largest step of these.
     """
 
     unstable: IntArray | None = None
     found: GapMinima | None = None
     state: Evaluation | None = None
+    local_step: float = LOCAL_STEP
 
 
 UNKNOWN = Cause()
@@ -108,10 +111,13 @@ def relax(
     if cause.found is not None:
         patches, active, formed = _with_new_contacts(system, patches, cause.found)
         changes += formed
-    steps = Steps(GLOBAL_STEP, ahead=CrestsAhead(system, accuracy.allowed))
+    outside = None if system.elastic.far is None else system.elastic.far.arc.outside
+    steps = Steps(GLOBAL_STEP, ahead=CrestsAhead(system, accuracy.allowed, outside))
     for _ in range(_most_rounds(system)):
         if active is not None and state is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
-            patches, local = _relaxed_locally(system, patches, state, target, accuracy, active)
+            patches, local = _relaxed_locally(
+                system, patches, target, accuracy, replace(cause, unstable=active, state=state)
+            )
             changes += local
         end = descend(system, patches, penetration, target, accuracy, steps)
         changes += [(change.kind, change.position) for change in end.changes]
@@ -183,7 +189,7 @@ def _nearest(patches: Patches, position: float) -> int:
 
 
 def _relaxed_locally(
-    system: System, patches: Patches, state: Evaluation, target: float, accuracy: Accuracy, active: IntArray
+    system: System, patches: Patches, target: float, accuracy: Accuracy, cause: Cause
 ) -> tuple[Patches, list[tuple[str, float]]]:
     """Descend near the active patches at fixed penetration, in the frozen field of the others, touch by touch.
 
@@ -193,7 +199,9 @@ def _relaxed_locally(
         Joined with the others; those given where the local problem has no answer that fits among them.
     changes : list of (kind, position)
     """
-    count = patches.count
+    count, active, state = patches.count, cause.unstable, cause.state
+    if active is None or state is None:
+        return patches, []
     members = np.unique((active[:, None] + np.arange(-NEIGHBOURS, NEIGHBOURS + 1)) % count)
     if members.size > count // 2:
         return patches, []
@@ -209,7 +217,8 @@ def _relaxed_locally(
     def at_least(trial: Patches) -> Resolution:
         return floor if trial.count == members.size else resolve(local.elastic, trial, accuracy.tolerance)
 
-    steps = Steps(LOCAL_STEP, at_least, CrestsAhead(local, accuracy.allowed, outer))
+    taken = outer if system.elastic.far is None else outer.joined(system.elastic.far.arc.outside)
+    steps = Steps(cause.local_step, at_least, CrestsAhead(local, accuracy.allowed, taken))
     changes: list[tuple[str, float]] = []
     for _ in range(_most_rounds(system)):
         end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_RESIDUAL), steps)

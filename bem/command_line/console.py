@@ -251,6 +251,11 @@ def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str
     return "\n".join([*lines, *(f"warning: {caution.about}: {caution.message}" for caution in cautions)])
 
 
+def digits_text(seconds: Mapping[float, float]) -> str:
+    """What values of accuracy.tolerance would cost, on one line."""
+    return "by accuracy.tolerance: " + ", ".join(f"{key:g} {value:.2g} s" for key, value in seconds.items())
+
+
 def effects_text(effects: Iterable[Effect]) -> str:
     """A table of effects: on or off, predicted cost, reason, the total, and the kernels in use."""
     listed = tuple(effects)

@@ -72,9 +72,8 @@ class BareStates:
             return Separated(goal) if goal < 0 else self._touched(max(point.value, 0.0))
         return Failed(goal, point.status if isinstance(point, Failed) else "not_converged")
 
-    def closed(self, point: Equilibrium, value: float) -> Complete:
+    def closed(self, patches: Patches, value: float) -> Complete:
         """The last gap closes where the separation vanishes: a continuous end of the branch, no energy is released."""
-        patches = point.state.patches
         last = int(np.argmax(patches.gap_after))  # others release energy when they close before it
         near = float(patches.right[last] + patches.gap_after[last] / 2)
         place = closing_place(self.complete, self.system.elastic.profile, self.system.law, near)

@@ -190,9 +190,9 @@ class Path:
         """Points along the curve of a state, to the goal or to what is behind the first end of the branch."""
         direction, closing, end = self.direction(point, goal), self.bare.closing_value, goal
         if direction > 0 and goal >= closing:
-            end = closing - self._last_increment(point, closing)
+            end = closing - self.last_increment(point.value, point.patches.count, closing)
             if point.value >= end - SAME_VALUE * self.increments.smallest:
-                yield self.bare.closed(point, goal)
+                yield self.bare.closed(point.state.patches, goal)
                 return
         way = self._way(point, direction, end)
         at = curve_from(self.system, point, way)
@@ -225,11 +225,11 @@ class Path:
             at, length, again = piece.last, min(way.longest, tried * growth(piece)), True
             load = at.numbers.load
 
-    def _last_increment(self, point: Equilibrium, closing: float) -> float:
+    def last_increment(self, value: float, patches: int, closing: float) -> float:
         """The increment before complete contact: the smallest; half the way, where several gaps are left."""
-        if point.patches.count == 1:
+        if patches == 1:
             return self.increments.smallest
-        return max((closing - point.value) / 2, CLOSED)
+        return max((closing - value) / 2, CLOSED)
 
     def _stretches(self, piece: Piece, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
         """A point on a piece with the stretch that leads there from a load, after one where the load turns before."""

@@ -30,11 +30,12 @@ from bem.elastic.hierarchical import IllConditionedSystemError, Skeleton, solve
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.patches import Patches, PatchPressure
+from bem.geometry.patches import TWO_PI, Patches, PatchPressure
 from bem.geometry.profile import Profile
 
 if TYPE_CHECKING:
     from bem.elastic.compliance import Compliance
+    from bem.elastic.far_field import FarField
     from bem.elastic.kernel_series import KernelSeries
 
 Field = Callable[[FloatArray], FloatArray]
@@ -66,6 +67,8 @@ class Elastic:
         Places outside contact; what a charge at each of them would do is evaluated besides.
     slopes : bool
         Whether the slopes that edges make at edges are, which second derivatives take.
+    far : FarField, optional
+        Of patches outside the window that these are in; loads and energies are then those of these in that field.
     """
 
     profile: Profile
@@ -73,6 +76,7 @@ class Elastic:
     backgrounds: tuple[Field, ...] = ()
     probes: tuple[float, ...] = ()
     slopes: bool = False
+    far: FarField | None = None
 
     @cached_property
     def kernel(self) -> KernelSeries | None:
@@ -194,7 +198,21 @@ def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
     """Nodes and modes per patch for a relative tolerance of the coupling."""
     kernel = elastic.kernel
     least = np.zeros(patches.count) if kernel is None else kernel.coupled_modes(patches.width, tolerance)
+    if elastic.far is not None:
+        least = _coupled_outside(elastic.far, patches, tolerance)
     return Resolution(*sizes(patches, tolerance, elastic.profile.max_order, least))
+
+
+def _coupled_outside(far: FarField, patches: Patches, tolerance: float) -> FloatArray:
+    """Modes by which the first and the last patch of a window feel those beyond its ends, (L,)."""
+    last = far.arc.outer_gap(patches)
+    first = (last + 1) % patches.count
+    ahead = (far.arc.delta - patches.right[last]) % TWO_PI + far.arc.margins[1]
+    behind = (patches.left[first] - far.arc.beta) % TWO_PI + far.arc.margins[0]
+    least = np.zeros(patches.count)
+    least[last] = chebyshev.coupling_modes(patches.width[last], ahead, tolerance)
+    least[first] = max(least[first], float(chebyshev.coupling_modes(patches.width[first], behind, tolerance)))
+    return least
 
 
 @mirrored
@@ -252,11 +270,7 @@ def evaluate(
     few_waves = _has_few_waves(elastic, modes)
     level = profile.max_height - penetration
     series, x, columns, tail, tail_energy = right_hand_sides(profile, patches, level, resolution)
-    for background in elastic.backgrounds:
-        columns[0] -= background(x)
-    if elastic.probes:
-        fields = [elastic.field_of_charges(np.array([probe]), np.ones(1))(x) for probe in elastic.probes]
-        columns = np.concatenate([columns, fields])
+    columns, moving = _with_others(elastic, x, columns, penetration)
     edge_columns = 4 if elastic.slopes else 2 * with_compliance
     waves = kernel.waves(x) if kernel is not None and few_waves else None
     addition = kernel.matrix(x) if kernel is not None and not few_waves else None
@@ -270,23 +284,41 @@ def evaluate(
         patches=patches,
         penetration=penetration,
         stress_intensity=intensity[0] + tail[0] * to_intensity,
-        stress_intensity_rate=-np.pi * intensity[1],
-        load=-float(gram[0, 1]),
-        load_rate=np.pi * float(gram[1, 1]),
+        stress_intensity_rate=-np.pi * intensity[moving],
+        load=-float(gram[0, moving]),
+        load_rate=np.pi * float(gram[moving, moving]),
         elastic_energy=(float(gram[0, 0]) + 0.5 * tail_energy) / (2 * np.pi),
         edge_compliance=solution.compliance,
         slope_compliance=solution.slope_compliance,
         edge_slope=tail[1] / radius - slope[0],
-        edge_slope_rate=np.pi * slope[1],
+        edge_slope_rate=np.pi * slope[moving],
         resolution=resolution,
         unknowns=x.size,
         series=series,
         skeleton=-charges[0],
-        skeleton_rate=np.pi * charges[1],
+        skeleton_rate=np.pi * charges[moving],
         rms_slope=profile.rms_slope,
-        intensity_by_probes=intensity[2:],
-        load_by_probes=-gram[2:, 1],
+        intensity_by_probes=intensity[moving + 1 :],
+        load_by_probes=-gram[moving + 1 :, moving],
     )
+
+
+def _with_others(elastic: Elastic, x: FloatArray, columns: FloatArray, penetration: float) -> tuple[FloatArray, int]:
+    """Columns with what others do at the nodes: fields in the first, and behind the second what is asked besides.
+
+    Also which of them the penetration moves: 1, or with a far field the column behind it.
+    """
+    moving = 1
+    for background in elastic.backgrounds:
+        columns[0] -= background(x)
+    if elastic.far is not None:
+        value, rate = elastic.far.at(x, penetration)
+        columns[0] -= value
+        columns, moving = np.concatenate([columns, 1 + rate[None] / np.pi]), 2
+    if elastic.probes:
+        fields = [elastic.field_of_charges(np.array([probe]), np.ones(1))(x) for probe in elastic.probes]
+        columns = np.concatenate([columns, fields])
+    return columns, moving
 
 
 def _has_few_waves(elastic: Elastic, modes: IntArray) -> bool:

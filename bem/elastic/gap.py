@@ -40,6 +40,7 @@ DOWNHILL = 10  # grid cells to a minimum that has moved
 BESIDE = np.array([[-1.0], [0.0], [1.0]])  # of three points
 NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
 GRID_RATIO = 1.2  # steps of the list of grid sizes, so that equal ones are treated together
+NOT_SEARCHED, WIDE_OPEN = (32, 10), 1e3  # points and samples in a gap that is not searched, and u there, in rms heights
 LEAST_TERMS, FEW_POWERS = 8, 4096  # of power series, summed at a time: terms, or terms times points
 
 
@@ -66,6 +67,8 @@ class GapField:
             total += self.elastic.kernel.field(x, self._skeleton_potential.position, self.state.skeleton)
         for background in self.elastic.backgrounds:
             total += background(x)
+        if self.elastic.far is not None:
+            total += self.elastic.far.at(x, self.state.penetration)[0]
         return (total + near_patches(self.state.patches, *self._charges, gap, x)) / -np.pi
 
     @cached_property
@@ -191,9 +194,14 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
     waves = patches.gap_after * (profile.max_order / TWO_PI)
     sizes = chebyshev.rounded_up(20 + POINTS_PER_WAVELENGTH * np.pi / 2 * waves, GRID_RATIO)
     counts = np.ceil(8 + 4 * np.sqrt((sizes - 20) / (POINTS_PER_WAVELENGTH * np.pi / 2))).astype(np.int64)
+    outer = -1  # the gap in which the outside of a window lies: others look there
+    if field.elastic.far is not None:
+        outer = field.elastic.far.arc.outer_gap(patches)
+        sizes[outer], counts[outer] = NOT_SEARCHED
     node = np.concatenate([chebyshev.basis_nodes(count) for count in counts.tolist()])
     gap = np.repeat(np.arange(patches.count), counts)
-    samples = field.displacement(patches.right[gap] + patches.gap_after[gap] * _place(node), gap)
+    samples, inner = np.full(gap.size, WIDE_OPEN), gap != outer
+    samples[inner] = field.displacement((patches.right[gap] + patches.gap_after[gap] * _place(node))[inner], gap[inner])
     found = low_points(patches, profile, (sizes, counts), samples, _highest(profile), threshold - field.clearance)
     gap, x = found[:, 0].astype(np.int64), found[:, 1:].T
     vertex, depth = _lowest(field, x, field(x.ravel(), np.tile(gap, 3)).reshape(x.shape), gap)

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+LEAPING = 1e-3  # accuracy.tolerance from which the path of an adhesive contact goes by leaps
 MOST_HARMONICS = 1_000_000  # 15 GB of tables, by 1.5 GB for a tenth of them
 MOST_SEED = 2**128 - 1  # what NumPy draws where none is given
 LEAST, MOST = 1e-60, 1e60

@@ -50,6 +50,10 @@ class Quantities:
         """Differences, one by one."""
         return Quantities(*(getattr(self, f.name) - getattr(other, f.name) for f in fields(self)))
 
+    def widened(self, other: Quantities) -> Quantities:
+        """Sizes and those of others together, one by one."""
+        return Quantities(*(abs(getattr(self, f.name)) + abs(getattr(other, f.name)) for f in fields(self)))
+
 
 UNKNOWN = Quantities(*[np.inf] * 8)
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -28,6 +28,8 @@ from bem.geometry.profile import Profile
 from bem.scene.scene import Scene
 
 PER_INCREMENT, PER_CREST, PER_TARGET = 3.8, 16.1, 5.7  # evaluations with adhesion
+LEAPING_SHARE = 0.3  # of the evaluations of a path event by event, where it goes by leaps: so much less time
+DIGITS = 1e-2, 1e-3, 1e-4, 1e-6, 1e-9  # accuracies that are priced
 LOADED = 0.5  # increments under a given load count so much: fewer states are stored on the way
 BEGINNING = 5.0  # increments of a leg under load, at most, though the contact hardly moves: the first ones are short
 PER_BARE_TARGET = 6.0  # without, of few crests
@@ -128,8 +130,15 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
         plain = of_bare[0] + of_bare[1] * float(crowds.mean()) + of_bare[2] * surface.max_order
         return Cost(legs, bare, bare, plain + extra, extra / (plain + extra), gigabytes)
     plain = least + by_crest * above + by_harmonic * surface.max_order
-    evaluations = sum(leg.evaluations for leg in legs)
+    evaluations = sum(leg.evaluations for leg in legs) * (LEAPING_SHARE if scene.leaps else 1.0)
     return Cost(legs, bare, evaluations, plain + extra, extra / (plain + extra), gigabytes)
+
+
+def seconds_by_digits(scene: Scene) -> dict[float, float]:
+    """What each of some values of `accuracy.tolerance` would cost, s."""
+    accuracies = (scene.accuracy.model_copy(update={"tolerance": tolerance}) for tolerance in DIGITS)
+    priced = (cost_of(replace(scene, accuracy=accuracy)).seconds for accuracy in accuracies)
+    return dict(zip(DIGITS, priced, strict=True))
 
 
 def warning_of(cost: Cost) -> str:

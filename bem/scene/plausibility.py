@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from bem.geometry.ranges import LEAPING
 from bem.geometry.scaling import ATOMIC
 from bem.scans.scan_keys import METRES
 from bem.scene.result import Caution, State
@@ -112,6 +113,7 @@ def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...
     judged = (
         _profile_cautions,
         _path_cautions,
+        _leap_cautions,
         _material_cautions,
         _range_cautions,
         _sample_cautions,
@@ -199,6 +201,14 @@ def _path_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
         yield "loading.targets", f"all pressures are above {PRESSURES[1]:g} E* h'_rms, all touches: unit, or {units}"
     if control == "mean_pressure" and max(abs(least), abs(largest)) < PRESSURES[0] and (least or largest):
         yield "loading.targets", f"all pressures are below {PRESSURES[0]:g} E* h'_rms, hardly a load: unit, or {units}"
+
+
+def _leap_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
+    """A path that is followed in leaps is uncertain."""
+    if scene.leaps:
+        told = f"at {scene.accuracy.tolerance:g} the path goes by leaps: events lie within intervals that their errors "
+        told += "tell, and a state may be one of another branch; its errors allow for that, but are no bounds "
+        yield "accuracy.tolerance", told + f"(below {LEAPING:g} events are located)"
 
 
 def _material_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:

@@ -119,6 +119,7 @@ def test_check_prints_scene_effects_and_cost(scene, capsys):
     assert "hurst = 0.7" in printed
     assert "slope_term" in printed
     assert "predicted cost" in printed
+    assert "by accuracy.tolerance: 0.01 " in printed
 
 
 def test_check_as_json(scene, capsys):
@@ -126,6 +127,8 @@ def test_check_as_json(scene, capsys):
     content = json.loads(capsys.readouterr().out)
     assert content["scene"] == load_scene(scene).resolved()
     assert content["seconds"] == pytest.approx(sum(effect["seconds"] for effect in content["effects"]))
+    by_digits = content["seconds_by_tolerance"]
+    assert by_digits["0.001"] == pytest.approx(0.3 * by_digits["1e-06"])
 
 
 def test_check_lists_every_mistake(scene, capsys):

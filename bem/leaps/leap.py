@@ -1,0 +1,162 @@
+"""One leap: the equilibrium at another value of the control, by Newton, else by one descent there.
+
+From predicted edges Newton leads to the equilibrium of the same patches.  Where there is none, where an edge passed a
+crest, or where a gap closes, events lie in between: they are resolved all at once at the end of the leap, by a descent
+that begins at those patches that Newton lost (relaxation.py).  Nothing in between is located.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import lapack
+
+from bem.adhesive.branch import moving_patches, outward_motion, unstable_patches
+from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
+from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
+from bem.continuation.locating import Start
+from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.patches import TWO_PI, Patches
+from bem.geometry.profile import Profile
+from bem.loading.increments import Accuracy
+
+STEPS = 8  # of Newton
+LONGEST_STEP = 0.3  # edge scales: a step behind which Newton has lost an edge, and what edges may move in all
+SHRINKING, SHORT_STEP = 0.5, 0.01  # a step over the one before it, unless it is as short as this, in edge scales
+LOCAL_STEP = 0.4  # largest step of a local descent: twice as long as where the path is exact
+NONE = np.zeros(0, dtype=np.int64)
+PREDICTED = 0.15  # edge scales that edges are moved at most before Newton begins
+
+
+@dataclass(frozen=True, eq=False)
+class Newton:
+    """Where Newton led: forces in equilibrium, or the patches that it lost."""
+
+    balance: Balance | None
+    lost: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Leapt:
+    """Where a leap ended, and the forces before it where events lie between; a snap alone is a bifurcation."""
+
+    relaxed: Relaxed
+    before: Balance | None = None
+
+
+def leap(
+    system: System, start: Start, outward: FloatArray, value: float, accuracy: Accuracy, before: Balance | None = None
+) -> Leapt:
+    """The equilibrium to which a state leads when the control goes to a value at once.
+
+    Parameters
+    ----------
+    system : System
+    start : Start
+        Edges of a stable equilibrium.
+    outward : (2 L,) array
+        Their predicted motion.
+    value : float
+        Of the control.
+    accuracy : Accuracy
+        Of the equilibrium that is sought.
+    before : Balance, optional
+        Forces at the start, if they are known.
+    """
+    patches, most = start.patches, PREDICTED * start.patches.edge_scale
+    found = newton(system, patches.moved(np.clip(outward, -most, most)), start.penetration, value, accuracy)
+    cause, lost = Cause(), found.lost
+    if found.balance is not None:
+        there = found.balance.state
+        closed = interpenetration(system, there, accuracy.allowed)
+        if closed.position.size:
+            patches, cause = there.patches, Cause(None, closed, there, LOCAL_STEP)
+        else:
+            lost = passing_patches(system.elastic.profile, patches, there.patches)
+            if not lost.size:
+                return Leapt(Relaxed("converged", value, found.balance, ()))
+    if before is None:
+        before = balance(system, start.patches, start.penetration, start.value, accuracy.tolerance)
+    if lost.size:
+        cause = Cause(lost, None, before.state, LOCAL_STEP)
+    relaxed = relax(system, patches, start.penetration, value, accuracy, cause)
+    if not relaxed.changes and lost.size:
+        relaxed = replace(relaxed, changes=(("bifurcation", float(start.patches.center[lost[0]])),))
+    return Leapt(relaxed, before)
+
+
+def newton(system: System, patches: Patches, penetration: float, value: float, accuracy: Accuracy) -> Newton:
+    """Newton's iteration on K = 2 sqrt(w) from edges close to a stable equilibrium.
+
+    Steps shrink and stay within the edge scales; K > 0 and a positive definite Hessian hold at the end.  Where not,
+    those patches are lost that move most in the step, or in the softest mode.
+    """
+    first, last, kept = patches, np.inf, None
+    for _ in range(STEPS):
+        here = if_solvable(balance, system, patches, penetration, value, accuracy.tolerance, kept)
+        if here is None:
+            break
+        if here.all_tensile and here.factor is None:
+            return Newton(None, unstable_patches(here))
+        if here.all_tensile and here.is_equilibrium(accuracy.residual):
+            return Newton(here, NONE)
+        step = newton_step(system, here)
+        if step is None:
+            break
+        moved, size = patches.moved(step), float(np.max(np.abs(step) / patches.edge_scale))
+        travelled = float(np.max(np.abs(outward_motion(first, moved)) / first.edge_scale))
+        shrinks = size <= max(SHRINKING * last, SHORT_STEP)
+        if not (max(size, travelled) <= LONGEST_STEP and shrinks and moved.is_ordered):
+            return Newton(None, moving_patches(patches, step))
+        last, kept = size, here.state.resolution if size < SHORT_STEP else None
+        patches, penetration = moved, here.state.penetration
+    return Newton(None, np.arange(patches.count))
+
+
+def newton_step(system: System, here: Balance) -> FloatArray | None:
+    """Outward motion of the edges towards K = 2 sqrt(w), (2 L,); None where there is none."""
+    missing = 2 * np.sqrt(here.work) - here.state.stress_intensity
+    _, _, step, info = lapack.dgesv(newton_matrix(system, here), missing, overwrite_a=1)
+    return None if info else np.asarray(step * here.state.patches.edge_scale)
+
+
+def newton_matrix(system: System, here: Balance) -> FloatArray:
+    """d(K - 2 sqrt(w)) by outward motions in edge scales at a given control, (2 L, 2 L)."""
+    state, control = here.state, system.control
+    matrix = here.jacobian.copy()
+    if control.load_weight > 0:
+        share = control.load_weight * control.rate(state)
+        matrix -= np.outer(share * state.stress_intensity_rate, here.load_gradient)
+    matrix.flat[:: here.work.size + 1] -= here.work_gradient / np.sqrt(here.work)
+    matrix *= state.patches.edge_scale
+    return matrix
+
+
+def tangent(system: System, here: Balance) -> FloatArray:
+    """d(outward motion of the edges) by the control along the branch, (2 L,)."""
+    return -system.control.rate(here.state) * here.response(here.load_gradient)
+
+
+def passing_patches(profile: Profile, first: Patches, last: Patches) -> IntArray:
+    """Patches an edge of which moved out over a valley and the crest behind it, which touches by itself."""
+    motion = outward_motion(first, last)
+    moved = np.flatnonzero(motion > TWO_PI / (4 * profile.max_order))
+    if not moved.size:
+        return moved
+    left = moved < first.count
+    where, size = edge_positions(first)[moved], motion[moved]
+    start = np.where(left, -where, where) % TWO_PI  # leftward motion is looked at in the mirror
+    passed = np.zeros(moved.size, dtype=bool)
+    for side, sign in ((left, -1.0), (~left, 1.0)):
+        valleys, crests = (_two_turns(sign * places) for places in (profile.valleys[0], profile.crests[0]))
+        valley = valleys[np.searchsorted(valleys, start[side])]
+        passed[side] = crests[np.searchsorted(crests, valley) % crests.size] < start[side] + size[side]
+    return np.unique(moved[passed] % first.count)
+
+
+def _two_turns(places: FloatArray) -> FloatArray:
+    """Places on the circle on two turns of it, ascending."""
+    once = np.sort(places % TWO_PI)
+    return np.concatenate([once, once + TWO_PI])

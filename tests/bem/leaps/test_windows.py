@@ -1,0 +1,137 @@
+"""Many patches in windows: the same states as of all patches together, at rest and on the way."""
+
+import numpy as np
+import pytest
+
+from bem.adhesive.equilibrium import System
+from bem.continuation.locating import AtControl, Start, settle
+from bem.elastic.far_field import Arc
+from bem.geometry.patches import Patches, ordered
+from bem.leaps import leaping_path
+from bem.leaps.settling import Settling
+from bem.leaps.windows import Window, in_core, seams, windows_of
+from bem.loading.increments import FINE
+from bem.problem import pose
+from bem.scene.scene import parse_scene
+from bem.solver import solve
+
+SAME = 1e-8  # of two settled states, relative; measured 4e-10
+
+
+def banded(targets, **changes):
+    """A scene with short waves only, so that contact has many patches: 60 to 90 here."""
+    orders = np.arange(60, 140)
+    amplitudes = orders**-1.2
+    phases = np.random.default_rng(0).uniform(-np.pi, np.pi, orders.size)
+    profile = {
+        "kind": "harmonics",
+        "period": 0.01,
+        "orders": orders.tolist(),
+        "amplitudes": (amplitudes * 5e-6 / np.sqrt(np.sum(amplitudes**2) / 2)).tolist(),
+        "phases": phases.tolist(),
+    }
+    tables = {
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+        "profile": profile,
+        "loading": {"control": "separation", "targets": targets},
+        "adhesion": {"work_of_adhesion": 3e-3},
+        "accuracy": {"tolerance": 1e-2},
+    }
+    return parse_scene(tables | changes)
+
+
+@pytest.fixture(scope="module")
+def both():
+    """The same path in windows, and of all patches together."""
+    with pytest.MonkeyPatch.context() as patch:
+        windows = solve(banded([4e-6, 3e-6, 6e-6]))
+        patch.setattr(leaping_path, "WINDOWED", np.inf)
+        return windows, solve(banded([4e-6, 3e-6, 6e-6]))
+
+
+def test_states_are_those_of_all_patches_together(both):
+    windows, together = both
+    assert windows.status == together.status == "converged"
+    assert min(state.n_patches for state in windows.targets) >= leaping_path.WINDOWED
+    for state, other in zip(windows.targets, together.targets, strict=True):
+        assert state.contact_fraction == pytest.approx(other.contact_fraction, rel=SAME)
+        assert state.mean_pressure == pytest.approx(other.mean_pressure, rel=SAME)
+        assert state.total_energy == pytest.approx(other.total_energy, rel=SAME)
+        assert state.contact_stiffness == pytest.approx(other.contact_stiffness, rel=1e-4)
+        assert state.certificate.ok
+        assert state.stable_at_fixed_load == other.stable_at_fixed_load
+
+
+def test_errors_are_those_of_all_patches_together(both):
+    for state, other in zip(*(result.targets for result in both), strict=True):
+        ours, theirs = (vars(one.error_estimate) for one in (state, other))
+        for name in ("contact_fraction", "mean_pressure", "elastic_energy", "adhesion_energy", "stress_intensity_max"):
+            assert ours[name] == pytest.approx(theirs[name], rel=1e-3)
+
+
+def test_events_are_those_of_all_patches_together(both):
+    """Nearly all: in which order crests touch within a leap depends on how far patches are led together."""
+    windows, together = ({(e.kind, round(e.position / 1e-5)) for e in result.events} for result in both)
+    assert len(windows & together) > 0.9 * len(together)
+
+
+def test_a_path_in_windows_that_was_interrupted_goes_on(both):
+    def stop(record):
+        if sum(entry.state.target for entry in record.entries) == 2:
+            raise KeyboardInterrupt
+
+    scene = banded([4e-6, 3e-6, 6e-6])
+    resumed = solve(scene, resume=solve(scene, on_state=stop))
+    assert [state.edges for state in resumed.targets] == [state.edges for state in both[0].targets]
+
+
+def test_pressures_are_met_in_windows(both):
+    first, second = both[0].targets[:2]
+    asked = (first.mean_pressure + second.mean_pressure) / 2
+    loading = {"control": "separation", "targets": [4e-6, 3e-6], "at_mean_pressures": [asked]}
+    found = solve(banded([], loading=loading)).targets
+    assert len(found) == 3
+    assert found[1].mean_pressure == pytest.approx(asked, rel=1e-8)
+    assert first.contact_fraction < found[1].contact_fraction < second.contact_fraction
+
+
+def test_all_edges_come_to_rest_by_the_jacobians_of_windows(both):
+    scene = banded([3e-6])
+    problem = pose(scene, scene.surface())
+    system = System(problem.elastic, problem.law, problem.control)
+    edges = np.array(both[0].targets[1].edges) / problem.scales.length
+    patches, value = ordered(edges[:, 0], edges[:, 1]), problem.control_value(3e-6, "separation")
+    pushed = patches.moved(0.005 * patches.edge_scale * np.random.default_rng(2).uniform(-1, 1, 2 * patches.count))
+    state, _ = Settling(system).settled(pushed, value, FINE)
+    dense, _ = settle(system, Start(pushed, value, value), AtControl(value), FINE)
+    assert dense.residual <= FINE.residual
+    np.testing.assert_allclose(state.patches.left, dense.state.patches.left, atol=1e-10)
+    np.testing.assert_allclose(state.stress_intensity, dense.state.stress_intensity, rtol=1e-8)
+
+
+def patches_of(*ends):
+    left, right = np.array(ends, dtype=float).T
+    return Patches(left, right)
+
+
+def test_windows_are_seamed_in_gaps_that_both_have():
+    every = np.ones(4, dtype=bool)
+    windows = [
+        Window(Arc(-0.2, 1.0, (0.01, 0.01)), np.arange(4), -0.1, every),
+        Window(Arc(0.255, 0.22 + 2 * np.pi, (0.01, 0.01)), np.arange(4), 0.55, every),
+    ]
+    one = patches_of((0.1, 0.2), (0.3, 0.4), (0.6, 0.7), (0.8, 0.9))
+    other = patches_of((0.1, 0.2), (0.3, 0.74), (0.8, 0.9), (1.1, 1.2), (6.0, 6.1))  # the gap at 0.5 is closed
+    assert seams(windows, [one, other]) == pytest.approx([(6.1 + 0.1 + 2 * np.pi) / 2, 0.75])
+    closed = patches_of((0.1, 0.2), (0.26, 0.95), (1.1, 1.2), (6.0, 6.1))
+    assert seams(windows, [one, closed]) is None
+    assert in_core(np.array([0.7, 0.8, 6.0]), 0.75, 1.3).tolist() == [False, True, False]
+
+
+def test_every_patch_is_in_one_core():
+    left = np.cumsum(np.random.default_rng(3).uniform(0.5, 2.0, 100))
+    left *= 6.2 / left[-1]
+    patches = Patches(left, left + 0.4 * np.diff(left, append=left[0] + 2 * np.pi))
+    for more in (0, 3, 7):
+        windows = windows_of(patches, more)
+        assert sorted(np.concatenate([w.members[w.core] for w in windows])) == list(range(100))
