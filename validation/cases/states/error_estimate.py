@@ -4,7 +4,8 @@ Every number that a state reports comes with an estimated error.  Here the true 
 without adhesion from Johnson's and Westergaard's formulas at the same control, everything else, layers and rough
 profiles included, from the equilibrium that dense algebra finds next to the state (dense_equilibrium.py).  An estimate
 is good when it bounds the true error, and is not more than a hundred times larger; errors below the resolution of the
-reference, 1e-14 of the largest value, count as that.
+reference, 1e-14 of the largest value, count as that.  Estimates of a path that goes by leaps hold besides that it may
+have come to another branch: they bound, and are not asked to be close.
 """
 
 from __future__ import annotations
@@ -54,6 +55,7 @@ class Number:
     quantity: str
     scene: str
     tolerance: float
+    leaps: bool
     true: float
     estimate: float
 
@@ -125,7 +127,9 @@ def numbers(name: str, posed: Scene, wave: Sinusoid | None, states: tuple[State,
             if quantity == "stress_intensity_max" and posed.adhesion is None:
                 continue  # zero but for rounding: judged by the certificate
             true = abs(getattr(state, quantity) - values[quantity]) / scale[quantity]
-            found.append(Number(quantity, name, posed.accuracy.tolerance, true, estimate / scale[quantity]))
+            found.append(
+                Number(quantity, name, posed.accuracy.tolerance, posed.leaps, true, estimate / scale[quantity])
+            )
     return found
 
 
@@ -167,7 +171,7 @@ def _error_estimate() -> Outcome:
 def _rows(found: list[Number], errors: dict[float, float]) -> tuple[Row, ...]:
     known = Reference(kind="exact", source="closed forms; dense algebra for layers and rough profiles")
     bounded = float(np.mean([number.bounded for number in found]))
-    close = float(np.mean([number.ratio <= ORDERS for number in found]))
+    close = float(np.mean([number.ratio <= ORDERS for number in found if not number.leaps]))
     same = Reference(kind="self", source=f"the same path at tolerance {TIGHT:g}")
     return (
         compared(f"share of {len(found)} reported numbers whose true error is below the estimate", "", known, [1.0],
