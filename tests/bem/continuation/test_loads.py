@@ -176,4 +176,4 @@ def test_loads_in_a_gap_too_narrow_for_the_digits_of_the_control_are_met():
         "accuracy": {"max_increment": 0.033},
     }
     met = solve(parse_scene(scene)).targets[:-1]
-    assert [state.mean_pressure for state in met] == pytest.approx(wanted, rel=3e-10)  # measured 1e-10
+    assert [state.mean_pressure for state in met] == pytest.approx(wanted, rel=1e-9)  # measured 3.5e-10 (Nehalem)

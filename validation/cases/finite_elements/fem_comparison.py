@@ -218,8 +218,8 @@ def flat(values: FloatArray) -> list[float]:
     return [float(value) for value in np.ravel(values)]
 
 
-def rows(comparison: Comparison) -> list[Row]:
-    """Rows of a comparison; with P4/P3 one more: that no combined uncertainty is above the one asked for."""
+def rows(comparison: Comparison, asked_uncertainty: bool = True) -> list[Row]:
+    """Rows of a comparison; with P4/P3 one more, unless told: no combined uncertainty is above the one asked for."""
     prefix = f"{comparison.label}: " if comparison.label else ""
     if not comparison.differences:
         return [
@@ -236,7 +236,7 @@ def rows(comparison: Comparison) -> list[Row]:
             )
         ]
     found = [_judged(prefix, difference, comparison) for difference in comparison.differences]
-    if comparison.fem is not None and comparison.fem.resolution.order == 4:
+    if asked_uncertainty and comparison.fem is not None and comparison.fem.resolution.order == 4:
         *others, displacement = comparison.differences
         found += [
             compared(f"{prefix}combined uncertainty over its scale, {name}", "",
