@@ -263,7 +263,9 @@ def test_every_quantity_of_finite_elements_that_is_pinned_has_a_column():
         quantity.name
         for path in FOLDER.glob("fem-*.json")
         for quantity in read_baseline(path.stem).quantities
-        if not re.match(r"unknowns|seconds|events|Richardson|.*(order|uncertainty|eigenvalue|minima|stable)", quantity.name)
+        if not re.match(
+            r"unknowns|seconds|events|Richardson|.*(order|uncertainty|eigenvalue|minima|stable)", quantity.name
+        )
     ]
     assert len(names) > 100
     assert [name for name in names if column_of(name) is None] == []
