@@ -175,6 +175,8 @@ def test_a_symmetry_breaks_as_such_at_any_increment(orders, ripple, work, more):
     )
     assert [event.kind for event in coarse.events] == [event.kind for event in fine.events]
     largest = released(fine).max()
-    np.testing.assert_allclose(released(coarse), released(fine), rtol=0, atol=1e-10 * largest)  # measured 3.6e-11 (Nehalem)
+    np.testing.assert_allclose(
+        released(coarse), released(fine), rtol=0, atol=1e-10 * largest
+    )  # measured 3.6e-11 (Nehalem)
     depths = [[event.penetration for event in result.events] for result in (coarse, fine)]
     np.testing.assert_allclose(*depths, rtol=0, atol=2e-12 * 50e-6)  # measured 7.9e-13
