@@ -26,13 +26,13 @@ from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.leaps.brackets import brackets
 from bem.leaps.leap import PREDICTED, leap, tangent
 from bem.leaps.settling import Jacobians, Settling, charges_of, moved_in
-from bem.leaps.windows import Window, in_core, seams, windows_of
+from bem.leaps.windows import Window, in_core, seams, wider, windows_of
 from bem.loading.assessment import Assessment
 from bem.loading.increments import Accuracy
 from bem.loading.path_events import PathEvent, PathStatus
 from bem.loading.path_point import PathPoint
 
-WIDER = 0, 3, 7  # patches of buffer more, for a window that finds nothing
+WIDER = 3, 7  # patches of buffer more, for a window that finds nothing
 JOINED = 0.5  # residual of windows that were joined, beyond which they did not fit
 FINER = 1e-2  # of the accuracy of targets: that of their assessment
 STEPS = 8  # of Newton to a load
@@ -162,12 +162,14 @@ class Spreading:
             zip(windows, far_fields([window.arc for window in windows], here, ahead), strict=True)
         ):
             landing = self._landed(window, far, point, motion, (value, accuracy, width))
-            for more in WIDER[1:] if landing is None else ():
-                window = windows_of(point.patches, more)[k]
-                (far,) = far_fields([window.arc], here, ahead)
-                landing = self._landed(window, far, point, motion, (value, accuracy, width))
+            for more in WIDER if landing is None else ():
+                again = wider(point.patches, k, more)
+                if again is None:
+                    break
+                (far,) = far_fields([again.arc], here, ahead)
+                landing = self._landed(again, far, point, motion, (value, accuracy, width))
                 if landing is not None:
-                    windows[k] = window
+                    windows[k] = again
                     break
             if landing is None:
                 return None

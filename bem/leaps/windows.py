@@ -1,7 +1,7 @@
 """Windows: many patches, cut into few that leap alone in the far field of all others.
 
 An event moves edges four patches away by 7e-5 of their edge scale (median of 186 jumps; of one in a hundred more than
-8e-4).  A window is a core of some 16 patches and a buffer of two to five on either side, its ends in the widest of the
+8e-4).  A window is a core of some 24 patches and a buffer of two to five on either side, its ends in the widest of the
 gaps there.  What a window finds is kept of its core: cores are parted at seams, in gaps that both windows have.
 Dimensionless.
 """
@@ -54,13 +54,30 @@ class Window:
         into.reshape(2, -1)[:, self.members[self.core]] = values.reshape(2, -1)[:, self.core]
 
 
-def windows_of(patches: Patches, more: int = 0) -> list[Window]:
-    """All patches in windows, buffers being wider by some patches; every patch is in one core."""
-    count, starts = patches.count, _core_starts(patches)
-    return [
-        _window(patches, start, (end - start) % count, BUFFER + more)
-        for start, end in zip(starts, [*starts[1:], starts[0]], strict=True)
-    ]
+def windows_of(patches: Patches) -> list[Window]:
+    """All patches in windows; every patch is in one core.
+
+    Raises
+    ------
+    ValueError
+        So few patches that a window leaves none outside.
+    """
+    windows = [_window(patches, start, size, BUFFER) for start, size in _cores(patches)]
+    found = [window for window in windows if window is not None]
+    if len(found) < len(windows):
+        raise ValueError(f"{patches.count} patches are too few for windows")
+    return found
+
+
+def wider(patches: Patches, index: int, more: int) -> Window | None:
+    """One of these windows, its buffers wider by some patches; None where that leaves none outside."""
+    return _window(patches, *_cores(patches)[index], BUFFER + more)
+
+
+def _cores(patches: Patches) -> list[tuple[int, int]]:
+    """First patch and number of patches of each core."""
+    starts = _core_starts(patches)
+    return [(start, (end - start) % patches.count) for start, end in zip(starts, [*starts[1:], starts[0]], strict=True)]
 
 
 def _core_starts(patches: Patches) -> list[int]:
@@ -71,14 +88,14 @@ def _core_starts(patches: Patches) -> list[int]:
     return sorted({int(max((round(k) + near) % count, key=lambda i: gap[i])) for k in wanted.tolist()})
 
 
-def _window(patches: Patches, start: int, size: int, buffer: int) -> Window:
-    """The window whose core has `size` patches from one on."""
+def _window(patches: Patches, start: int, size: int, buffer: int) -> Window | None:
+    """The window whose core has `size` patches from one on; None where it leaves none outside."""
     count, gap = patches.count, patches.gap_after
     choice = range(buffer, buffer + CHOICE)
     before = max(choice, key=lambda k: gap[(start - k - 1) % count])
     behind = max(choice, key=lambda k: gap[(start + size + k - 1) % count])
     if size + before + behind >= count:
-        raise ValueError("a window must leave patches outside")
+        return None
     row = np.arange(start - before, start + size + behind) % count
     order = np.argsort(row)
     core = np.zeros(row.size, dtype=bool)

@@ -9,7 +9,7 @@ from bem.elastic.far_field import Arc
 from bem.geometry.patches import Patches, ordered
 from bem.leaps import leaping_path
 from bem.leaps.settling import Settling
-from bem.leaps.windows import Window, in_core, seams, windows_of
+from bem.leaps.windows import Window, in_core, seams, wider, windows_of
 from bem.loading.increments import FINE
 from bem.problem import pose
 from bem.scene.scene import parse_scene
@@ -133,5 +133,20 @@ def test_every_patch_is_in_one_core():
     left *= 6.2 / left[-1]
     patches = Patches(left, left + 0.4 * np.diff(left, append=left[0] + 2 * np.pi))
     for more in (0, 3, 7):
-        windows = windows_of(patches, more)
+        windows = [wider(patches, k, more) for k in range(len(windows_of(patches)))]
         assert sorted(np.concatenate([w.members[w.core] for w in windows])) == list(range(100))
+
+
+def test_a_window_that_would_leave_no_patches_outside_is_not_made_wider():
+    """Of 51 to 70 patches, which leap in windows, a buffer of 12 on either side may hold all."""
+    rng = np.random.default_rng(0)
+    refused = 0
+    for count in range(51, 71):
+        ends = np.sort(rng.uniform(0, 2 * np.pi, 2 * count))
+        patches = Patches(ends[::2], ends[1::2])
+        widest = [wider(patches, k, 7) for k in range(len(windows_of(patches)))]
+        refused += widest.count(None)
+        assert all(window is None or window.members.size < count for window in widest)
+    assert refused
+    with pytest.raises(ValueError, match="3 patches are too few"):
+        windows_of(patches_of((0.1, 0.2), (0.3, 0.4), (0.6, 0.7)))
