@@ -1,4 +1,4 @@
-"""A branch of equilibria near one of its points: motions of edges, and numbers after a short step.
+"""A branch of equilibria near one of its points: motions of edges, its tangent, and numbers after a short step.
 
 Along a branch the edges move by -H^-1 dg/dtau, and the potential grows by the integral of the force that the control
 exerts.  Dimensionless.
@@ -21,6 +21,11 @@ def outward_motion(first: Patches, last: Patches) -> FloatArray:
     """Motion of the edges from some patches to others, (2 L,); across the end of the period too."""
     moved = np.concatenate([first.left - last.left, last.right - first.right])
     return np.asarray((moved + np.pi) % TWO_PI - np.pi)
+
+
+def tangent(system: System, here: Balance) -> FloatArray:
+    """d(outward motion of the edges) by the control along the branch of a stable state, (2 L,)."""
+    return -system.control.rate(here.state) * here.response(here.load_gradient)
 
 
 def after_step(system: System, here: Balance, value: float, outward: FloatArray, change: float) -> EventNumbers:

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from scipy.linalg import lapack
 
-from bem.adhesive.branch import after_step, outward_motion
+from bem.adhesive.branch import after_step, outward_motion, tangent
 from bem.adhesive.equilibrium import Balance, System, forces, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
@@ -55,20 +55,25 @@ def unit_of(system: System, here: Balance) -> FloatArray:
     return np.minimum(scale, PINNED * system.pinning.shortest(here.work, scale))
 
 
+def imbalance_by_edges(system: System, here: Balance, unit: FloatArray) -> FloatArray:
+    """d(K - 2 sqrt(w)) by outward motions in units at a given control, (2 L, 2 L)."""
+    control = system.control
+    matrix = here.jacobian.copy()
+    if control.load_weight > 0:
+        share = control.load_weight * control.rate(here.state)
+        matrix -= np.outer(share * here.state.stress_intensity_rate, here.load_gradient)
+    matrix.flat[:: here.work.size + 1] -= here.work_gradient / np.sqrt(here.work)
+    matrix *= unit
+    return matrix
+
+
 def bordered(system: System, here: Balance, unit: FloatArray, row: Row) -> FloatArray:
     """Matrix of the bordered system, motions in units, (2 L + 1, 2 L + 1)."""
-    state, n, rate = here.state, here.work.size, system.control.rate(here.state)
-    root = np.sqrt(here.work)
+    state, n = here.state, here.work.size
     matrix = np.empty((n + 1, n + 1))
-    block = matrix[:n, :n]
-    block[:] = here.jacobian
-    if system.control.load_weight > 0:
-        block -= np.outer(system.control.load_weight * rate * state.stress_intensity_rate, here.load_gradient)
-    diagonal = np.arange(n)
-    block[diagonal, diagonal] -= here.work_gradient / root
-    block *= unit
-    matrix[:n, n] = state.stress_intensity_rate * rate
-    matrix[:n] /= root[:, None]
+    matrix[:n, :n] = imbalance_by_edges(system, here, unit)
+    matrix[:n, n] = state.stress_intensity_rate * system.control.rate(state)
+    matrix[:n] /= np.sqrt(here.work)[:, None]
     matrix[n, :n], matrix[n, n] = row.by_edges * unit, row.by_control
     return matrix
 
@@ -186,7 +191,7 @@ def _bent(system: System, here: Balance, rate: FloatArray, control_rate: float) 
 
 def first_point(system: System, here: Balance, value: float, direction: float) -> CurvePoint | None:
     """The point next to a stable state; its parameter grows as the control moves in a direction."""
-    along = -direction * system.control.rate(here.state) * here.response(here.load_gradient)
+    along = direction * tangent(system, here)
     unit = unit_of(system, here)
     along = along / np.max(np.abs(along / unit))
     normal = along / unit**2

@@ -7,11 +7,11 @@ less the work that the difference of their loads does from its middle on.  Dimen
 
 from __future__ import annotations
 
-from bem.adhesive.branch import after_step
+from bem.adhesive.branch import after_step, tangent
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.relaxation import Relaxed
 from bem.continuation.jumps import DOUBT
-from bem.leaps.leap import Leapt, tangent
+from bem.leaps.leap import Leapt
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 
 

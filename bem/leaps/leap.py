@@ -15,6 +15,7 @@ from scipy.linalg import lapack
 from bem.adhesive.branch import moving_patches, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
+from bem.continuation.curve import imbalance_by_edges
 from bem.continuation.locating import Start
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray, IntArray
@@ -118,25 +119,9 @@ def newton(system: System, patches: Patches, penetration: float, value: float, a
 def newton_step(system: System, here: Balance) -> FloatArray | None:
     """Outward motion of the edges towards K = 2 sqrt(w), (2 L,); None where there is none."""
     missing = 2 * np.sqrt(here.work) - here.state.stress_intensity
-    _, _, step, info = lapack.dgesv(newton_matrix(system, here), missing, overwrite_a=1)
-    return None if info else np.asarray(step * here.state.patches.edge_scale)
-
-
-def newton_matrix(system: System, here: Balance) -> FloatArray:
-    """d(K - 2 sqrt(w)) by outward motions in edge scales at a given control, (2 L, 2 L)."""
-    state, control = here.state, system.control
-    matrix = here.jacobian.copy()
-    if control.load_weight > 0:
-        share = control.load_weight * control.rate(state)
-        matrix -= np.outer(share * state.stress_intensity_rate, here.load_gradient)
-    matrix.flat[:: here.work.size + 1] -= here.work_gradient / np.sqrt(here.work)
-    matrix *= state.patches.edge_scale
-    return matrix
-
-
-def tangent(system: System, here: Balance) -> FloatArray:
-    """d(outward motion of the edges) by the control along the branch, (2 L,)."""
-    return -system.control.rate(here.state) * here.response(here.load_gradient)
+    unit = here.state.patches.edge_scale
+    _, _, step, info = lapack.dgesv(imbalance_by_edges(system, here, unit), missing, overwrite_a=1)
+    return None if info else np.asarray(step * unit)
 
 
 def passing_patches(profile: Profile, first: Patches, last: Patches) -> IntArray:

@@ -18,13 +18,14 @@ from typing import ClassVar
 
 import numpy as np
 
+from bem.adhesive.branch import tangent
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation.locating import AtLoad, Refused, Start, settle
 from bem.continuation.path import Path
 from bem.continuation.points_with_edges import Equilibrium, Point
 from bem.geometry.patches import Patches
 from bem.leaps.brackets import brackets, unbracketed
-from bem.leaps.leap import Leapt, leap, newton, tangent
+from bem.leaps.leap import Leapt, leap, newton
 from bem.leaps.spread import Spread, Spreading
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import Accuracy, Effort, Increments

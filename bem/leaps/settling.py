@@ -13,13 +13,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import lapack
 
+from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
+from bem.continuation.curve import imbalance_by_edges
 from bem.elastic.collocation import Evaluation, Resolution, evaluate, finer
 from bem.elastic.far_field import Charges, far_fields
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-from bem.leaps.leap import newton_matrix, tangent
 from bem.leaps.windows import Window, windows_of
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of
 from bem.loading.increments import COARSE, Accuracy
@@ -108,7 +109,9 @@ class Settling:
             here = if_solvable(balance, system, window.of(patches), value, value, COARSE.tolerance)
             if here is None:
                 return None
-            lu, pivots, _ = lapack.dgetrf(newton_matrix(system, here), overwrite_a=1)
+            lu, pivots, _ = lapack.dgetrf(
+                imbalance_by_edges(system, here, here.state.patches.edge_scale), overwrite_a=1
+            )
             solved.append(Solved(window, system, here, (lu, pivots)))
         return Jacobians(solved)
 

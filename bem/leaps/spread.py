@@ -15,6 +15,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System, edge_positions
 from bem.continuation.locating import Start
 from bem.elastic.collocation import Evaluation
@@ -24,7 +25,7 @@ from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.leaps.brackets import brackets
-from bem.leaps.leap import PREDICTED, leap, tangent
+from bem.leaps.leap import PREDICTED, leap
 from bem.leaps.settling import Jacobians, Settling, charges_of, moved_in
 from bem.leaps.windows import Window, in_core, seams, wider, windows_of
 from bem.loading.assessment import Assessment
