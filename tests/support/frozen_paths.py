@@ -4,9 +4,9 @@
     python tests/support/frozen_paths.py compare GROUP [--count N] [--first K]
 
 `store` writes tests/frozen_paths/GROUP.jsonl, one path a line: status, targets and events at the increment of the scene
-and at a third of it.  `compare` solves again and says, scene by scene, whether both increments give the same, and the
-same as was stored: states to 1e-8 of their unit, events of the same kinds, places to 1e-6 rms heights and energies to
-1e-5 of the largest.  Its last lines are the shares that agree, evaluations and CPU seconds.
+and at a third of it, followed event by event.  `compare` solves again and says, scene by scene, whether both increments
+give the same, and the same as was stored: states to 1e-8 of their unit, events of the same kinds, places to 1e-6 rms
+heights and energies to 1e-5 of the largest.  Its last lines are the shares that agree, evaluations and CPU seconds.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ FOLDER = ROOT / "tests" / "frozen_paths"
 FINER = 3
 STATES, PLACES, ENERGIES = 1e-8, 1e-6, 1e-5
 DEFAULT_INCREMENT = 0.05
+EVENT_BY_EVENT = 1e-6  # tolerance of paths: from 1e-3 on they go by leaps, whose events are brackets
 
 Record = dict[str, Any]
 
@@ -44,7 +45,9 @@ class _TooLongError(Exception):
 
 def path_of(tables: Record, increment: float, limit: int) -> Record:
     """Status, targets and events of a scene; dimensionless by the rms height and what adhesion and heights give."""
-    tables = tables | {"accuracy": tables.get("accuracy", {}) | {"max_increment": increment}}
+    accuracy = tables.get("accuracy", {}) | {"max_increment": increment}
+    accuracy["tolerance"] = min(accuracy.get("tolerance", EVENT_BY_EVENT), EVENT_BY_EVENT)
+    tables = tables | {"accuracy": accuracy}
     scene, counts = parse_scene(tables), [0]
     if scene.surface().is_flat:
         raise SceneError([])  # nothing to follow
