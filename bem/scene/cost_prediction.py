@@ -28,7 +28,7 @@ from bem.geometry.profile import Profile
 from bem.scene.scene import Scene
 
 PER_INCREMENT, PER_CREST, PER_TARGET = 3.8, 16.1, 5.7  # evaluations with adhesion
-LEAPING_SHARE = 0.3  # of the evaluations of a path event by event, where it goes by leaps: so much less time
+LEAPING_SHARE = 0.2  # of the evaluations of a path event by event, where it goes by leaps: so much less time
 DIGITS = 1e-2, 1e-3, 1e-4, 1e-6, 1e-9  # accuracies that are priced
 LOADED = 0.5  # increments under a given load count so much: fewer states are stored on the way
 BEGINNING = 5.0  # increments of a leg under load, at most, though the contact hardly moves: the first ones are short
@@ -46,8 +46,8 @@ LONG_SECONDS, MANY_GIGABYTES = 3600.0, 8.0  # of which a run warns before it beg
 CLOCKS = (("years", 3.156e7), ("days", 86400.0), ("hours", 3600.0))
 KERNEL_SECONDS, KERNEL_RUNS = 0.7e-3, 7  # of the reference kernel; the least of so many runs counts
 MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cube of thousands of unknowns; bare: three
-    "compiled": ((0.51, 0.0052, 4e-5, 0.19, 34.0), (1.5, 0.06, 0.006)),
-    "NumPy": ((1.02, 0.0225, 5.4e-4, 0.18, 41.0), (3.0, 0.12, 0.008)),
+    "compiled": ((0.89, 0.012, 4e-5, 0.31, 91.0), (1.5, 0.06, 0.006)),
+    "NumPy": ((1.6, 0.051, 5.4e-4, 0.43, 260.0), (3.0, 0.12, 0.008)),
 }
 
 
