@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from validation.harness import store
 from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
 from validation.references.dense_equilibrium import solve_dense
 from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, scenes
-from validation.studies import kept_answers
 from validation.studies.work_precision import work_precision
 from validation.studies.work_precision.methods import METHODS, solve_bem, solve_fem, solve_paper
 from validation.studies.work_precision.points import Point, Timed
@@ -50,13 +50,14 @@ def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
     methods = [example.method(), example.method(name="second")]
     begun = []
 
-    def in_this_process(function, item):
+    def in_this_process(function, items, jobs, **options):
+        (item,) = items
         begun.append(getattr(getattr(item, "method", None), "name", "reference"))
         if begun[-1] == "second" and begun.count("second") == 1:
             raise KeyboardInterrupt
         yield Ended(item, function(item))
 
-    monkeypatch.setattr(kept_answers, "run_alone", in_this_process)
+    monkeypatch.setattr(store, "run_in_processes", in_this_process)
     with pytest.raises(KeyboardInterrupt):
         study(tmp_path, methods, example.TRUTH)
     first = json.loads((tmp_path / "work-precision.json").read_text())["points"]

@@ -19,12 +19,12 @@ from validation.challenge.judging import judged
 from validation.challenge.problem import ChallengeError, Problem
 from validation.challenge.solver_process import Returned
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
+from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener, Note
+from validation.harness.store import plain
 from validation.report.challenge.challenge_figures import drawn_standings
 from validation.report.challenge.challenge_page import overall_curves
 from validation.report.figures import save
-from validation.studies.store import plain
 
 DIGITS = 3.0
 EXTRAPOLATED = ", extrapolated"

@@ -28,13 +28,11 @@ from validation.challenge.judging import Judged, judged, lost
 from validation.challenge.problem import ChallengeError, Problem, names, problem
 from validation.challenge.solver_process import Returned, look_up, returned
 from validation.challenge.submission import read_submission
-from validation.harness.execution import Ended, run_in_processes
+from validation.harness.execution import Ended, Listener, Note, run_in_processes
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance, versions
-from validation.harness.runner import Listener, Note
+from validation.harness.store import FOLDER, Store, plain
 from validation.report.challenge.challenge_page import render_challenge
-from validation.studies.kept_answers import FOLDER, Answers
-from validation.studies.store import plain
 
 SCHEMA = "linecontact-challenge/1"
 JSON_FILE, PAGE = "challenge.json", "challenge.html"
@@ -98,7 +96,7 @@ def solved(
     imported.
     """
     look_up(spec)
-    store, source = Answers(folder / FOLDER, _key(), report), _digest(spec)
+    store, source = Store(folder / FOLDER, _key(), report), _digest(spec)
     decides = {one.name: (spec, source, hashlib.sha256(one.text.encode()).hexdigest()) for one in problems}
     kept = {one.name: store.kept(Returned, one.name, *decides[one.name]) for one in problems}
     found = {name: answer for name, answer in kept.items() if answer is not None}

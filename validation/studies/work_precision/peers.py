@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
-from validation.harness.registry import CaseError
+from validation.harness.case import CaseError
 from validation.references.fft_adhesion import STEPS, solve_fft
 from validation.studies.work_precision.methods import Method
 from validation.studies.work_precision.points import Point

@@ -6,7 +6,7 @@ time, largest memory of the process so far, and set-up, solution and evaluation 
 time: on one thread it is the wall time of an idle machine, and others do not add to it.  Errors of all quantities are
 kept; the curve shows the larger of those of contact fraction and mean pressure.  Points below the uncertainty of their
 reference are grey, failed ones stay with their message.  Counts, not seconds, are what could be gated.  Each finished
-curve, reference and price list is kept (kept_answers.py).
+curve, reference and price list is kept (harness/store.py).
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from typing import Any
 from validation.corpus.accuracy_costs import FILE as STORED
 from validation.corpus.accuracy_costs import AccuracyCosts, CostPoint
 from validation.corpus.effects import loaded_for_nothing
+from validation.harness.execution import Listener
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener
+from validation.harness.store import Store, store_in, write_json
 from validation.references import fft_adhesion as fft_methods
 from validation.references.posed_contacts import Posed, scenes
 from validation.report.study_figures import Line, Plot, write_svg
-from validation.studies.kept_answers import Answers, answers_in
-from validation.studies.store import peak_megabytes, text_table, write_json
+from validation.studies.shown import peak_megabytes, text_table
 from validation.studies.work_precision.conclusion import Mark, MethodCurve, sentences
 from validation.studies.work_precision.methods import METHODS, Method
 from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
@@ -123,7 +123,7 @@ def run(
         chosen = {name: posed for name, posed in chosen.items() if name in FFT_METHODS[0].scenes}
     repeats, seconds = SECONDS if quick else REPEATS
     facts, points, failures = provenance(), list[Point](), list[str]()
-    answers = answers_in(folder, report)
+    answers = store_in(folder, report)
     for posed in chosen.values():
         taking_part = [method for method in methods if posed.id in method.scenes]
         references = _references(posed, taking_part, known, answers, failures)
@@ -246,7 +246,7 @@ def _timed(task: Task, setting: Any) -> Timed:
     )
 
 
-def _prices(quick: bool, answers: Answers, failures: list[str]) -> tuple[list[Price], list[str]]:
+def _prices(quick: bool, answers: Store, failures: list[str]) -> tuple[list[Price], list[str]]:
     """The price list and what it says in words."""
     harmonics, runs = QUICK_PRICES if quick else PRICES
     answer = answers.alone(list[Price], priced, (harmonics, runs), f"price list, {harmonics} harmonics", runs)
@@ -263,7 +263,7 @@ def _references(
     posed: Posed,
     methods: Sequence[Method],
     known: dict[str, tuple[Source, ...]],
-    answers: Answers,
+    answers: Store,
     failures: list[str],
 ) -> dict[str, Reference]:
     """The references that these methods need, by name; those that fail are reported."""
