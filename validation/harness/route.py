@@ -136,3 +136,14 @@ class Laps:
 
 def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def behind_the_door(solve: Callable[[Problem, Any], Answer], knob: Any) -> Callable[[dict[str, Any]], dict[str, Any]]:
+    """A route at a setting as a solver of the challenge: from the dictionary of a problem to one of answers."""
+    return lambda data: solve(Problem.of(data), knob).values
+
+
+def missing(extra: str, *packages: str) -> str:
+    """Why a route of an extra cannot run here; empty when it can."""
+    absent = [name for name in packages if find_spec(name) is None]
+    return f'{", ".join(absent)} not installed: pip install ".[{extra}]"' if absent else ""

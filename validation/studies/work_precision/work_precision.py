@@ -24,9 +24,9 @@ from validation.corpus.effects import loaded_for_nothing
 from validation.harness.execution import Listener
 from validation.harness.provenance import provenance
 from validation.harness.store import Store, store_in, write_json
-from validation.references import fft_adhesion as fft_methods
-from validation.references.posed_contacts import Posed, scenes
+from validation.references.posed_contacts import Posed, numbers_of, scenes
 from validation.report.study_figures import Line, Plot, write_svg
+from validation.routes import cohesive_grid
 from validation.studies.shown import peak_megabytes, text_table
 from validation.studies.work_precision.conclusion import Mark, MethodCurve, sentences
 from validation.studies.work_precision.methods import METHODS, Method
@@ -36,7 +36,7 @@ from validation.studies.work_precision.price_list import Price, digits_of, price
 from validation.studies.work_precision.price_list import sentences as price_sentences
 from validation.studies.work_precision.references import SOURCES, Reference, Source, source_for
 
-SCHEMA = "linecontact-work-precision/1"
+SCHEMA = "linecontact-work-precision/2"
 FILE = "work-precision.json"
 QUICK_SCENES = ("sinusoid", "theory")
 QUICK_PRICES, PRICES = (60, 1), (250, 2)  # harmonics of the rough scene, runs of each effect
@@ -111,7 +111,7 @@ def run(
     PeersError
         The peers are asked for and not installed.
     """
-    absent = fft_methods.missing()
+    absent = cohesive_grid.missing()
     if peers and absent:
         raise PeersError(f"--peers: {absent}")
     if methods is METHODS and not absent:
@@ -168,7 +168,7 @@ def point_of(posed: Posed, method: Method, timed: Timed, reference: Reference | 
     if timed.found is None or reference is None:
         return Point(posed.id, method.name, timed)
     floor = reference.floor(posed, SHOWN)
-    errors = posed.errors(timed.found.answer, reference.answer)
+    errors = posed.errors(numbers_of(timed.found.values), reference.answer)
     return Point(posed.id, method.name, timed, errors, floor, f"{reference.source} ({reference.kind})")
 
 
@@ -319,7 +319,7 @@ def _write(
             for m in methods
         ],
         "points": reported,
-        "peers": fft_methods.missing() or "installed",
+        "peers": cohesive_grid.missing() or "installed",
         "conclusion": [*conclusion(points, tuple(chosen)), *peer_sentences(points)],
         "prices": [asdict(price) | {"digits": price.digits} for price in prices],
         "failures": list(failures),
