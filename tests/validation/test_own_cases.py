@@ -10,9 +10,9 @@ import pytest
 
 from validation import __main__ as command_line
 from validation.__main__ import main
+from validation.harness.case import CaseError
 from validation.harness.entry_points import cases, solvers
 from validation.harness.entry_points.own_cases import own_cases
-from validation.harness.registry import CaseError
 
 ROOT = Path(__file__).parents[2]
 CASE = """
