@@ -8,8 +8,7 @@ import pytest
 
 PACKAGES = ("bem", "fem_reference", "persson", "validation")
 OF_EXTRAS = {  # modules that need a package which is not always there
-    "validation.challenge.entrants.contact_mechanics": "ContactMechanics",
-    "validation.challenge.entrants.tamaas_grid": "tamaas",
+    "validation.routes.tamaas_grid": "tamaas",
 }
 
 

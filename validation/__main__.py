@@ -24,12 +24,12 @@ from bem.scene.result_file import RESULT_FILE, CorruptResultError
 from bem.scene.scene import SceneError
 from validation.challenge import commands as challenge
 from validation.harness import baseline
-from validation.harness.case import Case
+from validation.harness.case import Case, CaseError, registry, select
 from validation.harness.entry_points.own_cases import own_cases
+from validation.harness.execution import Note
 from validation.harness.executors import ExecutorError, opener_of
 from validation.harness.provenance import provenance
-from validation.harness.registry import CaseError, registry, select
-from validation.harness.runner import Note, run_cases
+from validation.harness.runner import run_cases
 from validation.harness.schema import SCHEMA, Report, is_intact, mistakes_in, with_checksum
 from validation.harness.verdict import counted, counts, fails
 from validation.report.pdf import write_pdf

@@ -2,7 +2,7 @@
 
 import time
 
-from validation.references.posed_contacts import Found
+from validation.harness.route import Answer
 from validation.studies.work_precision.methods import Method
 from validation.studies.work_precision.references import Reference, Source
 
@@ -16,8 +16,8 @@ def off_by(posed, error):
     begun = time.process_time()
     while time.process_time() - begun < (0.002 if error > 1e-6 else 0.03):
         pass
-    answer = TRUE | {"contact_fraction": 0.5 + error}
-    return Found(answer, round(1 / error), {"evaluations": 3}, 0.0, 0.002, 0.0)
+    values = {name: [value] for name, value in (TRUE | {"contact_fraction": 0.5 + error}).items()}
+    return Answer(values=values, unknowns=round(1 / error), counts={"evaluations": 3})
 
 
 def never(posed, setting):
@@ -33,7 +33,7 @@ def lost(posed):
 
 
 def method(name="halving", solve=off_by, settings=(0.1, 0.25, 1e-4, 1e-12), scenes=("sinusoid",), code="halving"):
-    return Method(name, code, "error", "nothing", settings, scenes, solve, {"theory": "it is no theory"})
+    return Method(name, code, "error", "nothing", settings, solve, (), scenes, {"theory": "it is no theory"})
 
 
 TRUTH = {"sinusoid": (Source("truth", "truth", truth),), "theory": (Source("truth", "truth", truth),)}

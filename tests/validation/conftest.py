@@ -3,22 +3,22 @@
 import pytest
 from in_this_process import Here, forking
 
-from validation.harness import executors
+from validation.harness import executors, store
 from validation.harness.execution import Ended
-from validation.studies import kept_answers
 
 
 @pytest.fixture
 def here(monkeypatch):
     """Tasks of studies in this process: starting another takes seconds."""
 
-    def in_this_process(function, item):
+    def in_this_process(function, items, jobs, **options):
+        (item,) = items
         try:
             yield Ended(item, function(item))
         except Exception as error:
             yield Ended(item, error)
 
-    monkeypatch.setattr(kept_answers, "run_alone", in_this_process)
+    monkeypatch.setattr(store, "run_in_processes", in_this_process)
 
 
 @pytest.fixture

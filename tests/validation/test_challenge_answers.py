@@ -110,7 +110,7 @@ def test_the_example_of_the_document_is_right():
     place = {}
     exec(text, place)
     one = problem("westergaard")
-    found = called(place["solve"], one.data)["answers"]
+    found = called(place["solve"], one.data)["values"]
     for name, values in found.items():
         np.testing.assert_allclose(values, one.key.answers[name].value, rtol=1e-12)
     assert called(place["solve"], problem("steep").data)["status"] == "not offered"

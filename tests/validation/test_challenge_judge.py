@@ -18,8 +18,9 @@ from validation.challenge.extrapolation import extrapolated
 from validation.challenge.judging import judged, lost
 from validation.challenge.problem import FOLDER, names, problem
 from validation.challenge.record_standings import estimated
-from validation.challenge.solver_process import Returned, returned
+from validation.challenge.solver_process import returned
 from validation.challenge.worker import LONGEST, plain
+from validation.harness.route import Answer
 from validation.report.challenge import challenge_page
 
 SOLVERS = """
@@ -249,11 +250,11 @@ def test_each_quantity_has_its_verdict(solvers, name, statuses):
 def test_digits_are_those_of_the_error_and_not_more_than_the_key_has():
     edges = Certified("m", (1.0, 4.0), (0.0, 4e-9), "", ())
     key = Key("one", {"patches": Certified("", (2.0,), (0.0,), "", ()), "edges": edges})
-    found = judged(key, Returned("answered", answers={"patches": 2, "edges": [1.0, 4.0 + 4e-6]}), 7.0)
+    found = judged(key, Answer("answered", values={"patches": 2, "edges": [1.0, 4.0 + 4e-6]}), 7.0)
     assert [row.digits for row in found.rows] == pytest.approx([15.0, 6.0], abs=1e-6)
     assert [row.status for row in found.rows] == ["right", "wrong"]
     assert found.rows[1].over_uncertainty == pytest.approx(1000, rel=1e-6)
-    perfect = judged(key, Returned("answered", answers={"edges": [1.0, 4.0]}), 7.0)
+    perfect = judged(key, Answer("answered", values={"edges": [1.0, 4.0]}), 7.0)
     assert perfect.rows[1].digits == pytest.approx(9.0)
 
 
@@ -337,7 +338,7 @@ def test_half_a_digit_is_not_lost():
     values = {name: list(one.value) for name, one in key.answers.items()}
     exact, close, apart = (
         judged(
-            key, Returned("answered", answers=values | {"separation": np.multiply(values["separation"], f).tolist()}), 3
+            key, Answer("answered", values=values | {"separation": np.multiply(values["separation"], f).tolist()}), 3
         )
         for f in (1 + 1e-6, 1 + 2e-6, 1 + 4e-6)
     )
@@ -427,13 +428,13 @@ def test_a_solver_that_cannot_be_found_is_bad_input(solvers, capsys, spec, said)
 
 def test_grids_are_extrapolated():
     def grid(spacing):
-        return Returned("answered", answers={"contact_fraction": [0.5 + spacing], "patches": [3]}, seconds=1.0)
+        return Answer("answered", values={"contact_fraction": [0.5 + spacing], "patches": [3]}, seconds=1.0)
 
     found = extrapolated({}, [grid(0.4), grid(0.2), grid(0.1)])
-    assert found.answers == {"contact_fraction": [pytest.approx(0.5)], "patches": [3]}
+    assert found.values == {"contact_fraction": [pytest.approx(0.5)], "patches": [3]}
     adhesive = extrapolated({"adhesion": {}}, [grid(0.2), grid(0.2 / np.sqrt(2))])
-    assert adhesive.answers["contact_fraction"] == [pytest.approx(0.5)]
-    failed = Returned("not offered", "layers")
+    assert adhesive.values["contact_fraction"] == [pytest.approx(0.5)]
+    failed = Answer("not offered", "layers")
     assert extrapolated({}, [grid(0.2), failed]) is failed
 
 
@@ -450,7 +451,7 @@ def test_problems_are_listed_and_shown(solvers, capsys):
 def test_what_extrapolation_says_of_the_finest_grid():
     one = problem("westergaard")
     finest, limit = (
-        Returned("answered", answers={"contact_fraction": values, "gap_at": [1.0, None, 2.0]})
+        Answer("answered", values={"contact_fraction": values, "gap_at": [1.0, None, 2.0]})
         for values in ([0.1, 0.3, 0.5, 0.8], [0.1, 0.3, 0.49, 0.8])
     )
     scale = max(one.key.answers["contact_fraction"].value)
@@ -472,4 +473,4 @@ def test_a_thread_that_a_solver_leaves_does_not_keep_its_answers(tmp_path, monke
     (tmp_path / "leaving.py").write_text(text)
     monkeypatch.chdir(tmp_path)
     found = returned("leaving:solve", 'title = "any"', 60.0)
-    assert (found.status, found.answers) == ("answered", {"a": 1.0})
+    assert (found.status, found.values) == ("answered", {"a": 1.0})

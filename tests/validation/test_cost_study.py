@@ -8,8 +8,9 @@ from types import SimpleNamespace
 import example_runs as examples
 import pytest
 
+from validation.harness import store
 from validation.harness.execution import Ended
-from validation.studies import cost, cost_bare, cost_breakdown, kept_answers
+from validation.studies import cost, cost_bare, cost_breakdown
 from validation.studies.cost import Drift, Task, drifts_of, exponents_of, judged, measured, tasks_of
 from validation.studies.cost_breakdown import dissected
 
@@ -200,13 +201,14 @@ def test_breakdown_is_told_and_stored(here, tmp_path, capsys):
 def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
     begun = []
 
-    def in_this_process(function, item):
+    def in_this_process(function, items, jobs, **options):
+        (item,) = items
         if item == stop:
             raise KeyboardInterrupt
         begun.append(item)
         yield Ended(item, function(item))
 
-    monkeypatch.setattr(kept_answers, "run_alone", in_this_process)
+    monkeypatch.setattr(store, "run_in_processes", in_this_process)
     stop = None
     study(tmp_path / "whole", examples.converge, PAIR, examples.apart)
     stop = PAIR[1]

@@ -21,7 +21,7 @@ from bem.scene.result_file import RESULT_FILE
 from validation import __main__ as command_line
 from validation.harness import executors
 from validation.harness.ensemble import read_member, run_ensemble
-from validation.harness.execution import Ended, Running, run_in_processes
+from validation.harness.execution import Ended, Running, WorkerDiedError, run_in_processes
 from validation.harness.executors import ExecutorError, opener_of
 
 needs_dask = pytest.mark.skipif(find_spec("distributed") is None, reason="the extra 'cluster' is not installed")
@@ -178,6 +178,18 @@ def test_task_of_a_killed_worker_is_run_again_and_counted_once(two_workers, tmp_
     assert sorted(ended) == [(k, k * k) for k in planned]
     assert runs(victim)[0] == pid
     assert set(runs(victim)) > {pid}  # by another process
+
+
+@pytest.mark.parametrize("code", [0, 1])
+def test_item_that_ends_its_process_is_told_whatever_the_exit_code(forked, code):
+    (_, ended) = run_in_processes(os._exit, [code], 1)
+    assert isinstance(ended.answer, WorkerDiedError)
+
+
+def test_item_that_reaches_its_limit_ends_and_costs_no_other(forked):
+    events = list(run_in_processes(time.sleep, [60.0, 0.0], 2, limit=lambda seconds: 0.3))
+    answers = {event.item: event.answer for event in events if isinstance(event, Ended)}
+    assert isinstance(answers[60.0], TimeoutError) and answers[0.0] is None
 
 
 THREADS = partial(eval, "[pool['num_threads'] for pool in threads()]", {"threads": threadpool_info, "of": np.float64})

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from validation.harness.registry import registry
+from validation.harness.case import registry
 from validation.studies.faults.fault_injection import Task, examine
 from validation.studies.faults.fault_table import SIZE, FaultError, Studied, faults_in
 

@@ -9,18 +9,18 @@ import pytest
 from in_this_process import forking
 
 from validation.__main__ import main
-from validation.harness.execution import run_each_alone
+from validation.harness.execution import run_in_processes
 from validation.harness.runner import record_of
 from validation.harness.schema import Band
+from validation.harness.store import Store
 from validation.studies.faults import faults
 from validation.studies.faults.fault_findings import Finding, Search, compared, excess_of
 from validation.studies.faults.fault_injection import Examined, Task
 from validation.studies.faults.fault_table import Fault, Studied, faults_in
 from validation.studies.faults.faults import Runs, control_run, examine_faults
-from validation.studies.kept_answers import Answers
 
 HERE = Path(__file__).parent
-SHORT = ("exact.sinusoid", "states.fault_gaps", "states.identities", "theory.theory_routes", "suite.harness")
+SHORT = ("exact.waves", "states.fault_gaps", "states.identities", "theory.theory_accuracy", "suite.harness")
 QUICK = Studied(tuple(f for f in faults_in() if f.quick), modules=tuple(f"validation.cases.{name}" for name in SHORT))
 
 
@@ -29,7 +29,7 @@ def silent(note):
 
 
 def runs(folder, studied=QUICK, jobs=1):
-    return Runs(studied, Answers(folder, "now", silent), jobs)
+    return Runs(studied, Store(folder, "now", silent), jobs)
 
 
 @pytest.fixture
@@ -200,19 +200,19 @@ def test_answers_come_in_the_order_of_the_tasks(apart, tmp_path):
 def test_interrupted_study_goes_on_to_the_same_report(studied, example, tmp_path, monkeypatch):
     begun = []
 
-    def interrupted(function, tasks, jobs):
+    def interrupted(function, tasks, jobs, **options):
         if any(task.fault for task in tasks):
             raise KeyboardInterrupt
-        yield from run_each_alone(function, tasks, jobs)
+        yield from run_in_processes(function, tasks, jobs, **options)
 
-    def noted(function, tasks, jobs):
+    def noted(function, tasks, jobs, **options):
         begun.extend(task.fault and task.fault.id for task in tasks)
-        yield from run_each_alone(function, tasks, jobs)
+        yield from run_in_processes(function, tasks, jobs, **options)
 
-    monkeypatch.setattr(faults, "run_each_alone", interrupted)
+    monkeypatch.setattr(faults, "run_in_processes", interrupted)
     with pytest.raises(KeyboardInterrupt):
         faults.run(tmp_path, True, silent, example.STUDIED)
-    monkeypatch.setattr(faults, "run_each_alone", noted)
+    monkeypatch.setattr(faults, "run_in_processes", noted)
     for asked in (["off"], []):  # the control run is not repeated, then nothing is
         assert faults.run(tmp_path, True, silent, example.STUDIED) == 0
         assert begun == asked

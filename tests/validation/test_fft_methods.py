@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from validation.references import fft_adhesion as fft_methods
-from validation.references.fft_adhesion import cohesive_range, missing, solve_fft
-from validation.references.posed_contacts import Found, exact_sinusoid, scenes
+from validation.harness import route
+from validation.harness.route import Answer
+from validation.references.posed_contacts import exact_sinusoid, numbers_of, scenes
+from validation.routes import cohesive_grid
+from validation.routes.cohesive_grid import cohesive_range, missing
 from validation.studies.work_precision import work_precision
 from validation.studies.work_precision.peers import FFT_METHODS, peer_sentences, peer_table
 from validation.studies.work_precision.points import Point, Timed
@@ -18,10 +20,9 @@ SINUSOID = scenes()["sinusoid"]
 
 
 def point(method, setting, error, seconds, area, scene="rough"):
-    answer, reported = {"contact_fraction": area, "mean_pressure": 1.0}, {}
-    if method.startswith("fft"):
-        reported = {"cohesive range / m": 1e-6}
-    found = Found(answer, setting, {}, 0.0, seconds, 0.0, reported)
+    values = {"contact_fraction": [area], "mean_pressure": [1.0]}
+    reported = {"cohesive range / m": 1e-6} if method.startswith("fft") else {}
+    found = Answer(values=values, unknowns=setting, details=reported)
     errors = {"contact_fraction": error, "mean_pressure": error / 10}
     return Point(scene, method, Timed(str(setting), found=found, cpu_seconds=seconds), errors, 1e-9, "bem")
 
@@ -73,7 +74,7 @@ def test_failed_points_are_left_out_of_words_and_table():
 
 @pytest.mark.parametrize("method", FFT_METHODS, ids=lambda method: method.name)
 def test_peers_reach_other_processes_and_have_references_of_another_code(method):
-    assert pickle.loads(pickle.dumps(method)).solve.keywords == method.solve.keywords
+    assert pickle.loads(pickle.dumps(method)).solve.args == method.solve.args
     assert all(source_for(scene, method).code != method.code for scene in method.scenes)
 
 
@@ -84,12 +85,12 @@ def test_grids_of_1024_to_65536_points_are_tried(scene):
 
 
 def test_absent_peers_are_named(monkeypatch):
-    monkeypatch.setattr(fft_methods, "find_spec", lambda name: None if name == "Adhesion" else name)
+    monkeypatch.setattr(route, "find_spec", lambda name: None if name == "Adhesion" else name)
     assert missing() == 'Adhesion not installed: pip install ".[peers]"'
 
 
 def test_study_says_that_absent_peers_are_not_run(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(fft_methods, "missing", lambda: "Adhesion not installed")
+    monkeypatch.setattr(cohesive_grid, "missing", lambda: "Adhesion not installed")
     work_precision.run(tmp_path, True, lambda note: None, (), {}, with_prices=False)
     assert "fft: not run: Adhesion not installed" in capsys.readouterr().out
 
@@ -97,7 +98,8 @@ def test_study_says_that_absent_peers_are_not_run(monkeypatch, tmp_path, capsys)
 @pytest.mark.skipif(bool(missing()), reason="needs the extra peers")
 def test_peer_finds_johnsons_contact():
     exact = exact_sinusoid(SINUSOID)
-    errors = [SINUSOID.errors(solve_fft(SINUSOID, points, 8).answer, exact) for points in (1024, 2048)]
+    found = [cohesive_grid.solve(SINUSOID, points, 8, 1) for points in (1024, 2048)]
+    errors = [SINUSOID.errors(numbers_of(one.values), exact) for one in found]
     assert max(errors[0].values()) < 0.02  # 0.012, of the area
     assert errors[1]["contact_fraction"] < 0.7 * errors[0]["contact_fraction"]  # 0.5: like rho squared
     assert np.max([error["mean_pressure"] for error in errors]) < 1e-3  # 2.6e-4

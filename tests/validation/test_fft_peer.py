@@ -36,7 +36,7 @@ def test_extrapolation_knows_what_it_does_not_remove():
 
 
 def test_a_case_without_its_package_is_not_run_and_says_why(monkeypatch):
-    monkeypatch.setattr(fft_solver, "find_spec", lambda name: None)
+    monkeypatch.setattr("validation.harness.route.find_spec", lambda name: None)
     outcome = next(case for case in fft_solvers.CASES if case.id == "fft-peer").compute()
     assert outcome.rows == ()
     assert "pip install" in outcome.skipped

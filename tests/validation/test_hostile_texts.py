@@ -22,9 +22,9 @@ from validation.challenge import standings
 from validation.challenge.judging import judged
 from validation.challenge.problem import problem
 from validation.challenge.run_judge import Judgement
-from validation.challenge.solver_process import Returned
 from validation.harness.case import Case
 from validation.harness.execution import Ended
+from validation.harness.route import Answer
 from validation.harness.runner import run_cases
 from validation.harness.schema import Report, with_checksum
 from validation.report.challenge.challenge_page import render_challenge
@@ -147,7 +147,7 @@ def studied(tmp_path_factory):
 def judgement(text):
     """The contents of challenge.json and of standings.json."""
     one = problem("westergaard")
-    found = judged(one.key, Returned("crashed", text), 3.0)
+    found = judged(one.key, Answer("crashed", text), 3.0)
     told = asdict(Judgement(text, 3.0, (found,), text, (text,))) | {"outcome": text, "passed": False}
     told["problems"] = [
         told["problems"][0] | {"title": text, "difficulty": text, "what_is_hard": text, "ignored": [text]}

@@ -10,9 +10,9 @@ import pytest
 
 from validation import __main__ as command_line
 from validation.__main__ import main
+from validation.harness.case import CaseError
 from validation.harness.entry_points import cases, solvers
 from validation.harness.entry_points.own_cases import own_cases
-from validation.harness.registry import CaseError
 
 ROOT = Path(__file__).parents[2]
 CASE = """
@@ -43,7 +43,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture(autouse=True)
 def suite(monkeypatch):
     """A small suite in place of the whole."""
-    small = command_line.registry(["validation.cases.exact.complete"])
+    small = command_line.registry(["validation.cases.exact.waves"])
     monkeypatch.setattr(command_line, "registry", lambda: small)
 
 

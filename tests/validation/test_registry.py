@@ -5,8 +5,7 @@ import types
 
 import pytest
 
-from validation.harness.case import Case, Outcome
-from validation.harness.registry import LEVELS, CaseError, registry, select
+from validation.harness.case import LEVELS, Case, CaseError, Outcome, registry, select
 
 PLAIN = {
     "id": "a",

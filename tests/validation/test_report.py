@@ -7,8 +7,8 @@ import pytest
 from report_parts import BAND, case, figure, report, row
 
 from validation.harness.baseline import FOLDER, read_baseline
+from validation.harness.case import registry
 from validation.harness.compare import combined_tolerance
-from validation.harness.registry import registry
 from validation.harness.schema import Figure, Reference, Table, Tolerance, with_checksum
 from validation.replicate import TOPICS
 from validation.report.figures import svg_of

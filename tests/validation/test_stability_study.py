@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from functools import partial
 
 import example_outcomes as examples
 import pytest
@@ -11,10 +10,10 @@ from validation import __main__ as command_line
 from validation.cases.suite import reduced_hard_cases as registered
 from validation.cases.suite.reduced_hard_cases import QUICK
 from validation.corpus.endings import ENDINGS, Task, counts, row_of, tasks_of
-from validation.harness import execution
-from validation.harness.execution import Ended, Running
+from validation.harness import store
+from validation.harness.execution import Ended
 from validation.harness.verdict import verdict_of
-from validation.studies import kept_answers, stability
+from validation.studies import stability
 from validation.studies.stability import summary
 
 FLAT = Task("bem", "flat", "reduced", 120.0)
@@ -105,15 +104,15 @@ def here(monkeypatch):
     """Everything in this process: starting another takes seconds."""
     begun = []
 
-    def in_this_process(function, items, limit):
+    def in_this_process(function, items, jobs, **options):
         for item in items:
             begun.append(item.id)
             try:
-                yield Ended(item, function(item)), 0.0
+                yield Ended(item, function(item))
             except Exception as error:
-                yield Ended(item, error), 0.0
+                yield Ended(item, error)
 
-    monkeypatch.setattr(stability, "run_in_turn", in_this_process)
+    monkeypatch.setattr(stability, "run_in_processes", in_this_process)
     return begun
 
 
@@ -155,7 +154,7 @@ def test_cases_that_crashed_are_run_again(here, tmp_path):
 def test_rows_of_other_sources_are_not_kept(here, tmp_path, monkeypatch):
     study(tmp_path, examples.converge)
     here.clear()
-    monkeypatch.setattr(kept_answers, "sources_digest", lambda: "other")
+    monkeypatch.setattr(store, "sources_digest", lambda: "other")
     study(tmp_path, examples.converge)
     assert here == ["flat", "apart", "one_line"]
 
@@ -168,19 +167,9 @@ def test_rows_of_the_other_form_do_not_count(here, tmp_path):
 
 
 def test_a_lost_case_is_an_error_of_the_study(here, tmp_path, monkeypatch):
-    monkeypatch.setattr(stability, "_in_turn", lambda *_: iter([row_of(FLAT, examples.outcome())]))
+    monkeypatch.setattr(stability, "_rows", lambda *_: iter([row_of(FLAT, examples.outcome())]))
     with pytest.raises(RuntimeError, match="planned 3 cases"):
         study(tmp_path, examples.converge)
-
-
-def test_time_limit_ends_a_case(tmp_path, monkeypatch):
-    def endless(function, items, jobs, pulse):
-        while True:
-            yield Running(tuple(items), (1.0,))
-
-    monkeypatch.setattr(execution, "run_in_processes", endless)
-    assert study(tmp_path, examples.converge, [replace(FLAT, limit=0.01)]) == 1
-    assert stored(tmp_path)["rows"][0]["ending"] == "timed out"
 
 
 def test_dead_process_is_a_crashed_row(forked, tmp_path):
@@ -197,7 +186,6 @@ def test_cases_side_by_side_end_as_alone_and_stand_in_order(forked, tmp_path):
     ]
 
 
-@pytest.mark.slow  # 9 s: the clock is looked at every 5 s
 def test_time_limit_of_a_case_leaves_that_beside_it(forked, tmp_path):
     tasks = [replace(TASKS[0], limit=1.0), *TASKS[1:]]
     assert study(tmp_path, examples.one_never_ends, tasks, jobs=2) == 1
@@ -271,8 +259,7 @@ def test_scene_that_kills_the_process_it_shares_costs_no_other(forked, tmp_path,
     assert [row["ending"] for row in random_stored(tmp_path)["rows"]] == ["converged", "crashed", "converged"]
 
 
-def test_scene_that_never_ends_costs_no_other(forked, tmp_path, monkeypatch):
-    monkeypatch.setattr(stability, "run_in_turn", partial(execution.run_in_turn, pulse=0.2))
+def test_scene_that_never_ends_costs_no_other(forked, tmp_path):
     tasks = [RANDOM[0], replace(RANDOM[1], limit=0.3), RANDOM[2]]
     assert random_study(tmp_path, examples.sleep_at_the_second, tasks=tasks) == 1
     assert [row["ending"] for row in random_stored(tmp_path)["rows"]] == ["converged", "timed out", "converged"]

@@ -190,7 +190,7 @@ def exit_code(words):
     ],
 )
 def test_bad_request_of_a_study_is_told_before_anything_is_written(monkeypatch, tmp_path, capsys, words, message):
-    monkeypatch.setattr("validation.references.fft_adhesion.find_spec", lambda name: None)
+    monkeypatch.setattr("validation.harness.route.find_spec", lambda name: None)
     assert exit_code(["study", *words, "--out", str(tmp_path / "out")]) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

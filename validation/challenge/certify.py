@@ -18,12 +18,13 @@ from bem.scene.result import Result
 from bem.solver import solve as solve_scene
 from validation.challenge.answers import Certified, Check, Key, csv_of, json_of, scale_of
 from validation.challenge.closed_answers import CLOSED, closed_answers
-from validation.challenge.entrants import boundary_elements
 from validation.challenge.posing import poses
 from validation.challenge.problem import PROBLEM_FILE, ChallengeError, toml_of
 from validation.challenge.second_routes import ROUTES
 from validation.challenge.worker import with_arrays
 from validation.harness.arrays import FloatArray
+from validation.harness.route import Problem
+from validation.routes import boundary_elements
 
 Checks = dict[str, tuple[Check, ...]]
 FLOOR = 1e-12  # of the scale; closed forms and solver differ by up to 4e-13
@@ -45,25 +46,25 @@ def certified(name: str, second: bool = True) -> Key:
     """
     if name not in poses():
         raise ChallengeError(f"problem {name!r}: one of {', '.join(poses())} is needed")
-    problem = with_arrays(tomllib.loads(toml_of(poses()[name])))
+    data = with_arrays(tomllib.loads(toml_of(poses()[name])))
+    problem = Problem.of(data)
     result = solve_scene(boundary_elements.tables(problem, 1e-12))
-    answered = boundary_elements.answers(problem, result)
-    ours = {key: np.atleast_1d(np.asarray(value, dtype=np.float64)) for key, value in answered.items()}
+    ours = _arrays(boundary_elements.answers(problem, result))
     if name in CLOSED:
-        closed = closed_answers(problem)
+        closed = closed_answers(data)
         beside: Checks = {key: (Check(SOLVER, _difference(ours[key], closed[key])),) for key in ours}
-        return _key(problem, closed, "closed form", dict.fromkeys(ours, ()), beside)
+        return _key(data, closed, "closed form", dict.fromkeys(ours, ()), beside)
     routes = SECOND.get(name, DEFAULT_ROUTES) if second else ()
     found = {route: ROUTES[route](problem, result) for route in routes}
     checks: Checks = {
         key: tuple(
-            Check(_named(route, spread, key), _difference(values[key], ours[key]))
-            for route, (values, spread) in found.items()
-            if key in values
+            Check(_named(route, answer.uncertainty, key), _difference(np.array(answer.values[key], float), ours[key]))
+            for route, answer in found.items()
+            if key in answer.values
         )
         for key in ours
     }
-    return _key(problem, ours, SOLVER, {key: _estimates(result, key) for key in ours}, checks)
+    return _key(data, ours, SOLVER, {key: _estimates(result, key) for key in ours}, checks)
 
 
 def write(key: Key, folder: Path) -> None:
@@ -73,6 +74,10 @@ def write(key: Key, folder: Path) -> None:
     write_atomically(place / PROBLEM_FILE, toml_of(poses()[key.problem]))
     write_atomically(place / "answers.json", json_of(key))
     write_atomically(place / "answers.csv", csv_of(key))
+
+
+def _arrays(values: dict[str, Any]) -> dict[str, FloatArray]:
+    return {name: np.array(value, dtype=np.float64) for name, value in values.items()}
 
 
 def _key(
@@ -107,7 +112,7 @@ def _estimates(result: Result, name: str) -> tuple[float, ...]:
     return () if any(value is None for value in found) else tuple(map(float, found))  # type: ignore[arg-type]
 
 
-def _named(route: str, spread: dict[str, FloatArray], key: str) -> str:
+def _named(route: str, spread: dict[str, Any], key: str) -> str:
     """The route, with the uncertainty that it states of itself."""
     return f"{route}, known to {np.max(spread[key]):.1g}" if key in spread else route
 

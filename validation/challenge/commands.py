@@ -19,8 +19,8 @@ from validation.challenge.answers import scale_of
 from validation.challenge.judging import MOST_DIGITS
 from validation.challenge.problem import FOLDER, Problem, names, problem
 from validation.harness.entry_points import solvers
+from validation.harness.execution import Note
 from validation.harness.executors import LOCAL, opener_of
-from validation.harness.runner import Note
 
 DONE, FAILED = 0, 1
 SOLVER = "from the dictionary of a problem to one of answers"

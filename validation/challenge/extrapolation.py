@@ -13,24 +13,25 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from validation.challenge.solver_process import Returned
+from validation.harness.route import Answer
 
 WHOLE = ("patches",)  # counts, of which the finest grid's stands
 
 
-def extrapolated(problem: Mapping[str, Any], grids: Sequence[Returned]) -> Returned:
+def extrapolated(problem: Mapping[str, Any], grids: Sequence[Answer]) -> Answer:
     """The answers to a problem that grids, coarsest first, tend to; as the finest where it has none."""
     fine, coarse = grids[-1], grids[-2]
     if fine.status != "answered" or coarse.status != "answered":
         return fine if fine.status != "answered" else coarse
     ratio = math.sqrt(2) if "adhesion" in problem else 2.0
     answers = {
-        name: value if name in WHOLE else _limit(value, coarse.answers[name], ratio)
-        for name, value in fine.answers.items()
-        if name in coarse.answers
+        name: value if name in WHOLE else _limit(value, coarse.values[name], ratio)
+        for name, value in fine.values.items()
+        if name in coarse.values
     }
     spent = [sum(getattr(grid, name) or 0.0 for grid in grids[-2:]) for name in ("seconds", "cpu_seconds")]
-    return Returned("answered", f"from the two finest grids, errors falling by {ratio:.3g}", answers, *spent)
+    told = f"from the two finest grids, errors falling by {ratio:.3g}"
+    return Answer("answered", told, answers, seconds=spent[0], cpu_seconds=spent[1])
 
 
 def _limit(fine: Any, coarse: Any, ratio: float) -> Any:

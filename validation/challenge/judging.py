@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from validation.challenge.answers import Certified, Key, scale_of
-from validation.challenge.solver_process import Returned
+from validation.harness.route import Answer
 
 MOST_DIGITS = 15.0
 RIGHT = "right"
@@ -64,17 +64,17 @@ class Judged:
         return max((row.error for row in self.rows if row.error is not None), default=None)
 
 
-def judged(key: Key, returned: Returned, digits: float) -> Judged:
+def judged(key: Key, returned: Answer, digits: float) -> Judged:
     """What a solver returned for a problem, against its key; `digits` are those that an answer needs to be right."""
     answered = returned.status == "answered"
     if answered:
-        rows = tuple(_row(name, one, returned.answers.get(name), digits) for name, one in key.answers.items())
+        rows = tuple(_row(name, one, returned.values.get(name), digits) for name, one in key.answers.items())
     else:
         rows = tuple(
             Row(name, returned.status, returned.message, None, None, None, 0, len(one.value))
             for name, one in key.answers.items()
         )
-    ignored = tuple(sorted(name for name in returned.answers if name not in key.answers))
+    ignored = tuple(sorted(name for name in returned.values if name not in key.answers))
     return Judged(key.problem, returned.status, returned.message, returned.seconds, returned.cpu_seconds, rows, ignored)
 
 

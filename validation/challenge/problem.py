@@ -18,7 +18,7 @@ import numpy as np
 from validation.challenge.answers import Key, key_of
 from validation.challenge.posing import LEAST_SAMPLES, MEANINGS, PERIOD, Harmonics, Pose, poses
 from validation.harness.arrays import FloatArray
-from validation.harness.registry import CaseError
+from validation.harness.case import CaseError
 from validation.references.fft_solver import on_grid
 
 FOLDER = Path(__file__).parent / "problems"

@@ -17,14 +17,14 @@ from validation.challenge.answers import scale_of
 from validation.challenge.extrapolation import extrapolated
 from validation.challenge.judging import judged
 from validation.challenge.problem import ChallengeError, Problem
-from validation.challenge.solver_process import Returned
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
+from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener, Note
+from validation.harness.route import Answer
+from validation.harness.store import plain
 from validation.report.challenge.challenge_figures import drawn_standings
 from validation.report.challenge.challenge_page import overall_curves
 from validation.report.figures import save
-from validation.studies.store import plain
 
 DIGITS = 3.0
 EXTRAPOLATED = ", extrapolated"
@@ -71,7 +71,7 @@ def _entries(
     entrant: Entrant, problems: Sequence[Problem], limit: float, folder: Path, report: Listener
 ) -> list[dict[str, Any]]:
     """An entry for each setting and problem."""
-    made, by_problem = [], dict[str, list[Returned]]()
+    made, by_problem = [], dict[str, list[Answer]]()
     for setting, spec in entrant.settings:
         report(Note(f"{entrant.name}, {setting}"))
         for one, found in zip(problems, run_judge.solved(spec, problems, limit, folder, report), strict=True):
@@ -88,7 +88,7 @@ def _entries(
     return made
 
 
-def _entry(solver: str, setting: str, one: Problem, found: Returned) -> dict[str, Any]:
+def _entry(solver: str, setting: str, one: Problem, found: Answer) -> dict[str, Any]:
     row = asdict(judged(one.key, found, DIGITS))
     row["rows"] = [
         {"quantity": r["quantity"], "status": r["status"]}
@@ -101,9 +101,9 @@ def _entry(solver: str, setting: str, one: Problem, found: Returned) -> dict[str
     return {"solver": solver, "setting": setting} | row | spent
 
 
-def estimated(one: Problem, quantity: str, finest: Returned, limit: Returned) -> float | None:
+def estimated(one: Problem, quantity: str, finest: Answer, limit: Answer) -> float | None:
     """What extrapolation says of the error of the finest grid, over the scale; None where a value is not there."""
-    values, limits = (np.atleast_1d(np.asarray(found.answers.get(quantity), object)) for found in (finest, limit))
+    values, limits = (np.atleast_1d(np.asarray(found.values.get(quantity), object)) for found in (finest, limit))
     if values.shape != limits.shape or any(value is None for value in (*values, *limits)):
         return None
     miss = np.abs(values.astype(np.float64) - limits.astype(np.float64))

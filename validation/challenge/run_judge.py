@@ -26,15 +26,14 @@ from bem.scene.atomic_file import write_atomically
 from validation.challenge import standings
 from validation.challenge.judging import Judged, judged, lost
 from validation.challenge.problem import ChallengeError, Problem, names, problem
-from validation.challenge.solver_process import Returned, look_up, returned
+from validation.challenge.solver_process import look_up, returned
 from validation.challenge.submission import read_submission
-from validation.harness.execution import Ended, run_in_processes
+from validation.harness.execution import Ended, Listener, Note, run_in_processes
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance, versions
-from validation.harness.runner import Listener, Note
+from validation.harness.route import Answer
+from validation.harness.store import FOLDER, Store, plain
 from validation.report.challenge.challenge_page import render_challenge
-from validation.studies.kept_answers import FOLDER, Answers
-from validation.studies.store import plain
 
 SCHEMA = "linecontact-challenge/1"
 JSON_FILE, PAGE = "challenge.json", "challenge.html"
@@ -90,7 +89,7 @@ def solved(
     report: Listener,
     workers: tuple[int, Opener] | None = None,
     memory: float | None = None,
-) -> Iterator[Returned]:
+) -> Iterator[Answer]:
     """What a solver, "package.module:function", returns for each problem; from `folder` where it is kept there.
 
     `limit` is in seconds for each problem, `memory` in GB for each process of the solver; `workers` says how many at a
@@ -98,9 +97,9 @@ def solved(
     imported.
     """
     look_up(spec)
-    store, source = Answers(folder / FOLDER, _key(), report), _digest(spec)
+    store, source = Store(folder / FOLDER, _key(), report), _digest(spec)
     decides = {one.name: (spec, source, hashlib.sha256(one.text.encode()).hexdigest()) for one in problems}
-    kept = {one.name: store.kept(Returned, one.name, *decides[one.name]) for one in problems}
+    kept = {one.name: store.kept(Answer, one.name, *decides[one.name]) for one in problems}
     found = {name: answer for name, answer in kept.items() if answer is not None}
     texts = {one.name: one.text for one in problems if one.name not in found}
     for name, answer in _returned(partial(returned, spec, limit=limit, memory=memory), texts, workers):
@@ -108,13 +107,13 @@ def solved(
         spent = "" if answer.seconds is None else f" in {answer.seconds:.3g} s"
         report(Note(f"{name}: {answer.status}{spent}{': ' + answer.message if answer.message else ''}"))
         if answer.status in KEPT:
-            store.keep(Returned, answer, name, *decides[name])
+            store.keep(Answer, answer, name, *decides[name])
     return iter([found[one.name] for one in problems])
 
 
 def _returned(
-    ask: Callable[[str], Returned], texts: dict[str, str], workers: tuple[int, Opener] | None
-) -> Iterator[tuple[str, Returned]]:
+    ask: Callable[[str], Answer], texts: dict[str, str], workers: tuple[int, Opener] | None
+) -> Iterator[tuple[str, Answer]]:
     """Names of problems and what `ask` gives for their texts, as they end."""
     if workers is None:
         for name, text in texts.items():
@@ -126,18 +125,18 @@ def _returned(
         for event in events:
             if isinstance(event, Ended):
                 answer = event.answer
-                died = Returned("crashed", f"{type(answer).__name__}: {answer}")
-                yield names_of[event.item], answer if isinstance(answer, Returned) else died
+                died = Answer("crashed", f"{type(answer).__name__}: {answer}")
+                yield names_of[event.item], answer if isinstance(answer, Answer) else died
 
 
-def submitted(path: Path, problems: Sequence[Problem]) -> Iterator[Returned]:
+def submitted(path: Path, problems: Sequence[Problem]) -> Iterator[Answer]:
     """What a submission answers to each problem."""
     content = read_submission(path)
     for one in problems:
-        yield Returned("answered", answers=content.get(one.name, {}))
+        yield Answer("answered", values=content.get(one.name, {}))
 
 
-def judge(solver: str, problems: Sequence[Problem], found: Iterator[Returned], digits: float) -> Judgement:
+def judge(solver: str, problems: Sequence[Problem], found: Iterator[Answer], digits: float) -> Judgement:
     """Every problem judged."""
     rows = tuple(judged(one.key, answer, digits) for one, answer in zip(problems, found, strict=True))
     return Judgement(solver, digits, rows)

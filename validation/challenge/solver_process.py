@@ -15,28 +15,16 @@ import tempfile
 import uuid
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from validation.challenge.problem import ChallengeError
 from validation.challenge.worker import GIGABYTE, MARK, end_marked
 from validation.harness.executors import THREAD_VARIABLES
+from validation.harness.route import Answer
 
 TAIL = 400  # characters of what a process that died had printed
 LOOK_UP = 120.0  # s for the import of a solver
-
-
-@dataclass(frozen=True)
-class Returned:
-    """What a solver returned for a problem."""
-
-    status: str  # "answered", "not offered", "crashed", "out of memory" or "timed out"
-    message: str = ""
-    answers: dict[str, Any] = field(default_factory=dict)  # as they came, not yet judged
-    # and `cpu_seconds`: of the call alone, without the start of the process and the import of the solver
-    seconds: float | None = None
-    cpu_seconds: float | None = None
 
 
 def look_up(spec: str) -> None:
@@ -50,7 +38,7 @@ def look_up(spec: str) -> None:
         raise ChallengeError(f"solver {spec!r}: {last[0]}")
 
 
-def returned(spec: str, problem: str, limit: float, memory: float | None = None) -> Returned:
+def returned(spec: str, problem: str, limit: float, memory: float | None = None) -> Answer:
     """What a solver returns for the text of a problem within a limit in s, and one in GB for each of its processes."""
     mark = uuid.uuid4().hex
     with tempfile.TemporaryDirectory() as folder:
@@ -69,14 +57,14 @@ def returned(spec: str, problem: str, limit: float, memory: float | None = None)
             try:
                 process.communicate(problem.encode(), limit)
             except subprocess.TimeoutExpired:
-                return Returned("timed out", f"no answer in {limit:g} s")
+                return Answer("timed out", f"no answer in {limit:g} s")
             finally:
                 _end(process, mark)
         if not file.exists():
             text = printed.read_bytes().decode("utf-8", "replace")[-TAIL:]
-            return Returned("crashed", ": ".join(filter(None, (_ending(process.returncode), text.strip()))))
+            return Answer("crashed", ": ".join(filter(None, (_ending(process.returncode), text.strip()))))
         content: Mapping[str, Any] = json.loads(file.read_text("utf-8"))
-        return Returned(**content)
+        return Answer(**content)
 
 
 def _ending(code: int) -> str:

@@ -1,7 +1,7 @@
 """Who takes part in the recorded standings, at which settings, and the record itself, standings.json.
 
-Every entrant is a function behind the public door (entrants/).  A solver with grids has one more line, extrapolated
-from them (extrapolation.py).
+Every entrant is a route behind the public door (validation/routes/).  A solver with grids has one more line,
+extrapolated from them (extrapolation.py).
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from validation.challenge.entrants.uniform_grid import WITHOUT_ADHESION
+from validation.routes.uniform_grid import WITHOUT_ADHESION
 
 RECORD = Path(__file__).parent / "standings.json"
 SCHEMA = "linecontact-challenge-standings/1"
-HOME = "validation.challenge.entrants"
+HOME = "validation.routes"
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ ENTRANTS = (
     Entrant("the paper's method", tuple((f"{n} cells", f"{HOME}.paper_method:cells_{n}") for n in (4, 8, 16))),
     Entrant("Persson's theory", (("as published", f"{HOME}.persson_theory:plain"),)),
     Entrant("Persson's theory, corrected", (("calibrated in one direction", f"{HOME}.persson_theory:corrected"),)),
-    Entrant("ContactMechanics and Adhesion", _grids("contact_mechanics", 256, 512, 1024, 2048),
+    Entrant("ContactMechanics and Adhesion", _grids("cohesive_grid", 256, 512, 1024, 2048),
             ("ContactMechanics", "Adhesion"), grids=True),
     Entrant("tamaas", _grids("tamaas_grid", 512, 1024, 2048, 4096), ("tamaas",), grids=True),
 )  # fmt: skip

@@ -1,7 +1,7 @@
 """The process of its own in which a solver is called: problem on stdin, what it returned in a file.
 
 `python -m validation.challenge.worker MODULE:FUNCTION FILE [BYTES]` writes JSON with `status` ("answered", "not
-offered", "crashed", "out of memory"), `message`, `answers`, `seconds` and `cpu_seconds`; without a problem on stdin
+offered", "crashed", "out of memory"), `message`, `values`, `seconds` and `cpu_seconds`; without a problem on stdin
 only the solver is looked up.  BYTES is the address space that the process, and each that it starts, may fill.  Imports
 nothing of the suite: a solver is measured alone.
 """
@@ -77,7 +77,7 @@ def called(solver: Callable[[dict[str, Any]], Any], problem: dict[str, Any]) -> 
     spent = {"seconds": time.perf_counter() - wall, "cpu_seconds": _cpu_seconds() - cpu}
     if not isinstance(answers, dict):
         return spent | {"status": "crashed", "message": f"a dictionary is needed, it returned {type(answers).__name__}"}
-    return spent | {"status": "answered", "answers": {cut(str(name)): plain(value) for name, value in answers.items()}}
+    return spent | {"status": "answered", "values": {cut(str(name)): plain(value) for name, value in answers.items()}}
 
 
 def cut(text: str) -> str:

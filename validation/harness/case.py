@@ -2,14 +2,24 @@
 
 `Case.compute` takes nothing and returns an `Outcome` of rows and figure data; it must be importable by name (a module
 level function or a `functools.partial` of one), since cases run in processes of their own.
+
+The registry holds all of them.  A case without question, equations, group or sources is refused when it is loaded, as
+is a second case of the same name.  What a case compares is checked when it has run (schema.Row).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from fnmatch import fnmatch
+from importlib import import_module
+from re import fullmatch
+from typing import get_args
 
-from validation.harness.schema import Code, Figure, Level, Row, Table
+from validation.harness.schema import ID, Code, Figure, Level, Row, Table
+
+LEVELS: tuple[Level, ...] = get_args(Level)
+CASES = "validation.cases"  # loaded by its name, with its list MODULES: cases import what runs them
 
 
 @dataclass(frozen=True)
@@ -39,3 +49,55 @@ class Case:
     scene: str = ""  # verbatim
     code: Code = "bem"  # whose answers its rows judge, where they do not say otherwise
     problem: str = ""  # what is solved, in a few words: cases of one problem share a line of the matrix
+
+
+class CaseError(ValueError):
+    """A registry that cannot be used, or a case that is not in it."""
+
+
+def registry(modules: Iterable[str] | None = None) -> tuple[Case, ...]:
+    """The cases of these modules, all by default, in the order of the report; CaseError as of `checked`."""
+    names = import_module(CASES).MODULES if modules is None else modules
+    return checked(case for name in names for case in import_module(name).CASES)
+
+
+def checked(found: Iterable[Case]) -> tuple[Case, ...]:
+    """The cases; CaseError where one is incomplete, or two have one name."""
+    cases = tuple(found)
+    for case in cases:
+        _check(case)
+    ids = [case.id for case in cases]
+    repeated = sorted({name for name in ids if ids.count(name) > 1})
+    if repeated:
+        raise CaseError(f"cases of the same name: {', '.join(repeated)}")
+    return cases
+
+
+def select(cases: Iterable[Case], level: str, pattern: str | None = None) -> tuple[Case, ...]:
+    """Cases of a level and those below it, or of all levels those that a pattern names.
+
+    A pattern that is the name of a case chooses that case only; any other those in whose name or group it occurs, or
+    whose name or group it matches as a shell pattern. CaseError for an unknown level, or where nothing matches.
+    """
+    if level not in LEVELS:
+        raise CaseError(f"level {level!r}: one of {', '.join(LEVELS)} is allowed")
+    every = tuple(cases)
+    if pattern is None:
+        included = LEVELS[: LEVELS.index(level) + 1]
+        return tuple(case for case in every if case.level in included)
+    chosen = tuple(case for case in every if case.id == pattern) or tuple(
+        case for case in every if any(pattern in name or fnmatch(name, pattern) for name in (case.id, case.group))
+    )
+    if not chosen:
+        raise CaseError(f"--only {pattern!r} matches no case of: {', '.join(case.id for case in every)}")
+    return chosen
+
+
+def _check(case: Case) -> None:
+    for name in ("id", "group", "question", "equations", "sources"):
+        if not getattr(case, name):
+            raise CaseError(f"case {case.id!r}: {name} is empty")
+    if not fullmatch(ID, case.id):
+        raise CaseError(f"case {case.id!r}: the id names files; letters, digits, dots, hyphens and underscores only")
+    if case.level not in LEVELS:
+        raise CaseError(f"case {case.id!r}: level {case.level!r} is not one of {', '.join(LEVELS)}")

@@ -26,10 +26,9 @@ import bem
 from bem.scene.result import Result
 from bem.scene.result_file import CorruptResultError, digest, read_result, write_result
 from bem.scene.scene import parse_scene
-from validation.harness.execution import Ended, Running, run_in_processes
+from validation.harness.execution import Ended, Listener, Note, Running, run_in_processes
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener, Note
 
 
 class OtherSceneError(ValueError):

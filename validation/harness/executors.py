@@ -4,8 +4,9 @@
 `dask://host:port`    the workers of a dask scheduler, by `Client.get_executor` of `distributed` (extra `cluster`)
 
 Work is a function importable by name with arguments that can be pickled.  A dask worker that dies has its work done
-again by another one, at most as often as the scheduler allows; a scheduler that dies is a ConnectionError; a local
-worker breaks its pool, which execution.py mends.
+again by another one, at most as often as the scheduler allows; a scheduler that dies is a ConnectionError; the work of
+a local one ends with BrokenProcessPool, and nobody else's does.  (pebble, whose pools have time limits, was tried: work
+that ends its process with exit code 0 is never reported there.)
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import AbstractContextManager, contextmanager
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
-from typing import TypeVar
+from multiprocessing.process import BaseProcess
+from typing import Any, TypeVar
 
 from threadpoolctl import threadpool_limits
 
@@ -38,10 +41,11 @@ class ExecutorError(ValueError):
 
 @dataclass(frozen=True)
 class Workers:
-    """An open executor and how many items it runs at once, asked anew whenever work is handed out."""
+    """An open executor, how many items it runs at once, asked anew whenever work is handed out, and how to end one."""
 
     executor: Executor
     capacity: Callable[[], int]
+    end: Callable[[Future[Any]], None] = lambda future: None  # the process that works on it
 
 
 Opener = Callable[[int], AbstractContextManager[Workers]]
@@ -70,18 +74,73 @@ def opener_of(spec: str) -> Opener:
 
 
 @contextmanager
-def local_processes(workers: int) -> Iterator[Workers]:
-    """Processes of this machine; an exception, an interrupt among them, ends them at once."""
-    others = set(multiprocessing.active_children())
-    context = multiprocessing.get_context("spawn")
-    with _one_thread_each(), ProcessPoolExecutor(workers, mp_context=context, initializer=_begin_worker) as pool:
+def local_processes(workers: int, fresh: bool = False) -> Iterator[Workers]:
+    """Processes of this machine, for each item a new one where `fresh`; an exception, an interrupt too, ends them."""
+    with _one_thread_each():
+        processes = Processes(fresh)
         try:
-            yield Workers(pool, lambda: workers)
+            yield Workers(processes, lambda: workers, processes.end)
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in set(multiprocessing.active_children()) - others:
-                process.terminate()
+            processes.end_all()
             raise
+        finally:
+            processes.shutdown()
+
+
+fresh_processes: Opener = partial(local_processes, fresh=True)  # so that memory, time and traces are those of an item
+
+
+class Processes(Executor):
+    """Processes of this machine, each behind an executor of its own: one that dies takes nobody else's work with it."""
+
+    def __init__(self, fresh: bool) -> None:
+        self._fresh = fresh
+        self._idle: list[ProcessPoolExecutor] = []
+        self._busy: dict[Future[Any], ProcessPoolExecutor] = {}
+        self._process: dict[ProcessPoolExecutor, set[BaseProcess]] = {}
+
+    def submit(self, function: Callable[..., Answer], /, *args: Any, **named: Any) -> Future[Answer]:
+        """Work for a process that is idle, or for a new one."""
+        for future in [future for future in self._busy if future.done()]:
+            self._set_free(future)
+        while self._idle:
+            slot = self._idle.pop()
+            with suppress(BrokenProcessPool):  # it died while nothing was asked of it
+                return self._given(slot, slot.submit(function, *args, **named))
+        context = multiprocessing.get_context("spawn")
+        others, slot = (
+            set(multiprocessing.active_children()),
+            ProcessPoolExecutor(1, mp_context=context, initializer=_begin_worker),
+        )
+        future = self._given(slot, slot.submit(function, *args, **named))
+        self._process[slot] = set(multiprocessing.active_children()) - others
+        return future
+
+    def end(self, future: Future[Any]) -> None:
+        """End the process that works on it."""
+        for process in self._process.get(self._busy[future], ()):
+            process.kill()
+
+    def end_all(self) -> None:
+        """End all processes that still work."""
+        for future in self._busy:
+            self.end(future)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Wait for the processes, and let them go."""
+        for slot in (*self._idle, *self._busy.values()):
+            slot.shutdown(wait, cancel_futures=cancel_futures)
+
+    def _given(self, slot: ProcessPoolExecutor, future: Future[Answer]) -> Future[Answer]:
+        self._busy[future] = slot
+        return future
+
+    def _set_free(self, future: Future[Any]) -> None:
+        slot = self._busy.pop(future)
+        if self._fresh or isinstance(future.exception(), BrokenProcessPool):
+            slot.shutdown(wait=False)
+        else:
+            self._idle.append(slot)
 
 
 @contextmanager

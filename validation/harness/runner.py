@@ -1,7 +1,7 @@
 """Runs cases in worker processes, keeps every finished one, and accounts for all of them.
 
 Each case is one task on one BLAS thread; those that took longest when they ran before start first.  The worker writes
-the record to OUT/cases/ID.json (kept.py) with a key over the case, all sources and the versions of what they run on: a
+the record to OUT/cases/ID.json (store.py) with a key over the case, all sources and the versions of what they run on: a
 run that was interrupted at any moment continues, and a record that other code made is computed again.  A case that
 crashes is a record with its message (traceback in OUT/cases/ID.log), never a missing one; planned and reported cases
 are counted and compared.
@@ -20,24 +20,14 @@ from functools import partial
 from pathlib import Path
 
 from validation.harness.case import Case, Outcome
-from validation.harness.execution import Ended, Running, Started, run_in_processes
+from validation.harness.execution import Ended, Listener, Note, Running, Started, run_in_processes
 from validation.harness.executors import Opener, local_processes
-from validation.harness.kept import DamagedError, keep, kept
 from validation.harness.provenance import sources_digest, versions
 from validation.harness.schema import CaseRecord
+from validation.harness.store import Store
 from validation.harness.verdict import counted
 
 GUESSED_SECONDS = {"quick": 15.0, "standard": 60.0, "full": 300.0}  # of a case that never ran, by level
-
-
-@dataclass(frozen=True)
-class Note:
-    """A line of progress."""
-
-    text: str
-
-
-Listener = Callable[[Note], None]
 
 
 def run_cases(
@@ -224,20 +214,17 @@ def failed_record(case: Case, message: str, seconds: float) -> CaseRecord:
     return record.model_copy(update={"status": "error", "message": storable})
 
 
-def _key(case: Case, code: str) -> str:
-    parts = (case.id, case.scene, code, json.dumps(versions(), sort_keys=True))
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+def _store(case: Case, folder: Path, code: str, report: Listener) -> Store:
+    """The store of the record of a case, which the same code, versions and scene made."""
+    parts = (case.scene, code, json.dumps(versions(), sort_keys=True))
+    return Store(folder, hashlib.sha256("\0".join(parts).encode()).hexdigest(), report, each=False)
 
 
-def _stored(case: Case, store: Path, code: str, report: Listener) -> CaseRecord | None:
+def _stored(case: Case, folder: Path, code: str, report: Listener) -> CaseRecord | None:
     """The stored record of a case if the same code made it and it did not crash."""
-    try:
-        record = kept(store / f"{case.id}.json", CaseRecord, _key(case, code))
-    except DamagedError as error:
-        report(Note(f"{error}; computed again"))
-        return None
+    record = _store(case, folder, code, report).kept(CaseRecord, case.id)
     return record if record is not None and record.status == "run" else None
 
 
-def _keep(record: CaseRecord, case: Case, store: Path, code: str) -> None:
-    keep(store / f"{record.id}.json", CaseRecord, record, _key(case, code))
+def _keep(record: CaseRecord, case: Case, folder: Path, code: str) -> None:
+    _store(case, folder, code, lambda note: None).keep(CaseRecord, record, case.id)

@@ -1,34 +1,28 @@
-"""Equilibria by dense algebra alone: next to a state of the solver, and from the overlap of the undeformed shapes.
+"""Equilibria by dense algebra alone, next to a state of the solver: what its error estimates are measured against.
 
 Newton on K_e = 2 sqrt(w_e) (K_e = 0 without adhesion) and on the condition of the control, with the plain dense
 evaluation (bem/audit/dense.py: own nodes, moments, kernels and derivatives), until its steps are rounding.  Work and
 energy of adhesion, stiffness and conversions are this file's own.  Dimensionless inside: lengths period / 2 pi, heights
 the rms height a, stresses E* q0 a / 2.
 
-`reference` starts at the edges and the penetration of a state: what its error estimates are measured against.
-`solve_dense` is a method of its own, with the number of nodes as its knob: no path, no search for contacts, the patches
-are given.  It shows what the discretisation alone costs, digit by digit; far from its answer, steps are limited to a
-third of the edge scale.
+Far from an answer (routes/dense_algebra.py) steps are limited to a third of the edge scale.
 """
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
 
 from bem.audit.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
-from bem.contact_state import ContactState
 from bem.elastic.layer import Layer
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
-from bem.geometry.scaling import Scales, Solid
+from bem.geometry.scaling import Solid
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray, IntArray
 from validation.references.adapters import taken
-from validation.references.posed_contacts import Found, MethodError, Posed, answer_of, overlap
 
 STEPS, FAR_STEPS = 8, 60
 FARTHEST = 0.3  # of the edge scale, where Newton starts far away
@@ -36,7 +30,7 @@ SMALLEST_STEP = 1e-13  # of an edge, in radians
 QUADRATURE = np.polynomial.legendre.leggauss(40)
 
 
-class NoReferenceError(RuntimeError):
+class NoReferenceError(ArithmeticError):
     """Newton did not converge: the state is not an equilibrium, or not near one."""
 
 
@@ -98,7 +92,7 @@ def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, floa
         compliance = layer.mean_compliance(solid)
     nodes = refinement * np.maximum(dense_nodes(profile, left, right), terms)
     target, weights = _condition(scene, state, compliance, rms, stress)
-    left, right, found, _ = _converged(
+    left, right, found, _ = converged(
         profile, left, right, state.penetration / rms, nodes, kernel, interface, target, weights
     )
     critical = np.zeros(2 * left.size) if interface is None else interface.critical(np.concatenate([left, right]))[0]
@@ -147,7 +141,7 @@ def _residual(
     return here.stress_intensity_jacobian - np.diag(outward * slope), here.stress_intensity - critical
 
 
-def _converged(
+def converged(
     profile: Profile,
     left: FloatArray,
     right: FloatArray,
@@ -189,38 +183,3 @@ def _limited(step: FloatArray, stress_intensity: FloatArray, edge_scale: FloatAr
     if np.any(closing):
         return np.append(np.where(closing, FARTHEST * edge_scale, 0.0), 0.0)
     return step * min(1.0, FARTHEST / float(np.max(np.abs(step[:-1]) / edge_scale)))
-
-
-def solve_dense(posed: Posed, nodes: int) -> Found:
-    """Contact at the penetration of a scene with this many nodes on every patch.
-
-    MethodError where Newton does not converge, or the scene has the slope term.
-    """
-    if posed.slope_term:
-        raise MethodError("the slope term is not in this route")
-    begun = time.perf_counter()
-    profile = Profile.from_harmonics(posed.period, posed.orders, posed.amplitudes, posed.phases)
-    solid = Solid(posed.youngs_modulus, posed.poisson_ratio)
-    scales = Scales(profile.period, profile.rms_height, solid.plane_strain_modulus)
-    layer, kernel = None if posed.thickness is None else Layer(posed.thickness), None
-    if layer is not None:
-        addition = layer.kernel(solid, posed.period, 1e-15)
-        kernel = SmoothKernel(addition.smooth, addition.slope)
-    interface = Interface(posed.work_of_adhesion / scales.release_rate, profile.scaled(), 0.0)
-    depth, start = posed.penetration / scales.height, overlap(posed) / scales.length
-    count = np.full(len(start), nodes)
-    ready = time.perf_counter()
-    try:
-        left, right, state, evaluations = _converged(
-            interface.profile, start[:, 0], start[:, 1], depth, count, kernel, interface, depth, (1.0, 0.0), far=True
-        )
-    except NoReferenceError as error:
-        raise MethodError(str(error)) from error
-    solved = time.perf_counter()
-    contact = ContactState(profile, solid, np.stack([left, right], axis=1) * scales.length, posed.penetration, layer)
-    at = np.array([posed.trough])
-    gap = contact.displacement(at) - (profile.height(at) - profile.max_height + posed.penetration)
-    fraction, pressure = float(np.sum(right - left)) / (2 * np.pi), state.load * scales.force / posed.period
-    answer = answer_of(fraction, pressure, state.elastic_energy * scales.energy_per_area, float(gap[0]))
-    counts = {"evaluations": evaluations, "patches": len(start)}
-    return Found(answer, int(count.sum()), counts, ready - begun, solved - ready, time.perf_counter() - solved)

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.util import find_spec
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bem.scene.scene import Scene
+from validation.harness import route
 from validation.harness.arrays import FloatArray
 from validation.references.adapters import taken
 
@@ -52,8 +52,7 @@ class Extrapolated:
 
 def missing() -> str:
     """Why the solver cannot run here; empty when it can."""
-    absent = [name for name in PACKAGES if find_spec(name) is None]
-    return f'{" and ".join(absent)} not installed: pip install ".[peers]"' if absent else ""
+    return route.missing("peers", *PACKAGES)
 
 
 def grid_contact(scene: Scene, mean_pressure: float, points: int) -> GridContact:

@@ -5,10 +5,10 @@
 - rough: a self-affine profile with 60 harmonics on a half-space, nine contacts at the end of a loading path.
 - theory: Persson's theory of the same profile, its two routes against each other.
 
-All are given at a penetration, in raw data from which each method derives its own constants.  Compared are contact
-fraction, mean pressure, elastic energy and the gap at one place.  Pressures are compared by their integrals, load and
-energy: with edges that differ, pointwise pressures have infinite differences beside them and no weighted square norm
-that is the same for all methods.
+All but the last are given at a penetration, in raw data from which each method derives its own constants.  Compared are
+contact fraction, mean pressure, elastic energy and the gap at one place.  Pressures are compared by their integrals,
+load and energy: with edges that differ, pointwise pressures have infinite differences beside them and no weighted
+square norm that is the same for all methods.
 
 Johnson's state at psi = pi/2 times the contact fraction, S = sin^2 psi, is Westergaard's at penetration
 D S (1 - ln S) and a flat punch of the mean tension sigma_1 on the same contact:
@@ -22,42 +22,45 @@ from the closed pressures 2 p* cos v sqrt(S - sin^2 v) and sigma_1 cos v / sqrt(
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
+from validation.harness.arrays import FloatArray
+from validation.harness.route import Place, Problem
 from validation.references.closed_forms import Sinusoid
 from validation.references.paper_method import Surface
 
+Harmonics = tuple[tuple[int, ...], tuple[float, ...], tuple[float, ...]]
 QUANTITIES = ("contact_fraction", "mean_pressure", "elastic_energy", "gap")
-Answer = dict[str, float]
+THEORY_LOAD = 1.0e4  # Pa
+Numbers = dict[str, float]
 
 
 @dataclass(frozen=True)
-class Posed:
-    """A contact in raw data, SI."""
+class Posed(Problem):
+    """A problem of one target."""
 
-    id: str
-    title: str
-    youngs_modulus: float
-    poisson_ratio: float
-    period: float
-    orders: tuple[int, ...]  # harmonics, with amplitudes in m and phases
-    amplitudes: tuple[float, ...]
-    phases: tuple[float, ...]
-    work_of_adhesion: float
-    slope_term: bool
-    thickness: float | None  # of the bonded layer; None for a half-space
-    penetration: float  # Delta, m
-    patches: int  # contacts a closure from crests looks for
-    trough: float  # position at which the gap is compared, m
+    title: str = ""
 
     @property
-    def scales(self) -> Answer:
+    def penetration(self) -> float:
+        """Delta, m."""
+        (target,) = self.targets
+        return target
+
+    @property
+    def trough(self) -> float:
+        """Position at which the gap is compared, m."""
+        return float(self.asked["gap_at"]["points"][0])
+
+    @property
+    def scales(self) -> Numbers:
         """What errors are divided by: 1, E* h'_rms / sqrt 2 (p* of a sinusoid), energy of that, rms height."""
-        amplitudes, orders = np.array(self.amplitudes), np.array(self.orders)
+        orders, amplitudes, _ = self.harmonics
         modulus = self.youngs_modulus / (1 - self.poisson_ratio**2)
         height = float(np.sqrt(np.sum(amplitudes**2) / 2))
         slope = float(np.sqrt(np.sum((2 * np.pi / self.period * orders * amplitudes) ** 2) / 2))
@@ -66,37 +69,22 @@ class Posed:
 
     def surface(self) -> Surface:
         """As the paper's method takes it."""
-        return Surface(
-            self.youngs_modulus, self.poisson_ratio, self.period, self.orders, self.amplitudes, self.phases,
-            self.work_of_adhesion, self.slope_term, self.thickness,
-        )  # fmt: skip
+        return surface_of(self)
 
-    def errors(self, found: Answer, reference: Answer) -> Answer:
+    def errors(self, found: Numbers, reference: Numbers) -> Numbers:
         """Errors over their scales, of the quantities that both know."""
         known = [name for name in QUANTITIES if name in found and name in reference]
         return {name: abs(found[name] - reference[name]) / self.scales[name] for name in known}
 
 
-class MethodError(ArithmeticError):
-    """A method came back without an answer."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """What a method found at a setting, and what it cost."""
-
-    answer: Answer  # by the names of QUANTITIES
-    unknowns: int  # of its largest linear system
-    counts: dict[str, int]  # evaluations, iterations: what gates could be put on
-    setup: float  # wall seconds of posing
-    solve: float  # of solving
-    post: float  # of evaluating the answer
-    details: dict[str, float] = field(default_factory=dict)  # what else is to be said of the setting
-
-
-def answer_of(contact_fraction: float, mean_pressure: float, elastic_energy: float, gap: float) -> Answer:
+def answer_of(contact_fraction: float, mean_pressure: float, elastic_energy: float, gap: float) -> Numbers:
     """The four quantities by their names."""
     return dict(zip(QUANTITIES, (contact_fraction, mean_pressure, elastic_energy, gap), strict=True))
+
+
+def numbers_of(values: Mapping[str, Any]) -> Numbers:
+    """The values, or uncertainties, of an answer to a problem of one target, by the names of QUANTITIES."""
+    return {name.removesuffix("_at"): float(value[0]) for name, value in values.items()}
 
 
 def scenes() -> dict[str, Posed]:
@@ -106,19 +94,29 @@ def scenes() -> dict[str, Posed]:
     phases = np.random.default_rng(1).uniform(-np.pi, np.pi, m.size)
     rough = tuple(int(order) for order in m), tuple(heights.tolist()), tuple(phases.tolist())
     posed = (
-        Posed("sinusoid", "Johnson's sinusoid, alpha = 0.3", 1e6, 0.5, 0.01, (1,), (1e-4,), (0.0,),
-              _johnson().work_of_adhesion, False, None, 6e-5, 1, 0.005),
-        Posed("layer", "two crests on a layer, d = 0.2 periods, nu = 0.45", 1e6, 0.45, 0.01, (1, 2), (2e-5, 6e-5),
-              (0.3, 0.0), 0.05, False, 0.002, 5e-5, 2, 0.0025),
-        Posed("rough", "self-affine profile, 60 harmonics", 1e6, 0.5, 0.01, *rough, 0.03, True, None, 5.8e-5, 0,
-              _lowest(rough)),
-        Posed("theory", "Persson's theory of the rough profile, 60 lines", 1e6, 0.5, 0.01, *rough, 0.03, True, None,
-              5.8e-5, 0, 0.0),
+        _pressed("sinusoid", "Johnson's sinusoid, alpha = 0.3", 0.5, ((1,), (1e-4,), (0.0,)), 6e-5, 0.005,
+                 work_of_adhesion=_johnson().work_of_adhesion),
+        _pressed("layer", "two crests on a layer, d = 0.2 periods, nu = 0.45", 0.45, ((1, 2), (2e-5, 6e-5), (0.3, 0.0)),
+                 5e-5, 0.0025, work_of_adhesion=0.05, thickness=0.002),
+        _pressed("rough", "self-affine profile, 60 harmonics", 0.5, rough, 5.8e-5, _lowest(rough),
+                 work_of_adhesion=0.03, slope_term=True),
+        Posed("theory", 1e6, 0.5, 0.01, *rough, "mean_pressure", (THEORY_LOAD,),
+              {"contact_fraction": {}, "elastic_energy": {}}, work_of_adhesion=0.03, slope_term=True,
+              title="Persson's theory of the rough profile, 60 lines"),
     )  # fmt: skip
     return {scene.id: scene for scene in posed}
 
 
-def scene_tables(posed: Posed) -> dict[str, Any]:
+def _pressed(
+    name: str, title: str, poisson_ratio: float, harmonics: Harmonics, depth: float, trough: float, **named: Any
+) -> Posed:
+    """At a penetration, asked for everything, the gap at one place."""
+    gap = {"gap_at": {"target": 1, "points": [trough]}}
+    asked: dict[str, Place] = dict[str, Place](contact_fraction={}, mean_pressure={}, elastic_energy={}) | gap
+    return Posed(name, 1e6, poisson_ratio, 0.01, *harmonics, "penetration", (depth,), asked, title=title, **named)
+
+
+def scene_tables(posed: Problem) -> dict[str, Any]:
     """Tables of the scene file of the solver."""
     tables: dict[str, Any] = {
         "solid": {"youngs_modulus": posed.youngs_modulus, "poisson_ratio": posed.poisson_ratio},
@@ -129,13 +127,14 @@ def scene_tables(posed: Posed) -> dict[str, Any]:
             "amplitudes": list(posed.amplitudes),
             "phases": list(posed.phases),
         },
-        "adhesion": {"work_of_adhesion": posed.work_of_adhesion, "slope_term": posed.slope_term},
-        "loading": {"control": "penetration", "targets": [posed.penetration]},
+        "loading": {"control": posed.control, "targets": list(posed.targets)},
     }
+    if posed.work_of_adhesion is not None:
+        tables["adhesion"] = {"work_of_adhesion": posed.work_of_adhesion, "slope_term": posed.slope_term}
     return tables if posed.thickness is None else tables | {"layer": {"thickness": posed.thickness}}
 
 
-def exact_sinusoid(posed: Posed) -> Answer:
+def exact_sinusoid(posed: Posed) -> Numbers:
     """Johnson's answer at the penetration of the scene.
 
     Examples
@@ -158,19 +157,27 @@ def exact_sinusoid(posed: Posed) -> Answer:
     return answer_of(psi * 2 / np.pi, float(wave.mean_pressure(psi)), float(energy), float(gap))
 
 
-def overlap(posed: Posed) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def surface_of(problem: Problem) -> Surface:
+    """A problem as the paper's method takes it."""
+    return Surface(
+        problem.youngs_modulus, problem.poisson_ratio, problem.period, problem.orders, problem.amplitudes,
+        problem.phases, problem.work_of_adhesion or 0.0, problem.slope_term, problem.thickness,
+    )  # fmt: skip
+
+
+def overlap(problem: Problem) -> FloatArray:
     """Where the undeformed profile is above the undeformed face: edges (L, 2) to start from, m."""
-    surface = posed.surface()
-    count = 64 * max(posed.orders)
+    surface = surface_of(problem)
+    count = 64 * max(problem.orders)
     x = np.arange(count) * (2 * np.pi / count)
-    inside = surface.height(x) - surface.highest + posed.penetration / surface.unit_height > 0
+    inside = surface.height(x) - surface.highest + problem.targets[-1] / surface.unit_height > 0
     starts, ends = np.flatnonzero(inside & ~np.roll(inside, 1)), np.flatnonzero(inside & ~np.roll(inside, -1))
     ends = np.where(ends < starts, np.roll(ends, -1), ends) if ends[0] < starts[0] else ends
     ends = np.where(ends < starts, ends + count, ends)
-    return np.asarray(np.stack([starts, ends + 1], axis=1) * (posed.period / count), dtype=np.float64)
+    return np.asarray(np.stack([starts, ends + 1], axis=1) * (problem.period / count), dtype=np.float64)
 
 
-def _lowest(harmonics: tuple[tuple[int, ...], tuple[float, ...], tuple[float, ...]]) -> float:
+def _lowest(harmonics: Harmonics) -> float:
     """Place of the lowest of 4096 points of a profile with period 0.01 m."""
     orders, amplitudes, phases = (np.array(values) for values in harmonics)
     x = np.arange(4096) / 4096

@@ -21,10 +21,10 @@ from bem.command_line.console import scene_text
 from bem.scene.result_file import CorruptResultError
 from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, OtherSceneError, read_member, run_ensemble
-from validation.harness.execution import Ended, run_in_processes
+from validation.harness.execution import Ended, Listener, Note, run_in_processes
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener, Note, failed_record, record_of
+from validation.harness.runner import failed_record, record_of
 from validation.harness.schema import SCHEMA, CaseRecord, Report
 from validation.replicate import (
     area,

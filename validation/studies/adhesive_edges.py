@@ -25,12 +25,13 @@ from persson.domain import groups_of, outside
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.harness.ensemble import Member, read_member, run_ensemble
+from validation.harness.execution import Note
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note
+from validation.harness.store import write_json
 from validation.studies import contact_slope
 from validation.studies.contact_slope import MODULUS, RMS_SLOPE, lines_of, name_of, rms
-from validation.studies.store import text_table, write_json
+from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-adhesive-edges-study/1"
 PARTS = ("fit", "hold_out", "second_hold_out")

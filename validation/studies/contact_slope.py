@@ -21,10 +21,11 @@ from persson.contact_slope import contact_fractions, data
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.harness.ensemble import Member, read_member, run_ensemble
+from validation.harness.execution import Listener, Note
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener, Note
-from validation.studies.store import text_table, write_json
+from validation.harness.store import write_json
+from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-contact-slope-study/1"
 FILE = "contact-slope.json"

@@ -3,7 +3,7 @@
 Curves and predictions: convergence_curves.py; fits: rates.py.  A rate is bounded on both sides: converging too fast is
 as wrong as too slowly.  The path of the solver has no rate: its events are resolved whatever the increments, so the
 states at its targets must agree to the tolerance; that is self-convergence and gives no digits.  A curve that cannot be
-computed is a line with its message.  Finished parts are kept (answers.py): an interrupted study continues.
+computed is a line with its message.  Finished parts are kept (harness/store.py): an interrupted study continues.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from validation.corpus.convergence_curves import (
     persson_curves,
 )
 from validation.corpus.rates import RateError
+from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener, Note
+from validation.harness.store import Store, store_in, write_json
 from validation.report.study_figures import Line, Plot, write_svg
-from validation.studies.kept_answers import Answers, answers_in
-from validation.studies.store import text_table, write_json
+from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-convergence/1"
 FILE = "convergence.json"
@@ -95,7 +95,7 @@ def run(
     """
     folder.mkdir(parents=True, exist_ok=True)
     chosen = steps_of(quick) if steps is None else list(steps)
-    facts, answers = provenance(), answers_in(folder, report)
+    facts, answers = provenance(), store_in(folder, report)
     curves: list[Curve] = []
     failures: list[str] = []
     with threadpool_limits(limits=1, user_api="blas"):
@@ -126,7 +126,7 @@ def run(
     return 0 if good else 1
 
 
-def _computed(step: Step, quick: bool, answers: Answers) -> Sequence[Curve]:
+def _computed(step: Step, quick: bool, answers: Store) -> Sequence[Curve]:
     """The curves of a part, kept or computed and kept."""
     known = answers.kept(list[Curve], step.name, quick)
     if known is not None:

@@ -6,7 +6,7 @@ again at a quarter of the increment: contact fraction and separation at the load
 exponents, of the whole curve and of its part up to a contact fraction of a fifth.  Seed 0 is also taken
 apart, stage by stage and against patches (cost_breakdown.py), in a run of its own.  Without adhesion single loads are
 solved up to 100,000 harmonics (cost_bare.py).  A run that fails is a line with
-its message; finished runs are kept (answers.py).  Counts, memory and digits gate; seconds are reported, they are those
+its message; finished runs are kept (harness/store.py).  Counts, memory and digits gate; seconds are those
 of the machine at hand.
 """
 
@@ -24,17 +24,17 @@ import numpy as np
 import bem
 from bem.scene.result import FINAL_STATUSES, Progress, State
 from validation.harness.compare import fitted_order
+from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener, Note
 from validation.harness.schema import Table
+from validation.harness.store import Store, plain, store_in, write_json
 from validation.references import adapters
 from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies import cost_bare
 from validation.studies.cost_bare import BareRun, BareTask
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences
-from validation.studies.kept_answers import Answers, answers_in
-from validation.studies.store import peak_megabytes, plain, write_json
+from validation.studies.shown import peak_megabytes
 
 SCHEMA = "linecontact-cost/1"
 FILE = "cost.json"
@@ -137,7 +137,7 @@ def run(
     """
     folder.mkdir(parents=True, exist_ok=True)
     chosen = tasks_of(quick) if tasks is None else list(tasks)
-    facts, answers = provenance(), answers_in(folder, report)
+    facts, answers = provenance(), store_in(folder, report)
     runs: list[Run] = []
     for done, task in enumerate(chosen, 1):
         runs.append(_measured(measure or measured, task, answers))
@@ -347,7 +347,7 @@ def _complete(run: Run) -> bool:
     return run.status == "converged" and len(run.separations) == run.loads_asked_for > 0
 
 
-def _measured(measure: Callable[[Task], Run], task: Task, answers: Answers) -> Run:
+def _measured(measure: Callable[[Task], Run], task: Task, answers: Store) -> Run:
     """A run in a process of its own, or a line with its message."""
     about = f"seed {task.seed}, {task.harmonics} harmonics, increment {task.increment:g}"
     answer = answers.alone(Run, measure, task, about, task, measure.__qualname__)
@@ -356,7 +356,7 @@ def _measured(measure: Callable[[Task], Run], task: Task, answers: Answers) -> R
     return Run(task.seed, task.harmonics, task.increment, f"{type(answer).__name__}: {answer}")
 
 
-def _taken_apart(dissect: Callable[[int], Breakdown], harmonics: int, answers: Answers) -> Breakdown:
+def _taken_apart(dissect: Callable[[int], Breakdown], harmonics: int, answers: Store) -> Breakdown:
     """A path taken apart in a process of its own, or the message why it is not."""
     name = f"{harmonics} harmonics, stage by stage"
     answer = answers.alone(Breakdown, dissect, harmonics, name, dissect.__qualname__)

@@ -12,9 +12,9 @@ from dataclasses import dataclass, fields
 
 import bem
 from validation.harness.schema import Table
+from validation.harness.store import Store, plain
 from validation.references import adapters
-from validation.studies.kept_answers import Answers
-from validation.studies.store import peak_megabytes, plain
+from validation.studies.shown import peak_megabytes
 
 HARMONICS, LOADS = (1000, 10_000, 100_000), (0.005, 0.01, 0.02)  # mean pressures over E*
 
@@ -77,7 +77,7 @@ def measured(task: BareTask) -> BareRun:
     )
 
 
-def measured_alone(measure: Callable[[BareTask], BareRun], task: BareTask, answers: Answers) -> BareRun:
+def measured_alone(measure: Callable[[BareTask], BareRun], task: BareTask, answers: Store) -> BareRun:
     """A load in a process of its own, or a row with its message."""
     about = f"{task.harmonics} harmonics without adhesion, {task.load:g} E*"
     answer = answers.alone(BareRun, measure, task, about, task, measure.__qualname__)

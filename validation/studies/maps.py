@@ -14,10 +14,11 @@ from typing import Any
 
 from validation.corpus.maps import FULL_AXES, TINY_AXES, Axes, Run, maps_over, member_of, planes, reduced
 from validation.harness.ensemble import Outcome, read_member, run_ensemble
+from validation.harness.execution import Listener, Note
 from validation.harness.executors import Opener, local_processes
-from validation.harness.runner import Listener, Note
+from validation.harness.store import write_json
 from validation.report.map_figures import Map, write_map
-from validation.studies.store import text_table, write_json
+from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-maps/1"
 FILE = "maps.json"

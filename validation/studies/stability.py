@@ -3,7 +3,7 @@
 The corpora of the boundary elements, of the finite element reference and of Persson's theory state what they expect
 before anything runs.  Each case runs alone in a process under a time limit; corpus/endings.py says how it may end, and
 counts that apart from whether the result is correct.  Planned and reported cases are counted and compared; a row that
-is missing is an error of the study.  Finished rows are kept (answers.py), so that an interrupted study continues.
+is missing is an error of the study.  Finished rows are kept (harness/store.py), so that an interrupted study continues.
 
 With `--random N --seed K` the cases are N scenes drawn at random instead (random_scenes.py), which random_trial.py
 judges: the rows go to stability_random.json with the findings counted by kind, and the scenes of rows that do not
@@ -17,7 +17,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
@@ -36,15 +35,14 @@ from validation.corpus.endings import (
 )
 from validation.corpus.hard.hard_case_run import Outcome
 from validation.corpus.random import random_trial
-from validation.harness.execution import Ended, Running, run_in_processes, run_in_turn
+from validation.harness.execution import Ended, Listener, Note, Running, run_in_processes
+from validation.harness.executors import fresh_processes, local_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener, Note
-from validation.studies.kept_answers import answers_in
-from validation.studies.store import text_table, write_json
+from validation.harness.store import store_in, write_json
+from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-stability/1"
 FILE, RANDOM_FILE, RANDOM_FOLDER = "stability.json", "stability_random.json", "random"
-TOGETHER = 20  # random scenes that share a process, whose start takes as long as a scene
 ASKED = 10.0  # s of CPU time for a reduced case, as asked for; reported, seconds never gate
 
 
@@ -84,7 +82,7 @@ def run(
         Fewer rows than planned: a fault of this module.
     """
     planned = tasks_of(quick) if tasks is None else list(tasks)
-    facts, answers = provenance(), answers_in(folder, lambda note: None)
+    facts, answers = provenance(), store_in(folder, lambda note: None)
     rows = [row for task in planned if (row := answers.kept(Row, _name(task), task.form)) is not None]
     if rows:
         report(Note(f"{len(rows)} of {len(planned)} cases are there already"))
@@ -132,42 +130,20 @@ def summary(rows: Sequence[Row], planned: int) -> list[str]:
 
 
 def _rows(measure: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int, report: Listener) -> Iterator[Row]:
-    """The rows of cases as they end, up to `jobs` at a time, each in a process of its own, random ones in groups."""
-    groups: list[tuple[Task, ...]] = [(task,) for task in tasks if task.code != "random"]
+    """The rows of cases as they end, up to `jobs` at a time, each in a process of its own; random ones share theirs."""
     drawn = [task for task in tasks if task.code == "random"]
-    groups += [tuple(drawn[first : first + TOGETHER]) for first in range(0, len(drawn), TOGETHER)]
-    if jobs == 1:
-        for group in groups:
-            yield from _in_turn(measure, group, report)
-        return
-    with closing(run_in_processes(partial(_listed, measure), groups, jobs)) as events:
-        for event in events:
-            names = [_name(group[0]) for group in (event.items if isinstance(event, Running) else (event.item,))]
-            if isinstance(event, Ended):
-                answer = event.answer
-                yield from answer if isinstance(answer, list) else [row_of(task, answer) for task in event.item]
-            elif isinstance(event, Running):
-                report(Note(", ".join(f"{n} {passed:.0f} s" for n, passed in zip(names, event.seconds, strict=True))))
-            else:
-                report(Note(f"{names[0]}: started"))
-
-
-def _listed(measure: Callable[[Task], Outcome], tasks: Sequence[Task]) -> list[Row]:
-    """The rows of cases that share a process, reported at the end."""
-    return list(_in_turn(measure, tasks, lambda note: None))
-
-
-def _in_turn(measure: Callable[[Task], Outcome], tasks: Sequence[Task], report: Listener) -> Iterator[Row]:
-    """Cases one after another in one process, which another replaces where a case kills it or reaches its limit."""
-    with closing(run_in_turn(measure, tasks, lambda task: task.limit)) as events:
-        for event, seconds in events:
-            if isinstance(event, Ended):
-                late = isinstance(event.answer, TimeoutError)
-                yield row_of(event.item, None if late else event.answer, seconds)
-            elif isinstance(event, Running):
-                report(Note(f"{_name(event.items[0])}: {seconds:.0f} s"))
-            else:
-                report(Note(f"{_name(event.item)}: started"))
+    others = [task for task in tasks if task.code != "random"]
+    for some, opener in ((others, fresh_processes), (drawn, local_processes)):
+        with closing(run_in_processes(measure, some, jobs, opener=opener, limit=lambda task: task.limit)) as events:
+            for event in events:
+                if isinstance(event, Ended):
+                    late = isinstance(event.answer, TimeoutError)
+                    yield row_of(event.item, None if late else event.answer, event.seconds)
+                elif isinstance(event, Running):
+                    passed = zip(event.items, event.seconds, strict=True)
+                    report(Note(", ".join(f"{_name(task)}: {seconds:.0f} s" for task, seconds in passed)))
+                else:
+                    report(Note(f"{_name(event.item)}: started"))
 
 
 def _write(path: Path, facts: dict[str, Any], rows: Sequence[Row], planned: int) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from importlib.metadata import entry_points
 
-from validation.harness.registry import CaseError
+from validation.harness.case import CaseError
 
 SOLVERS, CASES = "linecontact.solvers", "linecontact.cases"
 

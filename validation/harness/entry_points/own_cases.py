@@ -18,9 +18,8 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Case, CaseError, Outcome, checked
 from validation.harness.entry_points import cases as offered
-from validation.harness.registry import CaseError, checked
 
 FILES = "*cases.py"
 BASELINES = "baselines"

@@ -81,7 +81,7 @@ def examine(studied: Studied, folder: Path, task: Task) -> Examined:
             Path(cache_from_source(str(changed))).unlink(missing_ok=True)
         records, calls = [], {}
         with _imported_from(tree, studied.packages):
-            known = {case.id: case for case in import_module("validation.harness.registry").registry(studied.modules)}
+            known = {case.id: case for case in import_module("validation.harness.case").registry(studied.modules)}
             for case, limit in task.cases:
                 with _counted(places) as counter:
                     record = _computed(known[case], limit)

@@ -15,8 +15,8 @@ from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
+from validation.harness.case import CaseError
 from validation.harness.provenance import SOURCES
-from validation.harness.registry import CaseError
 
 FOLDER = Path(__file__).parent
 TABLES = tuple(FOLDER / f"{name}.toml" for name in ("bem", "paths", "references", "harness"))

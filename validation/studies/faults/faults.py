@@ -11,7 +11,7 @@ and counts its errors; in everyday use the baseline of that case pins the count.
 By how much: error over what is allowed, of a band the distance from its middle over half its width.  A fault with a
 size is made smaller in decades until no case sees it, starting where the measured excess predicts, with the cases that
 saw it best.  A red control, or a fault that its case does not notice, fails the study; a fault that does not fit the
-sources is refused before anything runs.  Finished answers are kept (kept_answers.py): an interrupted study continues.
+sources is refused before anything runs.  Finished answers are kept (harness/store.py): an interrupted study continues.
 """
 
 from __future__ import annotations
@@ -25,18 +25,17 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from validation.harness import baseline
-from validation.harness.execution import Ended, run_each_alone
+from validation.harness.case import registry
+from validation.harness.execution import Ended, Listener, Note, run_in_processes
+from validation.harness.executors import fresh_processes
 from validation.harness.provenance import provenance
-from validation.harness.registry import registry
-from validation.harness.runner import Listener, Note
+from validation.harness.store import Store, store_in, write_json
 from validation.harness.verdict import case_verdicts
 from validation.report.fault_matrix import write_matrix
 from validation.studies.faults.fault_findings import Finding, Search, bad, compared
 from validation.studies.faults.fault_injection import Examined, Task, examine
 from validation.studies.faults.fault_report import content_of, failures_of, lines_of, table_of
 from validation.studies.faults.fault_table import Fault, FaultError, Studied, faults_in
-from validation.studies.kept_answers import Answers, answers_in
-from validation.studies.store import write_json
 
 FILE, FIGURE = "faults.json", "faults.svg"
 QUICK_SECONDS, FULL_SECONDS = 1.0, 30.0  # longest case that takes part, unless it must notice a fault
@@ -50,7 +49,7 @@ class Runs:
     """How tasks are run: on these sources, with the answers of an earlier run, by so many processes at a time."""
 
     studied: Studied
-    kept: Answers
+    kept: Store
     jobs: int = 1
 
     def answers(self, tasks: Sequence[Task]) -> list[Examined]:
@@ -63,7 +62,7 @@ class Runs:
         missing = [task for place, task in enumerate(tasks) if place not in found]
         with TemporaryDirectory() as copies:
             function = partial(examine, self.studied, Path(copies).resolve())
-            with closing(run_each_alone(function, missing, self.jobs)) as events:
+            with closing(run_in_processes(function, missing, self.jobs, opener=fresh_processes)) as events:
                 for event in events:
                     if not isinstance(event, Ended):
                         continue
@@ -92,7 +91,7 @@ def run(folder: Path, quick: bool, report: Listener, studied: Studied | None = N
     studied.functions()
     faults = [fault for fault in studied.faults if fault.quick or not quick]
     facts = provenance()
-    runs = Runs(studied, answers_in(folder, report), os.cpu_count() or 1)
+    runs = Runs(studied, store_in(folder, report), os.cpu_count() or 1)
     control = control_run(runs, faults, quick)
     red = [f"{record.id}: {verdict}" for record in control.records for verdict in case_verdicts(record) if bad(verdict)]
     findings = [] if red else examine_faults(runs, faults, control)

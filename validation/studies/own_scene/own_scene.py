@@ -1,7 +1,7 @@
 """What accuracy costs for one's own scene, and what its question leaves open: `study scene SCENE --out DIR`.
 
 The scene is solved as it is, then with the finest numerical settings, then with all others (settings.py), each in a
-process of its own and kept as soon as it is there (kept_answers.py): the same command continues.  Before anything runs
+process of its own and kept as soon as it is there (harness/store.py): the same command continues.  Before anything runs
 the seconds are predicted; after the scene as it is, by its pace.  What would go beyond the budget is left out, a run
 that takes far longer than predicted is stopped, a setting that the scene refuses is a row with the reason.
 
@@ -22,18 +22,16 @@ from typing import Any
 from bem.scene.effects import predicted_seconds
 from bem.scene.result_file import digest
 from bem.scene.scene import SceneError, load_scene, parse_scene
-from validation.harness.execution import Ended, Running, run_in_processes
+from validation.harness.execution import Ended, Listener, Note, Running, run_in_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener, Note
+from validation.harness.store import Store, store_in, write_json
 from validation.report.render import ReportError
 from validation.report.study_page import FILE, PAGE, write_study_page
-from validation.studies.kept_answers import Answers, answers_in
 from validation.studies.own_scene import BUDGET, SEEDS
 from validation.studies.own_scene.findings import findings_of
 from validation.studies.own_scene.settings import Setting, settings_of
 from validation.studies.own_scene.solved_setting import Solved, Task, solved
 from validation.studies.own_scene.words import content_of, sentence, table_text
-from validation.studies.store import write_json
 
 SCHEMA = "linecontact-scene-study/1"
 PARTS = "parts"  # of a scan
@@ -65,7 +63,7 @@ def run(path: Path, folder: Path, options: Options, report: Listener) -> int:
     facts = provenance()
     tables = tomllib.loads(path.read_text("utf-8"))
     settings = settings_of(scene, tables, (path.parent, folder / PARTS), options.seeds, options.quick)
-    answered = _answered(settings, Desk(path.parent, options, answers_in(folder, report), report))
+    answered = _answered(settings, Desk(path.parent, options, store_in(folder, report), report))
     head = {"scene": resolved, "command": f"linecontact study scene {path.name} --out {folder.name}{_words(options)}"}
     base = answered[0][1]
     if not base.good:
@@ -119,7 +117,7 @@ class Desk:
 
     base: Path
     options: Options
-    answers: Answers
+    answers: Store
     report: Listener
 
 
@@ -191,7 +189,7 @@ def _solve_all(expected: Mapping[Setting, float], least_limit: float, desk: Desk
     return found
 
 
-def _kept(event: Ended[Task, Solved], setting: Setting, answers: Answers) -> Solved:
+def _kept(event: Ended[Task, Solved], setting: Setting, answers: Store) -> Solved:
     """What came of a setting, which is kept unless its process failed."""
     if isinstance(event.answer, Exception):
         return Solved("error", f"{type(event.answer).__name__}: {event.answer}")

@@ -20,7 +20,7 @@ from validation.studies.own_scene.findings import (
 )
 from validation.studies.own_scene.settings import Setting
 from validation.studies.own_scene.solved_setting import Solved
-from validation.studies.store import text_table
+from validation.studies.shown import text_table
 
 SOURCES = {
     "numerical": "the numerical error",

@@ -20,7 +20,7 @@ import persson
 from persson.corrected_variance import LITERATURE, Correction
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
-from validation.harness.runner import Note
+from validation.harness.execution import Note
 from validation.studies.theory_correction.correction_members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
 from validation.studies.theory_correction.data import STRESSES, Observed
 

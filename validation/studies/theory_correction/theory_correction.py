@@ -24,13 +24,15 @@ from bem.scene.atomic_file import write_atomically
 from persson.corrected_data import SCHEMA as CALIBRATION_SCHEMA
 from persson.corrected_data import calibration
 from validation.harness.ensemble import run_ensemble
+from validation.harness.execution import Note
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
-from validation.harness.runner import Note, record_of
+from validation.harness.runner import record_of
 from validation.harness.schema import SCHEMA as REPORT_SCHEMA
 from validation.harness.schema import Report, with_checksum
+from validation.harness.store import write_json
 from validation.report.render import failures, write_html
-from validation.studies.store import text_table, write_json
+from validation.studies.shown import text_table
 from validation.studies.theory_correction.correction_figures import chosen
 from validation.studies.theory_correction.correction_members import FIT_ROOT, HOLD_OUT_ROOT, RMS_SLOPE, Group, groups
 from validation.studies.theory_correction.data import Observed, observed, relative_errors

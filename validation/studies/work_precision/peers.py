@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
-from validation.harness.registry import CaseError
-from validation.references.fft_adhesion import STEPS, solve_fft
+from validation.harness.case import CaseError
+from validation.harness.route import Answer, Problem
+from validation.routes import cohesive_grid
 from validation.studies.work_precision.methods import Method
 from validation.studies.work_precision.points import Point
 
@@ -16,6 +17,14 @@ POINTS = tuple(2**k for k in range(10, 17))
 
 class PeersError(CaseError):
     """The peers are asked for and not installed."""
+
+
+STEPS = 20  # of the path from first touch
+
+
+def solve_adhesive(spacings: int, problem: Problem, points: int) -> Answer:
+    """The contact on a grid: from the geometric overlap, or along a path where it depends on it."""
+    return cohesive_grid.solve(problem, points, spacings, STEPS if problem.id == "rough" else 1)
 
 
 def _method(spacings: int, finest: int, finest_rough: int) -> Method:
@@ -27,7 +36,7 @@ def _method(spacings: int, finest: int, finest_rough: int) -> Method:
     return Method(name=f"fft, c = {spacings}", code="fft", knob="points of the grid",
                   fixed=f"cohesion along {spacings} spacings; rough: path of {STEPS} steps from first touch",
                   settings=tuple(points for points in POINTS if points <= finest), scenes=("sinusoid", "rough"),
-                  solve=partial(solve_fft, spacings=spacings),
+                  solve=partial(solve_adhesive, spacings),
                   cannot={"layer": "the package provides layers under areas, not under lines"}, slow=2,
                   other_settings={"rough": tuple(points for points in POINTS if points <= finest_rough)})  # fmt: skip
 
@@ -92,9 +101,9 @@ def _dependence(peers: Sequence[Point]) -> Iterator[str]:
     areas: dict[int, dict[str, float]] = {}
     for point in peers:
         if point.timed.found is not None:
-            areas.setdefault(point.timed.found.unknowns, {})[point.method] = point.timed.found.answer[
+            areas.setdefault(point.timed.found.unknowns, {})[point.method] = point.timed.found.values[
                 "contact_fraction"
-            ]
+            ][0]
     shared = [count for count, by_method in areas.items() if len(by_method) == len(FFT_METHODS)]
     if not shared:
         return

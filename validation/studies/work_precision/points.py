@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from validation.references.posed_contacts import Found
+from validation.harness.route import Answer
 
 SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
 
@@ -16,7 +16,7 @@ class Timed:
 
     setting: str
     status: str = "done"
-    found: Found | None = None
+    found: Answer | None = None
     wall_seconds: float = math.nan
     spread: float = math.nan
     cpu_seconds: float = math.nan

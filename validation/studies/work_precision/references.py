@@ -13,22 +13,17 @@ from functools import partial
 
 import numpy as np
 
-import fem_reference
 from fem_reference import Resolution
 from persson.adhesive import Route
 from validation.harness.schema import ReferenceKind
 from validation.references.paper_method import follow
 from validation.references.paper_method import solve as paper_solve
-from validation.references.posed_contacts import Answer, MethodError, Posed, answer_of, exact_sinusoid
-from validation.studies.work_precision.methods import (
-    PAPER_GAP,
-    PAPER_RESIDUAL,
-    PATH_RESIDUAL,
-    PATH_STEPS,
-    Method,
-    solve_bem,
-    solve_persson,
-)
+from validation.references.posed_contacts import Numbers, Posed, answer_of, exact_sinusoid, numbers_of
+from validation.routes import boundary_elements
+from validation.routes.finite_elements import crests, finest
+from validation.routes.paper_method import GAP
+from validation.routes.persson_theory import by_route
+from validation.studies.work_precision.methods import PAPER_RESIDUAL, PATH_RESIDUAL, PATH_STEPS, Method
 
 ROUNDING = 2e-15  # of the scale of a quantity
 
@@ -40,8 +35,8 @@ class Reference:
     code: str  # whose numerics it is; `exact` for a closed form
     kind: ReferenceKind
     source: str  # in words, with the setting
-    answer: Answer  # and `uncertainty`: by the names of QUANTITIES, SI
-    uncertainty: Answer
+    answer: Numbers  # and `uncertainty`: by the names of QUANTITIES, SI
+    uncertainty: Numbers
 
     def floor(self, posed: Posed, names: tuple[str, ...]) -> float:
         """Uncertainty of the error: the largest of the named quantities over their scales."""
@@ -65,49 +60,26 @@ def johnson(posed: Posed) -> Reference:
 
 def finite_elements(posed: Posed) -> Reference:
     """Quartic elements on three meshes, the finest with 12 cells per period and 22 halvings at the edges."""
-    resolution = Resolution(4, 12, 22)
-    found = fem_reference.solve(
-        youngs_modulus=posed.youngs_modulus,
-        poisson_ratio=posed.poisson_ratio,
-        thickness=posed.period * 3 if posed.thickness is None else posed.thickness,
-        period=posed.period,
-        harmonics=(posed.orders, posed.amplitudes, posed.phases),
-        control="penetration",
-        value=posed.penetration,
-        work_of_adhesion=posed.work_of_adhesion,
-        slope_term=posed.slope_term,
-        patches=posed.patches,
-        resolution=resolution,
-    )
-    if found.status != "converged":
-        raise MethodError(f"fem reference: {found.status}: {found.message}")
-    names = ("contact_fraction", "mean_pressure", "elastic_energy")
-    answer = {name: float(getattr(found, name)) for name in names}
-    spread = {name: float(np.max(found.uncertainty[name])) for name in names}
-    answer["elastic_energy"] /= posed.period
-    spread["elastic_energy"] /= posed.period
-    answer["gap"] = float(found.gap(np.array([posed.trough]))[0])
-    spread["gap"] = float(np.max(found.uncertainty["gap"]))
+    found = finest(posed, Resolution(4, 12, 22), crests(posed))
     source = "fem, quartic, 6, 9 and 12 cells, tips halved 22 times on the finest; uncertainty of three meshes"
-    return Reference("fem", "FEM", source, answer, spread)
+    return Reference("fem", "FEM", source, numbers_of(found.values), numbers_of(found.uncertainty))
 
 
 def solver(posed: Posed) -> Reference:
     """The production solver at 1e-12; uncertainty: the change from 1e-10, at least rounding."""
-    fine, coarse = solve_bem(posed, 1e-12).answer, solve_bem(posed, 1e-10).answer
+    fine, coarse = (numbers_of(boundary_elements.solve(posed, tolerance).values) for tolerance in (1e-12, 1e-10))
     return Reference("bem", "independent code", "bem at tolerance 1e-12", fine, _changes(posed, fine, coarse))
 
 
 def paper_extrapolated(posed: Posed) -> Reference:
     """The paper's method at 16, 32 and 64 cells a patch, extrapolated; edges from its own path with 8 cells."""
     way = np.linspace(0.0, posed.penetration, PATH_STEPS + 1)[1:]
-    path = follow(posed.surface(), way, 8, PATH_RESIDUAL, PAPER_GAP)
-    edges = path[-1].edges
-    found: list[Answer] = []
+    edges = follow(posed.surface(), way, 8, PATH_RESIDUAL, GAP)[-1].edges
+    found: list[Numbers] = []
     for cells in (16, 32, 64):
-        state = paper_solve(posed.surface(), posed.penetration, edges, cells, PAPER_RESIDUAL, PAPER_GAP)
+        state = paper_solve(posed.surface(), posed.penetration, edges, cells, PAPER_RESIDUAL, GAP)
         if state.status != "converged":
-            raise MethodError(f"paper's method at {cells} cells: {state.status}: {state.message}")
+            raise ArithmeticError(f"paper's method at {cells} cells: {state.status}: {state.message}")
         edges = state.edges
         gap = float(state.gap(np.array([posed.trough]))[0])
         found.append(answer_of(state.contact_fraction, state.mean_pressure, state.elastic_energy / posed.period, gap))
@@ -118,7 +90,7 @@ def paper_extrapolated(posed: Posed) -> Reference:
 
 def persson_route(route: Route, name: str, posed: Posed) -> Reference:
     """A route of Persson's theory at resolution 8; uncertainty: the change from 4."""
-    fine, coarse = (solve_persson(route, posed, resolution).answer for resolution in (8.0, 4.0))
+    fine, coarse = (numbers_of(by_route(route, posed, resolution).values) for resolution in (8.0, 4.0))
     code = f"persson, {route.replace('_', ' ')}"
     return Reference(code, "independent code", f"the {name} at resolution 8", fine, _changes(posed, fine, coarse))
 
@@ -147,10 +119,10 @@ def source_for(scene: str, method: Method, sources: dict[str, tuple[Source, ...]
     raise ValueError(f"{scene}: no reference of another code than {method.code}")
 
 
-def _extrapolated(fine: Answer, coarse: Answer) -> Answer:
+def _extrapolated(fine: Numbers, coarse: Numbers) -> Numbers:
     """Second order: (4 fine - coarse) / 3."""
     return {name: (4 * fine[name] - coarse[name]) / 3 for name in fine}
 
 
-def _changes(posed: Posed, fine: Answer, coarse: Answer) -> Answer:
+def _changes(posed: Posed, fine: Numbers, coarse: Numbers) -> Numbers:
     return {name: max(abs(fine[name] - coarse[name]), ROUNDING * posed.scales[name]) for name in fine}

@@ -6,7 +6,7 @@ time, largest memory of the process so far, and set-up, solution and evaluation 
 time: on one thread it is the wall time of an idle machine, and others do not add to it.  Errors of all quantities are
 kept; the curve shows the larger of those of contact fraction and mean pressure.  Points below the uncertainty of their
 reference are grey, failed ones stay with their message.  Counts, not seconds, are what could be gated.  Each finished
-curve, reference and price list is kept (kept_answers.py).
+curve, reference and price list is kept (harness/store.py).
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from typing import Any
 from validation.corpus.accuracy_costs import FILE as STORED
 from validation.corpus.accuracy_costs import AccuracyCosts, CostPoint
 from validation.corpus.effects import loaded_for_nothing
+from validation.harness.execution import Listener
 from validation.harness.provenance import provenance
-from validation.harness.runner import Listener
-from validation.references import fft_adhesion as fft_methods
-from validation.references.posed_contacts import Posed, scenes
+from validation.harness.store import Store, store_in, write_json
+from validation.references.posed_contacts import Posed, numbers_of, scenes
 from validation.report.study_figures import Line, Plot, write_svg
-from validation.studies.kept_answers import Answers, answers_in
-from validation.studies.store import peak_megabytes, text_table, write_json
+from validation.routes import cohesive_grid
+from validation.studies.shown import peak_megabytes, text_table
 from validation.studies.work_precision.conclusion import Mark, MethodCurve, sentences
 from validation.studies.work_precision.methods import METHODS, Method
 from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
@@ -36,7 +36,7 @@ from validation.studies.work_precision.price_list import Price, digits_of, price
 from validation.studies.work_precision.price_list import sentences as price_sentences
 from validation.studies.work_precision.references import SOURCES, Reference, Source, source_for
 
-SCHEMA = "linecontact-work-precision/1"
+SCHEMA = "linecontact-work-precision/2"
 FILE = "work-precision.json"
 QUICK_SCENES = ("sinusoid", "theory")
 QUICK_PRICES, PRICES = (60, 1), (250, 2)  # harmonics of the rough scene, runs of each effect
@@ -111,7 +111,7 @@ def run(
     PeersError
         The peers are asked for and not installed.
     """
-    absent = fft_methods.missing()
+    absent = cohesive_grid.missing()
     if peers and absent:
         raise PeersError(f"--peers: {absent}")
     if methods is METHODS and not absent:
@@ -123,7 +123,7 @@ def run(
         chosen = {name: posed for name, posed in chosen.items() if name in FFT_METHODS[0].scenes}
     repeats, seconds = SECONDS if quick else REPEATS
     facts, points, failures = provenance(), list[Point](), list[str]()
-    answers = answers_in(folder, report)
+    answers = store_in(folder, report)
     for posed in chosen.values():
         taking_part = [method for method in methods if posed.id in method.scenes]
         references = _references(posed, taking_part, known, answers, failures)
@@ -168,7 +168,7 @@ def point_of(posed: Posed, method: Method, timed: Timed, reference: Reference | 
     if timed.found is None or reference is None:
         return Point(posed.id, method.name, timed)
     floor = reference.floor(posed, SHOWN)
-    errors = posed.errors(timed.found.answer, reference.answer)
+    errors = posed.errors(numbers_of(timed.found.values), reference.answer)
     return Point(posed.id, method.name, timed, errors, floor, f"{reference.source} ({reference.kind})")
 
 
@@ -246,7 +246,7 @@ def _timed(task: Task, setting: Any) -> Timed:
     )
 
 
-def _prices(quick: bool, answers: Answers, failures: list[str]) -> tuple[list[Price], list[str]]:
+def _prices(quick: bool, answers: Store, failures: list[str]) -> tuple[list[Price], list[str]]:
     """The price list and what it says in words."""
     harmonics, runs = QUICK_PRICES if quick else PRICES
     answer = answers.alone(list[Price], priced, (harmonics, runs), f"price list, {harmonics} harmonics", runs)
@@ -263,7 +263,7 @@ def _references(
     posed: Posed,
     methods: Sequence[Method],
     known: dict[str, tuple[Source, ...]],
-    answers: Answers,
+    answers: Store,
     failures: list[str],
 ) -> dict[str, Reference]:
     """The references that these methods need, by name; those that fail are reported."""
@@ -319,7 +319,7 @@ def _write(
             for m in methods
         ],
         "points": reported,
-        "peers": fft_methods.missing() or "installed",
+        "peers": cohesive_grid.missing() or "installed",
         "conclusion": [*conclusion(points, tuple(chosen)), *peer_sentences(points)],
         "prices": [asdict(price) | {"digits": price.digits} for price in prices],
         "failures": list(failures),

@@ -1,33 +1,11 @@
-"""What studies leave behind: NAME.json written in one piece, tables for a terminal, and memory measured."""
+"""What studies print: tables for a terminal, and memory measured."""
 
 from __future__ import annotations
 
-import json
 import math
 import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
-
-import numpy as np
-
-from bem.scene.atomic_file import write_atomically
-
-
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Write JSON; nan and infinity, which do not exist there, become null."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomically(path, json.dumps(plain(dict(content)), indent=1, allow_nan=False) + "\n")
-
-
-def plain(value: Any) -> Any:
-    """A value as JSON holds it."""
-    if isinstance(value, Mapping):
-        return {name: plain(content) for name, content in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(content) for content in value]
-    number = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(number, float) and not math.isfinite(number) else number
 
 
 def text_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:

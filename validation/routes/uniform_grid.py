@@ -12,20 +12,15 @@ from typing import Any
 import numpy as np
 
 from validation.harness.arrays import FloatArray
+from validation.harness.route import Place, Problem
 from validation.references.fft_solver import on_grid
 
 WITHOUT_ADHESION = 8  # times as many points
 
 
-def affordable(problem: dict[str, Any], points: int) -> int:
-    """Points of a grid at a setting: eight times as many without adhesion, where a state costs that much less.
-
-    Examples
-    --------
-    >>> affordable({"adhesion": {}}, 2048), affordable({}, 2048)
-    (2048, 16384)
-    """
-    return points if "adhesion" in problem else WITHOUT_ADHESION * points
+def affordable(problem: Problem, points: int) -> int:
+    """Points of a grid at a setting: eight times as many without adhesion, where a state costs that much less."""
+    return points if problem.work_of_adhesion is not None else WITHOUT_ADHESION * points
 
 
 @dataclass(frozen=True)
@@ -41,19 +36,18 @@ class OnGrid:
 class Grid:
     """The points of a problem."""
 
-    problem: dict[str, Any]
+    problem: Problem
     points: int
 
     @property
     def period(self) -> float:
         """m."""
-        return float(self.problem["profile"]["period"])
+        return self.problem.period
 
     @property
     def modulus(self) -> float:
         """E*, Pa."""
-        solid = self.problem["solid"]
-        return float(solid["youngs_modulus"] / (1 - solid["poisson_ratio"] ** 2))
+        return self.problem.youngs_modulus / (1 - self.problem.poisson_ratio**2)
 
     @property
     def x(self) -> FloatArray:
@@ -62,14 +56,11 @@ class Grid:
 
     def profile(self) -> tuple[FloatArray, FloatArray]:
         """Heights and slopes at the points; NotImplementedError where these do not resolve the profile."""
-        raw = self.problem["profile"]
-        return on_grid(self.period, (raw["orders"], raw["amplitudes"], raw["phases"]), self.points)
+        return on_grid(self.period, self.problem.harmonics, self.points)
 
 
-def answers(grid: Grid, states: list[OnGrid]) -> dict[str, Any]:
+def answers(grid: Grid, states: list[OnGrid]) -> dict[str, list[Any]]:
     """What is asked of the states at the targets, None where the states end; what a path tells is left out."""
-    asked = grid.problem["asked"]
-    rest = [None] * (len(grid.problem["path"]["targets"]) - len(states))
     fractions = [float(np.mean(state.contact)) for state in states]
     found: dict[str, Any] = {
         "contact_fraction": fractions,
@@ -79,11 +70,11 @@ def answers(grid: Grid, states: list[OnGrid]) -> dict[str, Any]:
         "elastic_energy": [_energy(grid, state) for state in states],
         "patches": [int(np.sum(state.contact & ~np.roll(state.contact, 1))) for state in states],
     }
-    found = {name: [*values, *rest] for name, values in found.items()}
-    for name, what in asked.items():
+    found = {name: grid.problem.padded(values) for name, values in found.items()}
+    for name, what in grid.problem.asked.items():
         if "target" in what and what["target"] <= len(states):
             found[name] = _field(grid, states[int(what["target"]) - 1], name, what)
-    return {name: value for name, value in found.items() if name in asked and value is not None}
+    return grid.problem.answered(found)
 
 
 def _amplitudes(grid: Grid, state: OnGrid) -> tuple[Any, Any]:
@@ -97,7 +88,7 @@ def _energy(grid: Grid, state: OnGrid) -> float:
     return float(np.sum(grid.modulus * q * np.abs(modes) ** 2) / 8)
 
 
-def _field(grid: Grid, state: OnGrid, name: str, what: dict[str, Any]) -> Any:
+def _field(grid: Grid, state: OnGrid, name: str, what: Place) -> Any:
     """A quantity of one state."""
     if name == "edges":
         before, after = np.roll(state.contact, 1), np.roll(state.contact, -1)

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import pytest
 
+from validation.harness.route import Answer
 from validation.harness.runner import failed_record
-from validation.references.posed_contacts import Found
+from validation.harness.store import Store
 from validation.studies.cost import Run
 from validation.studies.faults.fault_injection import Examined
-from validation.studies.kept_answers import Answers
 from validation.studies.work_precision.points import Timed
 
 
@@ -26,10 +26,10 @@ def reported():
 
 @pytest.fixture
 def answers(tmp_path, reported):
-    return Answers(tmp_path / "answers", "sources", reported.append)
+    return Store(tmp_path / "answers", "sources", reported.append)
 
 
-FOUND = Found({"gap": 0.1 + 0.2}, 3, {"evaluations": 2}, 0.0, 1e-300, math.inf)
+FOUND = Answer(values={"gap_at": [0.1 + 0.2, None]}, unknowns=3, parts={"setup": 1e-300, "solve": math.inf})
 
 
 @pytest.mark.parametrize(

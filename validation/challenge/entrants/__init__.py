@@ -1,1 +1,0 @@
-"""Solvers of the standings, each behind the public door: a function of a plain problem that returns plain numbers."""

@@ -1,0 +1,149 @@
+"""What is asked, who answers, and what came back: a problem in plain SI numbers, a route, and its answer.
+
+A problem is raw data, from which every code derives its own constants, so that a mistake in what follows from them
+cannot cancel between two codes.  A route is a code with one knob of accuracy, all else fixed.  What it cannot do it
+says by NotImplementedError: "not offered" is no wrong answer.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from validation.harness.arrays import FloatArray
+
+Place = dict[str, Any]  # "target": which, from 1; "points" or "orders": where; empty for all targets
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A rigid periodic profile h = sum h_m cos(2 pi m x / period + phi_m), pressed on an elastic solid along a path."""
+
+    id: str
+    youngs_modulus: float  # Pa
+    poisson_ratio: float
+    period: float  # m
+    orders: tuple[int, ...]  # harmonics, with amplitudes in m and phases
+    amplitudes: tuple[float, ...]
+    phases: tuple[float, ...]
+    control: str  # "mean_pressure", "separation" or "penetration"
+    targets: tuple[float, ...]  # Pa or m, visited in this order from surfaces apart
+    asked: dict[str, Place]  # quantities, and where
+    thickness: float | None = None  # of a bonded layer, m; None: a half-space
+    work_of_adhesion: float | None = None  # J/m^2; None: no adhesion
+    slope_term: bool = False  # whether adhesion is counted on the true length
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> Problem:
+        """From tables as problem.toml of the challenge has them, lists as lists or arrays.
+
+        Examples
+        --------
+        >>> profile = {"period": 1.0, "orders": [1], "amplitudes": [0.1], "phases": [0.0]}
+        >>> path = {"control": "penetration", "targets": [0.05]}
+        >>> solid = {"youngs_modulus": 1.0, "poisson_ratio": 0.3}
+        >>> Problem.of({"name": "wave", "solid": solid, "profile": profile, "path": path, "asked": {}}).targets
+        (0.05,)
+        """
+        profile = data["profile"]
+        return cls(
+            id=data["name"],
+            period=float(profile["period"]),
+            orders=tuple(_plain(profile["orders"])),
+            amplitudes=tuple(_plain(profile["amplitudes"])),
+            phases=tuple(_plain(profile["phases"])),
+            control=data["path"]["control"],
+            targets=tuple(_plain(data["path"]["targets"])),
+            asked={name: {key: _plain(value) for key, value in what.items()} for name, what in data["asked"].items()},
+            thickness=data.get("layer", {}).get("thickness"),
+            **data["solid"],
+            **data.get("adhesion", {}),
+        )
+
+    @property
+    def harmonics(self) -> tuple[Any, FloatArray, FloatArray]:
+        """Orders, amplitudes and phases as arrays."""
+        return np.array(self.orders), np.array(self.amplitudes), np.array(self.phases)
+
+    def height(self, x: ArrayLike) -> FloatArray:
+        """The profile at positions in m, term by term, in m."""
+        orders, amplitudes, phases = self.harmonics
+        phase = 2 * np.pi / self.period * np.multiply.outer(np.asarray(x), orders) + phases
+        return np.asarray(np.cos(phase) @ amplitudes)
+
+    def answered(self, found: Mapping[str, Any]) -> dict[str, list[Any]]:
+        """Of what was found that which is asked, as lists; None stands for a number that is not offered."""
+        return {name: np.atleast_1d(found[name]).tolist() for name in self.asked if found.get(name) is not None}
+
+    def padded(self, values: Iterable[Any]) -> list[Any]:
+        """Numbers of the first targets, and None for those that a route does not reach."""
+        known = list(values)
+        return known + [None] * (len(self.targets) - len(known))
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a route came back with: numbers by quantity, at all targets or where they are asked, and their cost."""
+
+    status: str = "answered"  # or "not offered", "crashed", "out of memory", "timed out"
+    message: str = ""
+    values: dict[str, Any] = field(default_factory=dict)
+    uncertainty: dict[str, Any] = field(default_factory=dict)  # as the route itself states it
+    unknowns: int = 0  # of its largest linear system
+    counts: dict[str, int] = field(default_factory=dict)  # evaluations, iterations: what gates could be put on
+    parts: dict[str, float] = field(default_factory=dict)  # wall seconds of setup, solve and post
+    details: dict[str, float] = field(default_factory=dict)  # what else is to be said of the setting
+    seconds: float | None = None  # of the call alone; so `cpu_seconds`
+    cpu_seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class Route:
+    """A code that answers, and its knob."""
+
+    name: str
+    code: str  # whose numerics it uses: a reference of the same code gives no digits
+    knob: str
+    fixed: str  # all else, in words
+    settings: tuple[Any, ...]  # of the knob, coarsest first
+    solve: Callable[[Problem, Any], Answer]
+    needs: tuple[str, ...] = ()  # modules of an extra
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """What of it is not installed."""
+        return tuple(name for name in self.needs if find_spec(name) is None)
+
+
+class Laps:
+    """A clock that is read between the parts of a solution."""
+
+    def __init__(self) -> None:
+        self.parts: dict[str, float] = {}
+        self._begun = time.perf_counter()
+
+    def end(self, part: str) -> None:
+        """The part that has just ended gets the wall seconds since the one before."""
+        now = time.perf_counter()
+        self.parts[part], self._begun = now - self._begun, now
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def behind_the_door(solve: Callable[[Problem, Any], Answer], knob: Any) -> Callable[[dict[str, Any]], dict[str, Any]]:
+    """A route at a setting as a solver of the challenge: from the dictionary of a problem to one of answers."""
+    return lambda data: solve(Problem.of(data), knob).values
+
+
+def missing(extra: str, *packages: str) -> str:
+    """Why a route of an extra cannot run here; empty when it can."""
+    absent = [name for name in packages if find_spec(name) is None]
+    return f'{", ".join(absent)} not installed: pip install ".[{extra}]"' if absent else ""

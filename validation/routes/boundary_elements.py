@@ -1,0 +1,115 @@
+"""The boundary element solver of this project: everything that is asked, at a tolerance."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import bem
+from bem.scene.result import Event, Result, State
+from bem.scene.scene import parse_scene
+from validation.harness.arrays import FloatArray
+from validation.harness.route import Answer, Laps, Place, Problem, behind_the_door
+from validation.references.posed_contacts import scene_tables
+
+LEAST_RELEASED = 1e-3  # of the work of adhesion, by a jump that counts: what a fold of rounding size releases is less
+
+
+def tables(problem: Problem, tolerance: float, increment: float = 1.0) -> dict[str, Any]:
+    """The scene of a problem; `increment` multiplies the largest increment of its path."""
+    scene = scene_tables(problem) | {"accuracy": {"tolerance": tolerance, "max_increment": 0.05 * increment}}
+    if "displacement_amplitudes" in problem.asked:
+        at = int(problem.asked["displacement_amplitudes"]["target"]) - 1
+        scene["output"] = {"spectra": [problem.targets[at]]}
+    return scene
+
+
+def solve(problem: Problem, tolerance: float) -> Answer:
+    """All answers, at a tolerance of the solver."""
+    laps = Laps()
+    scene = parse_scene(tables(problem, tolerance))
+    laps.end("setup")
+    result = bem.solve(scene)
+    laps.end("solve")
+    values = answers(problem, result)
+    laps.end("post")
+    counts = {"evaluations": sum(state.evaluations for state in result.states), "patches": result.targets[-1].n_patches}
+    unknowns = max(state.unknowns for state in result.states)
+    return Answer(values=values, unknowns=unknowns, counts=counts, parts=laps.parts)
+
+
+def answers(problem: Problem, result: Result) -> dict[str, list[Any]]:
+    """What is asked, from a result; ArithmeticError where the path did not converge."""
+    if result.status != "converged":
+        raise ArithmeticError(f"{result.status}: {result.failure}")
+    targets, found = result.targets, dict[str, Any]()
+    for name, asked in problem.asked.items():
+        if name == "gap_fraction":
+            found[name] = [1 - state.contact_fraction for state in targets]
+        elif name == "patches":
+            found[name] = [state.n_patches for state in targets]
+        elif hasattr(targets[0], name) and name != "edges":
+            found[name] = [getattr(state, name) for state in targets]
+        elif name == "displacement_amplitudes":
+            found[name] = _amplitudes(problem, asked["orders"], result)
+        elif "target" in asked:
+            found[name] = _at_target(problem, name, asked, targets[int(asked["target"]) - 1])
+        else:
+            found[name] = _of_events(problem, name, result.events)
+    return problem.answered(found)
+
+
+def contact_of(problem: Problem, edges: Any, penetration: float) -> bem.ContactState:
+    """The elastic state at edges and penetration."""
+    profile = bem.Profile.from_harmonics(problem.period, *problem.harmonics)
+    layer = None if problem.thickness is None else bem.Layer(problem.thickness)
+    return bem.ContactState(
+        profile, bem.Solid(problem.youngs_modulus, problem.poisson_ratio), edges, penetration, layer
+    )
+
+
+def _at_target(problem: Problem, name: str, asked: Place, state: State) -> Any:
+    """Edges, or a field of one state."""
+    if name == "edges":
+        return np.sort(np.array(state.edges), axis=0).ravel()
+    contact = contact_of(problem, state.edges, state.penetration) if state.edges else None
+    x = np.asarray(asked["points"])
+    if name == "gap_at":
+        rigid = problem.height(x) - state.separation
+        return (rigid if contact is None else contact.displacement(x)) - rigid
+    return _complete_pressure(problem, state, x) if contact is None else contact.pressure(x)
+
+
+def _amplitudes(problem: Problem, orders: Any, result: Result) -> FloatArray:
+    """2 |u_m| = 2 sqrt(q0 C_u(m q0)), m, of the only state with a spectrum."""
+    (power,) = (values for name, values in result.fields.items() if name.startswith("C_u_"))
+    lines = np.rint(result.fields["q"] * problem.period / (2 * np.pi)).astype(int)
+    place = [int(np.flatnonzero(lines == order)[0]) for order in orders]
+    return np.asarray(2 * np.sqrt(power[place] * 2 * np.pi / problem.period))
+
+
+def _complete_pressure(problem: Problem, state: State, x: FloatArray) -> FloatArray:
+    """In complete contact with a half-space."""
+    if problem.thickness is not None:
+        raise NotImplementedError("pressure of complete contact with a layer")
+    orders, amplitudes, phases = problem.harmonics
+    q = 2 * np.pi / problem.period * orders
+    modulus = problem.youngs_modulus / (1 - problem.poisson_ratio**2)
+    waves = np.cos(np.multiply.outer(x, q) + phases) @ (modulus * q * amplitudes / 2)
+    return np.asarray(state.mean_pressure + waves)
+
+
+def _of_events(problem: Problem, name: str, events: tuple[Event, ...]) -> Any:
+    """What the jumps of the path say."""
+    if name == "dissipated_energy":
+        return sum(event.energy_released or 0.0 for event in events)
+    if name == "jump_mean_pressures":
+        least = LEAST_RELEASED * (problem.work_of_adhesion or 0.0)
+        first = [event.kind for event in events].index("first_touch") + 1
+        return [event.mean_pressure for event in events[first:] if (event.energy_released or 0.0) > least]
+    (last,) = (event for event in events if event.kind == "pull_off")
+    return last.penetration if name == "pull_off_penetration" else last.mean_pressure
+
+
+tol_1e_3, tol_1e_6, tol_1e_9, tol_1e_12 = (behind_the_door(solve, value) for value in (1e-3, 1e-6, 1e-9, 1e-12))

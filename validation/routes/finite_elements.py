@@ -1,0 +1,124 @@
+"""The finite element reference of this project: single states of few contacts, which find edges of their own.
+
+`solve` takes one mesh after its scouting mesh, and the number of contacts from the crests above the undeformed face;
+`finest` takes three meshes, and with them the uncertainty that the reference states of itself.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import fem_reference
+from fem_reference.closure import Evaluation
+from fem_reference.face import face_nodes, interpolate
+from fem_reference.mesh import Resolution
+from fem_reference.result import quantities
+from fem_reference.solve import closed, control_of, problem_of
+from validation.harness.arrays import FloatArray
+from validation.harness.route import Answer, Laps, Problem, behind_the_door
+
+DEPTH = 3.0  # periods: a layer so thick is the half-space within 1e-12
+POINTS = 4096
+MOST_HARMONICS = 4
+
+
+def solve(problem: Problem, setting: tuple[int, int, int]) -> Answer:
+    """Every target as a state of its own, on a mesh of an order, cells and halvings at an edge."""
+    if len(problem.orders) > MOST_HARMONICS or problem.control == "separation":
+        raise NotImplementedError("a few contacts, whose number is known, at given penetration or load")
+    if problem.work_of_adhesion is not None and len(problem.targets) > 1:
+        raise NotImplementedError("paths of loading and unloading")
+    laps = Laps()
+    posed = problem_of(**_raw(problem))
+    patches = crests(problem) if problem.control == "penetration" else 1
+    laps.end("setup")
+    found: list[Evaluation] = []
+    for target in problem.targets:
+        control = control_of(posed, problem.control, target)  # type: ignore[arg-type]
+        last = closed(posed, control, [Resolution(*setting)], patches, 1.0)[-1]
+        if last.outcome not in ("converged", "complete_contact"):
+            raise ArithmeticError(f"{last.outcome}: {last.message}")
+        found.append(last.evaluation)
+    laps.end("solve")
+    states = [quantities(evaluation) for evaluation in found]
+    highest = problem.height(np.linspace(0, problem.period, POINTS)).max()
+    values: dict[str, Any] = {
+        "contact_fraction": [state["contact_fraction"] for state in states],
+        "gap_fraction": [1 - state["contact_fraction"] for state in states],
+        "mean_pressure": [state["mean_pressure"] for state in states],
+        "separation": [highest - state["penetration"] for state in states],
+        "elastic_energy": [state["elastic_energy"] / problem.period for state in states],
+        "patches": [len(np.atleast_1d(state["edges"])) for state in states],
+        "edges": np.ravel(states[-1]["edges"]),
+        "stress_intensity_max": [np.max(state["stress_intensity"]) for state in states],
+    }
+    if gap := problem.asked.get("gap_at"):
+        values["gap_at"] = _gap(found[int(gap["target"]) - 1], np.asarray(gap["points"]) / problem.period)
+    unknowns = max(evaluation.states.unknowns for evaluation in found)
+    laps.end("post")
+    return Answer(values=problem.answered(values), unknowns=unknowns, counts={"unknowns": unknowns}, parts=laps.parts)
+
+
+def finest(problem: Problem, resolution: Resolution, patches: int) -> Answer:
+    """The last target as a state of so many contacts, on three meshes; ArithmeticError where there is none."""
+    found = fem_reference.solve(
+        **_raw(problem),
+        control=problem.control,  # type: ignore[arg-type]
+        value=problem.targets[-1],
+        patches=patches,
+        resolution=resolution,
+    )
+    if found.status != "converged":
+        raise ArithmeticError(f"{problem.id}: finite elements: {found.status}: {found.message}")
+    spread = found.uncertainty
+    known: dict[str, tuple[Any, Any]] = {
+        "contact_fraction": (found.contact_fraction, spread["contact_fraction"]),
+        "mean_pressure": (found.mean_pressure, spread["mean_pressure"]),
+        "elastic_energy": (
+            found.elastic_energy / problem.period,
+            np.asarray(spread["elastic_energy"]) / problem.period,
+        ),
+        "edges": (np.ravel(found.edges), np.ravel(spread["edges"])),
+        "stress_intensity_max": (np.max(found.stress_intensity), np.max(spread["stress_intensity"])),
+        "patches": (len(found.edges), 0.0),
+    }
+    if gap := problem.asked.get("gap_at"):
+        known["gap_at"] = found.gap(np.asarray(gap["points"])), np.max(spread["gap"])
+    values, uncertainty = ({name: pair[i] for name, pair in known.items()} for i in (0, 1))
+    return Answer(values=problem.answered(values), uncertainty=problem.answered(uncertainty))
+
+
+def crests(problem: Problem) -> int:
+    """Intervals of a period in which the profile is above the undeformed face."""
+    height = problem.height(np.arange(POINTS) * (problem.period / POINTS))
+    inside = height > height.max() - problem.targets[-1]
+    return int(np.sum(inside & ~np.roll(inside, 1)))
+
+
+def _raw(problem: Problem) -> dict[str, Any]:
+    """What both codes of finite elements are told of solid, profile and adhesion."""
+    return {
+        "youngs_modulus": problem.youngs_modulus,
+        "poisson_ratio": problem.poisson_ratio,
+        "thickness": DEPTH * problem.period if problem.thickness is None else problem.thickness,
+        "period": problem.period,
+        "harmonics": problem.harmonics,
+        "work_of_adhesion": problem.work_of_adhesion or 0.0,
+        "slope_term": problem.slope_term,
+    }
+
+
+def _gap(evaluation: Evaluation, place: FloatArray) -> FloatArray:
+    """Gap in m at places over the period, in the elements."""
+    states, posed = evaluation.states, evaluation.states.problem
+    nodes = face_nodes(states.spaces)
+    field = states.fields[0] + evaluation.load * states.fields[1]
+    local = (place - states.mesh.seam) % 1.0
+    face = interpolate(local, nodes.x, field[states.spaces.sizes[0] + nodes.index], nodes.order)
+    plate = float(states.displacement_of_plate[0] + evaluation.load * states.displacement_of_plate[1])
+    return np.asarray((face - (posed.height(place) - posed.highest + plate)) * posed.unit_height)
+
+
+p2_6, p2_12, p4_6 = (behind_the_door(solve, (p, n, 14)) for p, n in ((2, 6), (2, 12), (4, 6)))
