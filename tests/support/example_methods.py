@@ -33,7 +33,7 @@ def lost(posed):
 
 
 def method(name="halving", solve=off_by, settings=(0.1, 0.25, 1e-4, 1e-12), scenes=("sinusoid",), code="halving"):
-    return Method(name, code, "error", "nothing", settings, solve, (), scenes, {"theory": "it is no theory"})
+    return Method(name, code, "error", "nothing", settings, solve, scenes, {"theory": "it is no theory"})
 
 
 TRUTH = {"sinusoid": (Source("truth", "truth", truth),), "theory": (Source("truth", "truth", truth),)}

@@ -71,6 +71,12 @@ class Judged:
         """With adhesion or without."""
         return self.theta > 0
 
+    def error(self, quantity: str, theory: str) -> float:
+        """Of the area, relative; of the separation, over at least a tenth of the rms height; of the distribution."""
+        if quantity == "separation":
+            return (self.separations.get(theory, np.nan) - self.separation) / max(self.separation, 0.1)
+        return (self.area if quantity == "area" else self.distribution).get(theory, np.nan)
+
 
 @dataclass(frozen=True)
 class Said:
@@ -157,6 +163,16 @@ def rms(values: Sequence[float]) -> float:
     """
     known = np.array([value for value in values if np.isfinite(value)])
     return float(np.sqrt(np.mean(known**2))) if known.size else np.nan
+
+
+def rms_of(judged: Sequence[Judged], quantity: str, theory: str) -> float:
+    """Of the errors of a theory in "area", "separation" or "pressure distribution"."""
+    return rms([one.error(quantity, theory) for one in judged])
+
+
+def theories_of(judged: Sequence[Judged]) -> list[str]:
+    """Names of the theories that were judged."""
+    return list(dict.fromkeys(name for one in judged for name in one.area))
 
 
 def _plain(lines: DiscreteSpectrum, load: float, work: float | None, height: float) -> Said:
