@@ -24,7 +24,6 @@ import numpy as np
 from scipy.special import erf
 
 import bem
-from bem.audit.dense import evaluate_dense
 from bem.geometry.scaling import Scales
 from fem_reference.closure import Evaluation, evaluate
 from fem_reference.mesh import LayerMesh, Resolution, crisscross
@@ -35,6 +34,7 @@ from validation.corpus.rates import Law, Rate, algebraic, geometric
 from validation.harness.schema import ReferenceKind
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
+from validation.references.dense import evaluate_dense
 from validation.references.paper_method import Surface, solve
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=0.3)

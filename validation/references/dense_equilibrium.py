@@ -1,9 +1,9 @@
 """Equilibria by dense algebra alone, next to a state of the solver: what its error estimates are measured against.
 
 Newton on K_e = 2 sqrt(w_e) (K_e = 0 without adhesion) and on the condition of the control, with the plain dense
-evaluation (bem/audit/dense.py: own nodes, moments, kernels and derivatives), until its steps are rounding.  Work and
-energy of adhesion, stiffness and conversions are this file's own.  Dimensionless inside: lengths period / 2 pi, heights
-the rms height a, stresses E* q0 a / 2.
+evaluation (dense.py: own nodes, moments, kernels and derivatives), until its steps are rounding. Work and energy of
+adhesion, stiffness and conversions are this file's own. Dimensionless inside: lengths period / 2 pi, heights the rms
+height a, stresses E* q0 a / 2.
 
 Far from an answer (routes/dense_algebra.py) steps are limited to a third of the edge scale.
 """
@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bem.audit.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
 from bem.elastic.layer import Layer
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
@@ -23,6 +22,7 @@ from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray, IntArray
 from validation.references.adapters import taken
+from validation.references.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
 
 STEPS, FAR_STEPS = 8, 60
 FARTHEST = 0.3  # of the edge scale, where Newton starts far away

@@ -5,9 +5,9 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem.adhesive.interior_tension import largest_tension, opening_tension
-from bem.audit.dense import evaluate_dense
 from bem.geometry.profile import Profile
 from bem.solver import solve
+from validation.references.dense import evaluate_dense
 
 
 def test_a_flaw_is_about_to_run_under_the_tension_that_was_there():

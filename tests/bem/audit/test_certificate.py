@@ -10,7 +10,6 @@ from rough_surfaces import cut_edges
 
 from bem.audit import certificate, displacement, gap_depths
 from bem.audit.certificate import AdhesiveEdges, Demands, certify
-from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.audit.displacement import DisplacementField, GapPoints
 from bem.elastic.collocation import evaluate
 from bem.elastic.sensitivities import stress_intensity_jacobian
@@ -19,6 +18,7 @@ from bem.geometry.profile import Profile
 from bem.loading.control import LoadControl
 from bem.problem import pose
 from bem.scene.scene import parse_scene
+from validation.references.dense import SmoothKernel, dense_nodes, evaluate_dense
 
 
 @dataclass(frozen=True)

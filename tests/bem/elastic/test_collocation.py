@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rough_surfaces import cut, short_waved
 
-from bem.audit.dense import SmoothKernel, evaluate_dense
 from bem.elastic import collocation, hierarchical
 from bem.elastic.collocation import Elastic, Resolution, evaluate, finer, resolve
 from bem.elastic.compliance import Compliance
 from bem.elastic.hierarchical import IllConditionedSystemError, Waves
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
+from validation.references.dense import SmoothKernel, evaluate_dense
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 0).scaled()

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.compliance import EffectSum, compliance_of
 from bem.elastic.hierarchical import IllConditionedSystemError
@@ -14,6 +13,7 @@ from bem.elastic.layer import Layer, LayerEffect
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
+from validation.references.dense import SmoothKernel, dense_nodes, evaluate_dense
 
 
 @dataclass(frozen=True)

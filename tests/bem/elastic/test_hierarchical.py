@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from rough_surfaces import cut, short_waved
 
-from bem.audit.dense import evaluate_dense
 from bem.compiled.kernels import REFERENCES
 from bem.elastic import hierarchical, separated_kernel
 from bem.elastic.collocation import Elastic, evaluate, resolve, right_hand_sides
@@ -14,6 +13,7 @@ from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
 from bem.loading.control import LoadControl
+from validation.references.dense import evaluate_dense
 
 SHORT = short_waved(3)
 

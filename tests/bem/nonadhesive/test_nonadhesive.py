@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from bem.audit.dense import evaluate_dense
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.patches import TWO_PI, PatchPressure
@@ -15,6 +14,7 @@ from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.increments import Accuracy
 from bem.nonadhesive.grid_contact import grid_problem
 from bem.nonadhesive.nonadhesive import _gaps_under_tension, edge_residual, solve_contact
+from validation.references.dense import evaluate_dense
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 FIXED, LOADED = DisplacementControl(), LoadControl()

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import bem
-from bem.audit.dense import dense_nodes, evaluate_dense
 from bem.elastic.layer import Layer
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
@@ -15,6 +14,7 @@ from bem.observables.shapes import OUTSIDE, complete_contact_shape, separated_sh
 from bem.observables.width_distributions import width_distribution
 from bem.problem import Problem, pose
 from bem.scene.scene_tables import OUTPUTS
+from validation.references.dense import dense_nodes, evaluate_dense
 
 ALL = OUTPUTS
 NOTHING = PatchPressure(np.empty(0), np.empty(0), ())

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from bem.audit.dense import dense_nodes, evaluate_dense
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.observables.pressure_distribution import (
@@ -13,6 +12,7 @@ from bem.observables.pressure_distribution import (
     profile_branches,
     share_below,
 )
+from validation.references.dense import dense_nodes, evaluate_dense
 
 NOTHING = PatchPressure(np.empty(0), np.empty(0), ())
 HALF = np.array([1.0])

@@ -5,13 +5,13 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import jv
 
-from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.audit.displacement import DisplacementField, GapPoints
 from bem.elastic.kernel_series import kernel_series
 from bem.elastic.layer import LayerEffect
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.observables.spectra import complete_contact_spectra, pressure_modes, spectra, spectral_orders
+from validation.references.dense import SmoothKernel, dense_nodes, evaluate_dense
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 

@@ -10,7 +10,6 @@ from functools import partial
 import numpy as np
 
 import bem
-from bem.audit.dense import evaluate_dense
 from bem.geometry.scaling import Scales
 from bem.scene.result import Result
 from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed, refused, solved, work
@@ -18,6 +17,7 @@ from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
 from validation.references.closed_forms import Sinusoid, full_contact_amplitudes
+from validation.references.dense import evaluate_dense
 
 AMPLITUDE, WAVELENGTH, YOUNGS_MODULUS, POISSON_RATIO = 1e-4, 0.01, 1e6, 0.5
 SMALLEST_SHOWN = 1e-17

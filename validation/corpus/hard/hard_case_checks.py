@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.audit.dense import evaluate_dense
 from bem.contact_state import ContactState
 from bem.elastic.layer import Layer
 from bem.geometry.scaling import Scales, Solid
@@ -25,6 +24,7 @@ from bem.scene.scene import Scene, parse_scene
 from bem.solver import solve
 from validation.corpus.hard.hard_case_scenes import Table, waves_of
 from validation.references.closed_forms import full_contact_amplitudes
+from validation.references.dense import evaluate_dense
 from validation.references.lone_crack import closing, crack, valleys
 
 Check = Callable[[Table, Scene, Result], list[str]]

@@ -19,7 +19,6 @@ from pathlib import Path
 
 import numpy as np
 
-from bem.audit.dense import dense_nodes
 from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
 from bem.scene.result import Result, State
@@ -29,6 +28,7 @@ from validation.corpus.hard.hard_case_run import Outcome
 from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Units, energy_balance, findings_of
 from validation.corpus.random.random_copies import COPIES, STATE, compared, smaller_increment
 from validation.corpus.random.random_scenes import Drawn, draw
+from validation.references.dense import dense_nodes
 from validation.references.dense_equilibrium import NoReferenceError, reference
 
 MOST_DENSE = 3  # states of a scene that are solved by dense algebra: the first, the last and one between

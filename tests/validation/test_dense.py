@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from rough_surfaces import cut_edges, short_waved
 
-from bem.audit.dense import SmoothKernel, dense_nodes, evaluate_dense
 from bem.geometry.profile import Profile
+from validation.references.dense import SmoothKernel, dense_nodes, evaluate_dense
 
 AMPLITUDE = 1.3
 
