@@ -14,6 +14,7 @@ from validation.corpus.convergence_curves import (
     fem_curve,
     paper_method_curve,
     persson_curves,
+    predicted_line,
 )
 from validation.harness.case import Case, Outcome
 from validation.harness.figure_data import drawn, marks, trace
@@ -41,13 +42,7 @@ def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
         label = f"{curve.id}: predicted {curve.predicted:.3g}, fitted {curve.rate.value:.3g}"
         series.append(marks(label, curve.sizes, curve.errors))
     for curve in curves:
-        used = curve.rate.used
-        at, last = [curve.sizes[i] for i in used], curve.errors[used[-1]]
-        if curve.law == "geometric":
-            y = [last * curve.predicted ** (at[-1] - n) for n in at]
-        else:
-            y = [last * (at[-1] / n) ** curve.predicted for n in at]
-        series.append(trace(f"predicted, {curve.id}", at, y, "dashed"))
+        series.append(trace(f"predicted, {curve.id}", *predicted_line(curve), "dashed"))
     scale = "linear" if curves[0].law == "geometric" else "log"
     return drawn(name, caption, Panel(xlabel=curves[0].knob, ylabel="error", xscale=scale, yscale="log", series=series))
 
