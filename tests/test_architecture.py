@@ -61,6 +61,7 @@ ORDER = (
     "validation/corpus/hard",
     "validation/corpus/random",
     "validation/corpus",
+    "validation/cases/shared",
     "validation/cases/exact",
     "validation/cases/states",
     "validation/cases/paths",

@@ -16,7 +16,7 @@ from validation.challenge.worker import called, with_arrays
 
 QUICK = [name for name in names() if name != "paper-profile"]  # which takes minutes
 ROUNDING = 1e-13  # of amplitudes and phases that are made anew
-README = Path(__file__).parents[2] / "README.md"
+README = Path(__file__).parents[2] / "validation" / "challenge" / "README.md"
 
 
 def same_answers(name, made):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import bem
-from validation.cases.finite_elements.fem_closure import WAVE, stiffness
+from validation.cases.finite_elements.fem_closed_forms import WAVE, stiffness
 
 
 @pytest.mark.parametrize("fraction", [0.2, 0.5, 0.8])

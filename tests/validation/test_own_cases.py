@@ -43,7 +43,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture(autouse=True)
 def suite(monkeypatch):
     """A small suite in place of the whole."""
-    small = command_line.registry(["validation.cases.exact.complete"])
+    small = command_line.registry(["validation.cases.exact.waves"])
     monkeypatch.setattr(command_line, "registry", lambda: small)
 
 

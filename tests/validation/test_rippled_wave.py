@@ -4,64 +4,61 @@ import numpy as np
 import pytest
 
 import bem
-from validation.cases.exact.rippled_wave import (
-    LOADING,
-    MOST,
-    UNLOADING,
-    jumps,
-    mean_pressure,
-    receding,
-    spreading,
-    turning_points,
-)
+from validation.cases.exact.ripples import LOADING, MOST, UNLOADING, WAVE
 from validation.references import adapters
 
 
+def pressure(angle):
+    return float(WAVE.patch.mean_pressure(angle))
+
+
 @pytest.fixture(scope="module")
-def turning():
-    return turning_points()
+def top():
+    return WAVE.loaded(LOADING[-1])[1][0]
 
 
-def test_mean_pressure_is_level_where_it_turns(turning):
+def test_mean_pressure_is_level_where_it_turns():
     """Maxima and minima alternate, two a ripple."""
-    slope = [(mean_pressure(f + 1e-6) - mean_pressure(f - 1e-6)) / 2e-6 for f in turning]
-    assert np.abs(slope).max() <= 4e-6 * mean_pressure(MOST)  # measured 1.6e-6
-    assert turning.size == 14
+    turning = sorted([*WAVE.turning[1.0], *WAVE.turning[-1.0]])
+    slope = [(pressure(a + 1e-6) - pressure(a - 1e-6)) / 2e-6 for a in turning]
+    assert np.abs(slope).max() <= 1e-6 * pressure(np.pi * MOST)  # measured 3e-7
+    assert set(WAVE.turning[1.0]) == set(turning[::2])
 
 
 @pytest.mark.parametrize("load", LOADING)
-def test_contact_spreads_to_the_first_passage(turning, load):
-    fraction = spreading(turning, load)
-    assert mean_pressure(fraction) == pytest.approx(load, abs=1e-8)
-    assert max(mean_pressure(f) for f in np.linspace(turning[0], fraction - 1e-6, 500)) < load
+def test_contact_spreads_to_the_first_passage(load):
+    (a,) = WAVE.loaded(load)[1]
+    assert pressure(a) == pytest.approx(load, abs=1e-8)
+    assert max(pressure(b) for b in np.linspace(1e-3, a - 1e-6, 500)) < load + 1e-8
 
 
 @pytest.mark.parametrize("load", UNLOADING)
-def test_contact_recedes_to_the_last_passage(turning, load):
-    start = spreading(turning, LOADING[-1])
-    fraction = receding(turning, load, start)
-    assert mean_pressure(fraction) == pytest.approx(load, abs=1e-8)
-    assert min(mean_pressure(f) for f in np.linspace(fraction + 1e-6, start, 500)) > load
+def test_contact_recedes_to_the_last_passage(top, load):
+    (a,) = WAVE.unloaded(top, load)[1]
+    assert pressure(a) == pytest.approx(load, abs=1e-8)
+    assert min(pressure(b) for b in np.linspace(a + 1e-6, top, 500)) > load
 
 
-def test_loads_out_of_reach_are_refused(turning):
-    with pytest.raises(ValueError, match="mean pressure: 1e\\+06 Pa is not reached"):
-        spreading(turning, 1e6)
-    with pytest.raises(ValueError, match="mean pressure: -1e\\+06 Pa lies below"):
-        receding(turning, -1e6, 0.4)
+def test_loads_out_of_reach_are_refused(top):
+    with pytest.raises(ValueError, match=r"jumps at 23212\.3 Pa does not come to rest"):
+        WAVE.loaded(1e6)
+    with pytest.raises(ValueError, match=r"jumps at -1669\.54 Pa does not come to rest"):
+        WAVE.unloaded(top, -1e6)
 
 
-def test_jumps_happen_in_order_within_the_loads(turning):
-    up, down = jumps(turning)
+def test_jumps_happen_in_order_within_the_loads(top):
+    up = [jump.pressure for jump in WAVE.loaded(LOADING[-1])[0][1:]]
+    down = [jump.pressure for jump in WAVE.unloaded(top, UNLOADING[-1])[0]]
     assert up == sorted(up)
     assert down == sorted(down, reverse=True)
     assert (len(up), len(down)) == (5, 5)
     assert LOADING[0] < up[0] and up[-1] < LOADING[-1]
 
 
-def test_large_increments_do_not_leap_to_a_branch_of_higher_potential(turning):
+def test_large_increments_do_not_leap_to_a_branch_of_higher_potential():
     """Newton once went from one ripple over the next to the one behind it: more energy than the load put in."""
     load = 6e3
     changes = {"loading": {"targets": [0.0, 1e3, 3e3, load]}}
     reached = bem.solve(adapters.scene("rippled_wave", changes)).targets[-1].contact_fraction
-    assert reached == pytest.approx(spreading(turning, load), abs=1e-12)  # measured 4e-15; 0.05 too much with the leap
+    expected = WAVE.loaded(load)[1][0] / np.pi
+    assert reached == pytest.approx(expected, abs=1e-12)  # measured 4e-15; 0.05 too much with the leap

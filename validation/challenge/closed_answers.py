@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from validation.cases.exact import rippled_wave
+from validation.cases.exact.ripples import WAVE
 from validation.harness.arrays import FloatArray
 from validation.references.one_patch import OnePatch
 
@@ -108,21 +108,19 @@ def _johnson(problem: Given) -> Answers:
 
 
 def _rippled(problem: Given) -> Answers:
-    turning = rippled_wave.turning_points()
     targets = problem["path"]["targets"]
     top = int(np.argmax(targets))
-    up = [rippled_wave.spreading(turning, float(p)) for p in targets[: top + 1]]
-    down = [rippled_wave.receding(turning, float(p), up[-1]) for p in targets[top + 1 :]]
+    rising, up = WAVE.loaded(*map(float, targets[: top + 1]))
+    falling, down = WAVE.unloaded(up[-1], *map(float, targets[top + 1 :]))
     _, period, modulus, _ = _wave(problem)
     harmonics = np.zeros(int(problem["profile"]["orders"].max()))
     harmonics[problem["profile"]["orders"] - 1] = problem["profile"]["amplitudes"]
     patch = OnePatch(period, modulus, tuple(harmonics.tolist()), problem["adhesion"]["work_of_adhesion"])
-    fractions = np.array(up + down)
-    rising, falling = rippled_wave.jumps(turning)
+    fractions = np.array(up + down) / np.pi
     return {
         "contact_fraction": fractions,
         "separation": float(harmonics.sum()) - patch.penetration(np.pi * fractions),
-        "jump_mean_pressures": np.array([*rising, *(p for p in falling if p > targets[-1])]),
+        "jump_mean_pressures": np.array([jump.pressure for jump in (*rising[1:], *falling)]),
     }
 
 

@@ -9,6 +9,7 @@ two equal gaps one is taken for contact: the certificate has to find the tension
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,10 @@ from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from bem.scene.result import State
 from bem.scene.scene import parse_scene
+from validation.cases.shared.checks import Against, case, column
 from validation.corpus.hard.hard_case_scenes import MODULUS, PERIOD, rough, scene, waves
-from validation.harness.arrays import FloatArray
-from validation.harness.case import Case, Outcome
-from validation.harness.rows import compared
-from validation.harness.schema import Reference, Row, Tolerance
+from validation.harness.case import Outcome
+from validation.harness.schema import Row
 from validation.references.closed_forms import layer_compliance
 from validation.references.lone_crack import closing, valleys
 
@@ -38,7 +38,9 @@ PROFILES: dict[str, tuple[dict[str, Any], float | None, float]] = {
     "100 harmonics": (rough(100, seed=1), None, 0.5),
     "layer of 0.05 periods": (waves([1, 2], [AMPLITUDE, AMPLITUDE]), 0.05 * PERIOD, 0.3),
 }
-CLOSED = Reference(kind="exact", source="Westergaard (1939); lone cracks as the gaps close", uncertainty=0.0)
+CLOSED = Against("exact", "Westergaard (1939); lone cracks as the gaps close")
+BY_LOAD, FRACTION = (1.5e-15, 4.9e-16), (5e-16, 1.6e-16)  # pressures and contact fractions round to 1e-16
+LONE = (6e-7, 2e-7)  # what the closed form leaves out
 
 
 def _states(profile: dict[str, Any], control: str, targets: list[float], layer: float | None, nu: float) -> list[State]:
@@ -53,37 +55,34 @@ def complete_pressure(surface: Profile, layer: float | None, nu: float) -> Profi
     return Profile(surface.period, surface.orders, surface.amplitudes / compliance, surface.phases)
 
 
-def _one_wave() -> tuple[Row, ...]:
+def _one_wave() -> Iterator[Row]:
     """Gap and separation of one wave down to 1e-12 from complete contact, as errors of a load or of the period."""
-    modulus = MODULUS / (1 - 0.5**2)
-    highest = np.pi * modulus * AMPLITUDE / PERIOD
+    highest = np.pi * MODULUS / (1 - 0.5**2) * AMPLITUDE / PERIOD
     loads = [highest * (1 - deficit) for deficit in DEFICITS]
-    profile = waves([1], [AMPLITUDE])
-    states = _states(profile, "mean_pressure", loads, None, 0.5)
     missing = np.array([(highest - load) / highest for load in loads])  # the difference of floating point numbers
     k = np.arange(2, 30)
-    separations = np.sum(missing[:, None] ** k / (k * (k - 1.0)), axis=1)
-    gaps = 2 / np.pi * np.arcsin(np.sqrt(missing))
-    back = _states(profile, "separation", (AMPLITUDE * separations).tolist(), None, 0.5)
-    wider = np.array([1 - state.contact_fraction for state in states]) / gaps - 1
-    apart = np.array([state.separation for state in states]) / (AMPLITUDE * separations) - 1
-    fraction = np.array([state.contact_fraction for state in back]) - (1 - gaps)
-    kept = np.array([state.separation for state in back]) / (AMPLITUDE * separations) - 1
-    return (
-        _row("one wave at given load: relative error of the gap times missing load", 0.0, wider * missing, BY_LOAD),
-        _row("one wave at given load: relative error of s times missing load", 0.0, apart * missing, BY_LOAD),
-        _row("one wave at given separation: error of the contact fraction", 0.0, fraction, FRACTION),
-        _row("one wave at given separation: relative error of s", 0.0, kept, FRACTION),
-    )
+    heights = AMPLITUDE * np.sum(missing[:, None] ** k / (k * (k - 1.0)), axis=1)
+    gaps, profile = 2 / np.pi * np.arcsin(np.sqrt(missing)), waves([1], [AMPLITUDE])
+    states = _states(profile, "mean_pressure", loads, None, 0.5)
+    back = _states(profile, "separation", heights.tolist(), None, 0.5)
+    wider = (1 - np.array(column(states, "contact_fraction"))) / gaps - 1
+    apart, kept = (np.array(column(each, "separation")) / heights - 1 for each in (states, back))
+    fraction = np.array(column(back, "contact_fraction")) - (1 - gaps)
+    for name, errors, allowed in (
+        ("one wave at given load: relative error of the gap times missing load", wider * missing, BY_LOAD),
+        ("one wave at given load: relative error of s times missing load", apart * missing, BY_LOAD),
+        ("one wave at given separation: error of the contact fraction", fraction, FRACTION),
+        ("one wave at given separation: relative error of s", kept, FRACTION),
+    ):
+        yield CLOSED.row(name, "", [0.0] * len(loads), errors, allowed, "absolute")
 
 
-def _lone_cracks() -> tuple[Row, ...]:
+def _lone_cracks() -> Iterator[Row]:
     """Number and widths of gaps, separation, and the load at that separation, at 1e-8 from complete contact."""
-    rows = []
     for name, (profile, layer, nu) in PROFILES.items():
         posed = parse_scene(scene(profile, "mean_pressure", [1.0], thickness=layer, poisson_ratio=nu))
-        surface, modulus = posed.surface(), MODULUS / (1 - nu**2)
-        complete = complete_pressure(surface, layer, nu)
+        modulus = MODULUS / (1 - nu**2)
+        complete = complete_pressure(posed.surface(), layer, nu)
         value, curvature = valleys(complete)
         highest = -float(value.min())
         (state,) = _states(profile, "mean_pressure", [highest * (1 - NEAR)], layer, nu)
@@ -92,45 +91,34 @@ def _lone_cracks() -> tuple[Row, ...]:
         pressure, widths = closing(complete, modulus, separation)
         gap = (1 - state.contact_fraction) * PERIOD / float(widths.sum())
         missing = (highest - back.mean_pressure) / (highest - pressure)
-        ratios = np.array([gap, state.separation / separation, missing])
-        rows.append(_row(f"{name}: gap, separation, missing load over those of lone cracks", 1.0, ratios, LONE))
-        good = [float(one.n_patches == value.size and one.certificate.ok) for one in (state, back)]
-        rows.append(_row(f"{name}: all gaps there and certified", 1.0, np.array(good), EITHER))
-    return tuple(rows)
+        yield CLOSED.row(f"{name}: gap, separation, missing load over those of lone cracks", "", [1.0] * 3,
+                         [gap, state.separation / separation, missing], LONE, "absolute")  # fmt: skip
+        good = [one.n_patches == value.size and one.certificate.ok for one in (state, back)]
+        yield CLOSED.row(f"{name}: all gaps there and certified", "", [1.0] * 2, good, 0.0, "absolute", required=0.5)
 
 
 def _refused() -> Row:
     """Of two equal gaps one taken for contact, on the edges of the other: whether tension is found in it."""
     posed = parse_scene(scene(PROFILES["two equal gaps"][0], "mean_pressure", [ONE_TAKEN]))
     (state,) = (state for state in bem.solve(posed).states if state.target)
-    surface, solid = posed.surface(), Solid(MODULUS, 0.5)
-    joined = ContactState(surface, solid, [[state.edges[0][0], state.edges[1][1]]], state.penetration, tolerance=1e-8)
+    surface = posed.surface()
+    edges = [[state.edges[0][0], state.edges[1][1]]]
+    joined = ContactState(surface, Solid(MODULUS, 0.5), edges, state.penetration, tolerance=1e-8)
     depth = state.penetration / surface.rms_height
     reasons = certify(surface.scaled(), joined.evaluation.pressure(), depth, None).reasons
-    found = float(any(reason.startswith("tension") for reason in reasons))
-    return _row("one of two gaps taken for contact: tension found (1: yes)", 1.0, np.array([found]), EITHER)
-
-
-def _row(quantity: str, expected: float, computed: FloatArray, tolerance: Tolerance) -> Row:
-    """Numbers that should all be the same."""
-    return compared(quantity, "", CLOSED, [expected] * computed.size, computed, tolerance.value, tolerance.measured,
-                    "absolute", basis=tolerance.basis)  # fmt: skip
+    found = any(reason.startswith("tension") for reason in reasons)
+    return CLOSED.row("one of two gaps taken for contact: tension found (1: yes)", "", 1.0, found, 0.0, "absolute",
+                      required=0.5)  # fmt: skip
 
 
 def _last_gaps() -> Outcome:
     return Outcome(rows=(*_one_wave(), *_lone_cracks(), _refused()))
 
 
-EITHER = Tolerance(value=0.5, measured=0.0, basis="required")  # of a yes or no
-BY_LOAD = Tolerance(value=1.5e-15, measured=4.9e-16)  # pressures round to 1e-16
-FRACTION = Tolerance(value=5e-16, measured=1.6e-16)  # as contact fractions do
-LONE = Tolerance(value=6e-7, measured=2e-7)  # what the closed form leaves out
-
 CASES = (
-    Case(id="last-gaps", group="closed forms", level="quick",
-         question="Do the last gaps before complete contact without adhesion close as the closed forms say?",
-         equations=r"gap $= \frac{2}{\pi} \arcsin \sqrt{1 - p / p^\ast}$; "
-                   r"$T = k c^2 / 4$, $s = \frac{2 \pi T^2}{\lambda E^\ast k}$",
-         sources=("westergaard1939", "tada2000", "carbone2008"), compute=_last_gaps,
-         effects=("half_space", "layer", "load_control")),
+    case("last-gaps", "closed forms", _last_gaps,
+         "Do the last gaps before complete contact without adhesion close as the closed forms say?",
+         r"gap $= \frac{2}{\pi} \arcsin \sqrt{1 - p / p^\ast}$; "
+         r"$T = k c^2 / 4$, $s = \frac{2 \pi T^2}{\lambda E^\ast k}$",
+         "westergaard1939 tada2000 carbone2008", "half_space layer load_control"),
 )  # fmt: skip

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -26,12 +25,13 @@ import bem
 from bem.scene.result import Event
 from fem_reference import Result
 from fem_reference.fold import Fold, Turning, fold
-from validation.cases.finite_elements.fem_comparison import RESOLUTIONS, TAKEN, within
+from validation.cases.finite_elements.fem_closed_forms import JOHNSON, layered
+from validation.cases.finite_elements.fem_comparison import GROUP, RESOLUTIONS, within
+from validation.cases.shared.checks import Against, case, posed, solved
 from validation.harness.case import Case, Outcome
 from validation.harness.figure_data import axes, drawn, marks, trace
-from validation.harness.rows import counted
-from validation.harness.schema import Figure, Level, Reference, Row, Table
-from validation.references import adapters, fem_adapter
+from validation.harness.schema import Figure, Level, Row, Table
+from validation.references import fem_adapter
 from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(amplitude=50e-6, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
@@ -39,61 +39,55 @@ JUST_BEFORE = 0.97  # of the penetration at the fold
 TURNING: dict[str, tuple[Turning, ...]] = {"P2/P1": ("penetration",), "P4/P3": ("penetration", "mean_pressure")}
 PRESSED, APART = 30e-6, -60e-6  # m of penetration
 LOWER_CREST = (4.5e-3, 7e-3)  # m: between these
-ORDER = {"P2/P1": 2, "P4/P3": 4}
+TOLERANCE = 1e-9  # of the scenes
+Known = tuple[float, float]  # a number and its uncertainty
 
 
-def _waves(elements: str) -> Outcome:
-    rows: list[Row] = []
-    before = _wave(JUST_BEFORE * float(WAVE.penetration(WAVE.fold())), elements)
-    psi = float(brentq(lambda at: float(WAVE.penetration(at)) - before.penetration, WAVE.fold(), 1.0))
-    for name, unit, exact, scale in (
-        ("contact_fraction", "", 2 * psi / np.pi, 1.0),
-        ("mean_pressure", "Pa", float(WAVE.mean_pressure(psi)), WAVE.full_contact_pressure),
-    ):
-        rows.append(
-            within(f"just before pull-off: {_said(name)}", unit, JOHNSON, [exact], [getattr(before, name)],
-                   float(np.max(before.uncertainty[name])), scale, TAKEN[ORDER[elements]])
-        )  # fmt: skip
-    figures = []
-    for turning in TURNING[elements]:
-        found = fold(before if turning == "penetration" else _wave(0.0, elements), turning)
-        rows += _fold_rows(turning, found, elements)
-        figures.append(_figure(turning, found, before))
-    stable = counted("just before pull-off: stable", JOHNSON, [1.0], [float(bool(before.stable))])
-    return Outcome(
-        rows=(*rows, stable), figures=tuple(figures[:1]), counts={"unknowns of the finite elements": before.unknowns}
-    )
-
-
-def _wave(penetration: float, elements: str) -> Result:
-    changes: dict[str, dict[str, Any] | None] = {
-        "solid": {"poisson_ratio": WAVE.poisson_ratio},
-        "adhesion": {"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
-        "loading": {"targets": [penetration]},
-    }
-    return fem_adapter.solve_fem(adapters.scene("layer_sinusoid", changes), RESOLUTIONS[elements])
-
-
-def _fold_rows(turning: Turning, found: Fold, elements: str) -> list[Row]:
-    """The fold against Johnson's curve, and its penetration and load against the event of the boundary elements."""
-    psi = WAVE.fold() if turning == "penetration" else _load_fold()
-    exact = {
+def _johnson(psi: float) -> dict[str, tuple[str, float, float]]:
+    """Units, values and scales of a state of Johnson's curve."""
+    return {
         "contact_fraction": ("", 2 * psi / np.pi, 1.0),
         "penetration": ("m", float(WAVE.penetration(psi)), WAVE.amplitude),
         "mean_pressure": ("Pa", float(WAVE.mean_pressure(psi)), WAVE.full_contact_pressure),
     }
-    event = _pull_off(turning)
-    rows = []
-    for name, (unit, value, scale) in exact.items():
+
+
+def _waves(elements: str) -> Outcome:
+    before = _wave(JUST_BEFORE * float(WAVE.penetration(WAVE.fold())), elements)
+    psi = float(brentq(lambda at: float(WAVE.penetration(at)) - before.penetration, WAVE.fold(), 1.0))
+    rows, figures = [], []
+    for name, (unit, exact, scale) in _johnson(psi).items():
+        if name != "penetration":
+            rows.append(within(f"just before pull-off: {_said(name)}", unit, JOHNSON, exact, getattr(before, name),
+                               float(np.max(before.uncertainty[name])), scale, elements))  # fmt: skip
+    for turning in TURNING[elements]:
+        found = fold(before if turning == "penetration" else _wave(0.0, elements), turning)
+        rows += _fold_rows(turning, found, elements)
+        figures.append(_figure(turning, found, before))
+    rows.append(JOHNSON.count("just before pull-off: stable", 1.0, bool(before.stable)))
+    counts = {"unknowns of the finite elements": before.unknowns}
+    return Outcome(rows=tuple(rows), figures=tuple(figures[:1]), counts=counts)
+
+
+def _wave(penetration: float, elements: str) -> Result:
+    return fem_adapter.solve_fem(layered(WAVE, penetration), RESOLUTIONS[elements])
+
+
+def _fold_rows(turning: Turning, found: Fold, elements: str) -> list[Row]:
+    """The fold against Johnson's curve, and its penetration and load against the event of the boundary elements."""
+    event, rows = _pull_off(turning), []
+    for name, (unit, exact, scale) in _johnson(WAVE.fold() if turning == "penetration" else _load_fold()).items():
         label, uncertain = f"fold under {_said(turning)}: {_said(name)}", found.uncertainty[name]
-        taken = TAKEN[ORDER[elements]]
-        rows.append(within(label, unit, JOHNSON, [value], [found.values[name]], uncertain, scale, taken))
+        rows.append(within(label, unit, JOHNSON, exact, found.values[name], uncertain, scale, elements))
         if name != "contact_fraction":
-            reference = Reference(kind="FEM", source=f"fem_reference, {elements}", uncertainty=uncertain)
-            ours, error = getattr(event, name), getattr(event.error_estimate, name) or 0.0
-            rows.append(within(f"{label}, boundary elements", unit, reference, [found.values[name]], [ours],
-                               max(error, TOLERANCE * scale), scale, taken))  # fmt: skip
+            error = max(getattr(event.error_estimate, name) or 0.0, TOLERANCE * scale)
+            rows.append(within(f"{label}, boundary elements", unit, _fem(elements, uncertain), found.values[name],
+                               getattr(event, name), error, scale, elements))  # fmt: skip
     return rows
+
+
+def _fem(elements: str, uncertainty: float) -> Against:
+    return Against("FEM", f"fem_reference, {elements}", uncertainty)
 
 
 def _load_fold() -> float:
@@ -107,13 +101,8 @@ def _load_fold() -> float:
 
 def _pull_off(turning: Turning) -> Event:
     """The event at which the boundary elements lose the contact of the wave, on the way out."""
-    targets = {"penetration": [0.0, -2 * WAVE.amplitude], "mean_pressure": [0.0, -0.5 * WAVE.full_contact_pressure]}
-    changes: dict[str, dict[str, Any] | None] = {
-        "solid": {"poisson_ratio": WAVE.poisson_ratio},
-        "adhesion": {"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
-        "loading": {"control": turning, "targets": targets[turning]},
-    }
-    events = bem.solve(adapters.scene("layer_sinusoid", changes)).events
+    end = -2 * WAVE.amplitude if turning == "penetration" else -0.5 * WAVE.full_contact_pressure
+    events = bem.solve(layered(WAVE, 0.0, control=turning, targets=[0.0, end])).events
     return next(event for event in events if event.kind == "pull_off")
 
 
@@ -136,102 +125,90 @@ def _figure(turning: Turning, found: Fold, before: Result) -> Figure:
 
 @dataclass(frozen=True)
 class Jump:
-    """An event by the finite elements: m and J/m^2, each with its uncertainty."""
+    """An event by the finite elements: m and J/m^2."""
 
     kind: str
-    penetration: tuple[float, float]
-    released: tuple[float, float]
+    penetration: Known
+    released: Known
 
 
 def _crests(penetration: float, elements: str, patches: int) -> Result:
     """The two crests at a penetration, with contact at the higher one or at both."""
-    changes = {"loading": {"targets": [penetration]}}
-    found = fem_adapter.solve_fem(adapters.scene("layer_two_crests", changes), RESOLUTIONS[elements], patches)
+    scene = posed("layer_two_crests", loading={"targets": [penetration]})
+    found = fem_adapter.solve_fem(scene, RESOLUTIONS[elements], patches)
     if found.closure_residual is None or found.status not in ("converged", "interpenetration"):
         raise ArithmeticError(f"finite elements, {patches} patches at {penetration:g} m: {found.status}")
     return found
 
 
-def _lowest_gap(found: Result) -> tuple[float, float]:
-    """Least gap above the lower crest and its uncertainty, m."""
+def _lowest_gap(found: Result) -> Known:
+    """Least gap above the lower crest, m."""
     x = np.linspace(*LOWER_CREST, 401)
-    gap = found.gap(x)
-    k = int(np.argmin(gap))
+    k = int(np.argmin(found.gap(x)))
     near = np.linspace(x[k - 1], x[k + 1], 401)
     return float(np.min(found.gap(near))), float(np.max(found.uncertainty_at("gap", near)))
 
 
-def touch(elements: str) -> tuple[float, float]:
-    """Penetration at which the gap above the lower crest vanishes, and its uncertainty, m: by secants."""
+def touch(elements: str) -> Known:
+    """Penetration at which the gap above the lower crest vanishes, m: by secants."""
     places = [0.8 * PRESSED, 0.9 * PRESSED]
     gaps = [_lowest_gap(_crests(place, elements, 1)) for place in places]
+
+    def slope() -> float:
+        return (gaps[-1][0] - gaps[-2][0]) / (places[-1] - places[-2])
+
     while abs(gaps[-1][0]) > gaps[-1][1]:
-        slope = (gaps[-1][0] - gaps[-2][0]) / (places[-1] - places[-2])
-        places.append(places[-1] - gaps[-1][0] / slope)
+        places.append(places[-1] - gaps[-1][0] / slope())
         gaps.append(_lowest_gap(_crests(places[-1], elements, 1)))
-    slope = (gaps[-1][0] - gaps[-2][0]) / (places[-1] - places[-2])
-    return places[-1] - gaps[-1][0] / slope, gaps[-1][1] / abs(slope)
+    return places[-1] - gaps[-1][0] / slope(), gaps[-1][1] / abs(slope())
 
 
 def jumps(elements: str) -> list[Jump]:
     """The four events of the loop, in their order."""
 
-    def energy(found: Result) -> tuple[float, float]:
+    def energy(found: Result) -> Known:
         return found.total_energy, float(np.max(found.uncertainty["total_energy"]))
 
-    def between(kind: str, place: tuple[float, float], before: tuple[float, float], after: tuple[float, float]) -> Jump:
+    def between(kind: str, place: Known, before: Known, after: Known) -> Jump:
         period = pressed.problem.period
         return Jump(kind, place, ((before[0] - after[0]) / period, (before[1] + after[1]) / period))
 
-    def turned(found: Fold) -> list[tuple[float, float]]:
+    def turned(found: Fold) -> list[Known]:
         return [(found.values[name], found.uncertainty[name]) for name in ("penetration", "total_energy")]
 
     nothing = (0.0, 0.0)
-    pressed = _crests(PRESSED, elements, 2)
-    first = _crests(0.0, elements, 1)
-    touched = touch(elements)
+    pressed, first, touched = _crests(PRESSED, elements, 2), _crests(0.0, elements, 1), touch(elements)
     at_touch = [energy(_crests(touched[0], elements, patches)) for patches in (1, 2)]
     detaching, detached = turned(fold(pressed, "penetration"))
     pulled, pulled_energy = turned(fold(first, "penetration"))
     return [
         between("first_touch", nothing, nothing, energy(first)),
-        between("new_contact", touched, at_touch[0], at_touch[1]),
+        between("new_contact", touched, *at_touch),
         between("detachment", detaching, detached, energy(_crests(detaching[0], elements, 1))),
         between("pull_off", pulled, pulled_energy, nothing),
     ]
 
 
 def _loop(elements: str) -> Outcome:
-    ours = bem.solve(adapters.scene("layer_two_crests", {"loading": {"targets": [PRESSED, APART]}})).events
-    theirs = jumps(elements)
-    scene = adapters.scene("layer_two_crests")
-    height, taken = scene.surface().rms_height, TAKEN[ORDER[elements]]
-    rows = [counted("events of the loop", Reference(kind="FEM", source="fem_reference"), [len(theirs)], [len(ours)])]
+    ours = solved("layer_two_crests", loading={"targets": [PRESSED, APART]}).events
+    theirs, height = jumps(elements), posed("layer_two_crests").surface().rms_height
+    rows = [Against("FEM", "fem_reference").count("events of the loop", len(theirs), len(ours))]
     loss = sum(jump.released[0] for jump in theirs)
     for jump, event in zip(theirs, ours, strict=True):
-        label = _said(jump.kind)
         if event.kind != jump.kind:
             raise ArithmeticError(f"boundary elements: {event.kind} where finite elements have {jump.kind}")
+        estimate = event.error_estimate
         for name, unit, (value, uncertain), computed, error, scale in (
-            ("penetration", "m", jump.penetration, event.penetration, event.error_estimate.penetration, height),
-            ("energy released", "J/m^2", jump.released, event.energy_released or 0.0,
-             event.error_estimate.energy_released or 0.0, loss),
-        ):  # fmt: skip
-            if not uncertain:  # the first touch is at zero penetration by definition
-                continue
-            reference = Reference(kind="FEM", source=f"fem_reference, {elements}", uncertainty=uncertain)
-            rows.append(within(f"{label}: {name}", unit, reference, [value], [computed],
-                               max(error, TOLERANCE * scale), scale, taken))  # fmt: skip
-    total = Reference(
-        kind="FEM", source=f"fem_reference, {elements}", uncertainty=sum(jump.released[1] for jump in theirs)
-    )
+            ("penetration", "m", jump.penetration, event.penetration, estimate.penetration, height),
+            ("energy released", "J/m^2", jump.released, event.energy_released or 0.0, estimate.energy_released, loss),
+        ):
+            if uncertain:  # the first touch is at zero penetration by definition
+                rows.append(within(f"{_said(jump.kind)}: {name}", unit, _fem(elements, uncertain), value, computed,
+                                   max(error or 0.0, TOLERANCE * scale), scale, elements))  # fmt: skip
     lost = sum(event.energy_released or 0.0 for event in ours)
-    rows.append(within("energy lost in the loop", "J/m^2", total, [loss], [lost], TOLERANCE * loss, loss, taken))
-    return Outcome(rows=tuple(rows), tables=(_table(theirs, ours),))
-
-
-def _table(theirs: list[Jump], ours: tuple[Event, ...]) -> Table:
-    return Table(
+    total = _fem(elements, sum(jump.released[1] for jump in theirs))
+    rows.append(within("energy lost in the loop", "J/m^2", total, loss, lost, TOLERANCE * loss, loss, elements))
+    table = Table(
         caption="Events of the loop by both codes; penetration in um, energy released in mJ/m^2.",
         columns=["event", "penetration, FEM", "+-", "BEM", "released, FEM", "+-", "BEM"],
         rows=[
@@ -240,27 +217,23 @@ def _table(theirs: list[Jump], ours: tuple[Event, ...]) -> Table:
             for jump, event in zip(theirs, ours, strict=True)
         ],
     )  # fmt: skip
-
-
-JOHNSON = Reference(kind="exact", source="Johnson 1995")
-TOLERANCE = 1e-9  # of the scenes
+    return Outcome(rows=tuple(rows), tables=(table,))
 
 
 def _fold_case(name: str, level: Level, elements: str) -> Case:
-    return Case(id=name, group="boundary elements against finite elements", level=level,
-                question="Do both codes and Johnson's curve lose the contact of a wave at the same place?",
-                equations=r"$d\Delta/da = 0$, $dp/da = 0$ at $K = \sqrt{2 E^\ast \gamma}$, $a$ the contact fraction",
-                sources=("johnson1995", "destuynder1983"), compute=partial(_waves, elements),
-                effects=("layer", "adhesion", "unloading"), scene=adapters.scene_text("layer_sinusoid"))  # fmt: skip
+    return case(name, GROUP, partial(_waves, elements),
+                "Do both codes and Johnson's curve lose the contact of a wave at the same place?",
+                r"$d\Delta/da = 0$, $dp/da = 0$ at $K = \sqrt{2 E^\ast \gamma}$, $a$ the contact fraction",
+                "johnson1995 destuynder1983", "layer adhesion unloading", level=level,
+                scene="layer_sinusoid")  # fmt: skip
 
 
 def _loop_case(name: str, level: Level, elements: str) -> Case:
-    return Case(id=name, group="boundary elements against finite elements", level=level,
-                question="Do both codes find the same events of a loop of loading and unloading, and what it loses?",
-                equations=r"$U = U_{el} - \int \gamma \sqrt{1 + h'^2} dx$; released $= U_1 - U_2$ at fixed $\Delta$",
-                sources=("carbone2009", "destuynder1983"), compute=partial(_loop, elements),
-                effects=("layer", "adhesion", "slope_term", "unloading"),
-                scene=adapters.scene_text("layer_two_crests"))  # fmt: skip
+    return case(name, GROUP, partial(_loop, elements),
+                "Do both codes find the same events of a loop of loading and unloading, and what it loses?",
+                r"$U = U_{el} - \int \gamma \sqrt{1 + h'^2} dx$; released $= U_1 - U_2$ at fixed $\Delta$",
+                "carbone2009 destuynder1983", "layer adhesion slope_term unloading", level=level,
+                scene="layer_two_crests")  # fmt: skip
 
 
 CASES = (

@@ -18,17 +18,17 @@ import bem
 from bem.scene.scene import Scene, parse_scene
 from validation.cases.finite_elements.fem_comparison import (
     EQUATIONS,
+    GROUP,
     SOURCES,
     Comparison,
     compare_equilibria,
     counts,
     rows,
 )
-from validation.corpus.random.random_scenes import Table, draw
+from validation.cases.shared.checks import Against, case
+from validation.corpus.random.random_scenes import draw
 from validation.harness.case import Case, Outcome
-from validation.harness.rows import counted
-from validation.harness.schema import Level, Reference
-from validation.harness.schema import Table as Shown
+from validation.harness.schema import Level, Table
 
 SEED, DRAWN = 47, 200
 TINY = (3, 340, 577)  # 1, 2 and 1 patches, past 5, 2 and 1 events
@@ -38,13 +38,10 @@ THICKNESSES, RATIOS, MOST = (0.02, 5.0), (0.0, 0.5), 12
 
 def posed(index: int) -> Scene:
     """Scene `index`, its targets alone, solved as accurately as those of other comparisons with finite elements."""
-    return parse_scene(_tables(draw(SEED, index).tables))
-
-
-def _tables(drawn: Table) -> Table:
-    loading = {key: value for key, value in drawn["loading"].items() if "at_mean_pressure" not in key}
-    changed = {"loading": loading, "accuracy": drawn["accuracy"] | {"tolerance": 1e-9}}
-    return {name: table for name, table in (drawn | changed).items() if name != "output"}
+    tables = draw(SEED, index).tables
+    loading = {key: value for key, value in tables["loading"].items() if "at_mean_pressure" not in key}
+    changed = tables | {"loading": loading, "accuracy": tables["accuracy"] | {"tolerance": 1e-9}}
+    return parse_scene({name: table for name, table in changed.items() if name != "output"})
 
 
 def taken(index: int) -> bool:
@@ -63,31 +60,24 @@ def taken(index: int) -> bool:
 
 def _matrix(elements: str, chosen: Iterable[int] | None) -> Outcome:
     indices = [k for k in range(DRAWN) if taken(k)] if chosen is None else list(chosen)
-    found = [compare_equilibria(f"scene {k}", posed(k), elements, None) for k in indices]
-    asked = [c.fem is not None and c.fem.stable is not None for c in found]
-    stable = [c.fem is not None and bool(c.fem.stable) for c in found]
-    states = counted("adhesive states that are minima of the energy by finite elements",
-                     Reference(kind="FEM", source="fem_reference"), [sum(asked)], [sum(stable)])  # fmt: skip
-    return Outcome(
-        rows=(*(row for comparison in found for row in rows(comparison, asked_uncertainty=False)), states),
-        tables=(_table(indices, found),),
-        counts=counts(found),
+    found = {k: compare_equilibria(f"scene {k}", posed(k), elements, None) for k in indices}
+    stable = [one.fem.stable for one in found.values() if one.fem is not None and one.fem.stable is not None]
+    states = Against("FEM", "fem_reference").count(
+        "adhesive states that are minima of the energy by finite elements", len(stable), sum(map(bool, stable))
     )
-
-
-def _table(indices: list[int], found: list[Comparison]) -> Shown:
-    """What each scene is, and how far the codes are apart."""
-    return Shown(
+    table = Table(
         caption=f"Scenes of seed {SEED}: adhesion of any strength, or none; |BEM - FEM| over what is allowed, at most.",
         columns=["scene", "profile", "control", "targets", "d/lambda", "nu", "adhesion", "patches", "largest share"],
-        rows=[_line(index, comparison) for index, comparison in zip(indices, found, strict=True)],
+        rows=[_line(index, comparison) for index, comparison in found.items()],
     )
+    every = (row for comparison in found.values() for row in rows(comparison, asked_uncertainty=False))
+    return Outcome(rows=(*every, states), tables=(table,), counts=counts(list(found.values())))
 
 
 def _line(index: int, comparison: Comparison) -> list[str | float | int | None]:
+    """What a scene is, and how far the codes are apart."""
     scene = posed(index)
     assert scene.layer is not None
-    shares = [difference.largest / (2 * difference.uncertainty) for difference in comparison.differences]
     return [
         index,
         scene.profile.kind,
@@ -97,17 +87,15 @@ def _line(index: int, comparison: Comparison) -> list[str | float | int | None]:
         float(f"{scene.solid.poisson_ratio:.3g}"),
         "none" if scene.adhesion is None else "yes",
         len(comparison.fem.edges) if comparison.fem is not None else 0,
-        float(f"{max(shares):.2g}") if shares else comparison.failure,
+        float(f"{comparison.share:.2g}") if comparison.differences else comparison.failure,
     ]
 
 
 def _case(name: str, level: Level, elements: str, chosen: Iterable[int] | None) -> Case:
-    return Case(id=name, group="boundary elements against finite elements", level=level,
-                question="Do both codes find the same equilibria of scenes drawn at random, past events, whatever the "
+    return case(name, GROUP, partial(_matrix, elements, chosen),
+                "Do both codes find the same equilibria of scenes drawn at random, past events, whatever the "
                 "layer, the adhesion, the control and the number of patches?",
-                equations=EQUATIONS,
-                sources=SOURCES, compute=partial(_matrix, elements, chosen),
-                effects=("layer", "adhesion", "slope_term", "unloading"))  # fmt: skip
+                EQUATIONS, SOURCES, "layer adhesion slope_term unloading", level=level)  # fmt: skip
 
 
 CASES = (

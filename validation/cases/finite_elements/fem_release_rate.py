@@ -17,14 +17,16 @@ from typing import Any
 import numpy as np
 
 import bem
+from bem.scene.scene import Scene
 from fem_reference.energy_difference import energy_difference
-from validation.cases.finite_elements.fem_comparison import RESOLUTIONS, TAKEN, flat, within
+from validation.cases.finite_elements.fem_comparison import GROUP, RESOLUTIONS, beside, within
+from validation.cases.shared.checks import Against, case, posed
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Reference, Row
-from validation.references import adapters, fem_adapter
+from validation.harness.schema import Level
+from validation.references import fem_adapter
 
-SCENES: dict[str, tuple[str, int, dict[str, Any]]] = {
+SCENES: dict[str, tuple[str, int, dict[str, Any]]] = {  # scene, patches, changes
     "one crest": ("layer_sinusoid", 1, {"loading": {"targets": [20e-6]}}),
     "two crests": ("layer_two_crests", 2, {}),
 }
@@ -32,65 +34,55 @@ STEP = 0.003  # of the shorter of the patch and the gap beside an edge
 BEM_ERROR = 2e-7  # of w: three times what the difference of the energies of boundary elements was off by (7e-8)
 
 
-def _difference_of_bem(posed: Any, edges: FloatArray, penetration: float) -> FloatArray:
+def _difference_of_bem(scene: Scene, edges: FloatArray, penetration: float) -> FloatArray:
     """G (n_patches, 2) in J/m^2: fourth-order differences of the elastic energy at fixed penetration."""
-    rates, period = np.zeros(edges.shape), posed.surface().period
-    lengths = np.diff(np.append(edges.ravel(), edges[0, 0] + period))
+    rates, steps = np.zeros(edges.shape), STEP * beside(edges, scene.surface().period)
     for place in np.ndindex(*edges.shape):
-        edge = 2 * place[0] + place[1]
-        step = STEP * min(lengths[edge], lengths[edge - 1])
         total = 0.0
         for k, weight in ((1, 8.0), (-1, -8.0), (2, -1.0), (-2, 1.0)):
             moved = edges.copy()
-            moved[place] += k * step * (1.0 if place[1] else -1.0)
-            total += weight * fem_adapter.contact_state(posed, moved, penetration).elastic_energy
-        rates[place] = total / (12 * step)
+            moved[place] += k * steps[place] * (1.0 if place[1] else -1.0)
+            total += weight * fem_adapter.contact_state(scene, moved, penetration).elastic_energy
+        rates[place] = total / (12 * steps[place])
     return rates
 
 
-def _rates(elements: str, chosen: tuple[str, ...]) -> Outcome:
-    rows: list[Row] = []
-    unknowns = 0
-    for label in chosen:
-        name, patches, changes = SCENES[label]
-        posed = adapters.scene(name, changes)
-        state = bem.solve(posed).targets[-1]
-        fem = fem_adapter.solve_fem(posed, RESOLUTIONS[elements], patches)
-        if state.status != "converged" or fem.status != "converged":
-            raise ArithmeticError(f"{label}: boundary elements {state.status}, finite elements {fem.status}")
-        found, uncertain = energy_difference(fem)
-        edges = np.array(state.edges)
-        elastic = fem_adapter.contact_state(posed, edges, state.penetration)
-        assert posed.adhesion is not None
-        work = posed.adhesion.work_of_adhesion
-        reference = Reference(kind="FEM", source=f"fem_reference, {elements}, by its energies",
-                              uncertainty=float(np.max(uncertain)))  # fmt: skip
-        slope = posed.surface().slope(fem.edges) if posed.adhesion.slope_term else 0.0 * fem.edges
-        taken = TAKEN[fem.resolution.order]
-        for quantity, computed in (
-            ("K^2 / 2 E*", elastic.energy_release_rate),
-            ("by differences of energies", _difference_of_bem(posed, edges, state.penetration)),
-        ):
-            rows.append(within(f"{label}: G of the boundary elements, {quantity}", "J/m^2", reference, flat(found),
-                               flat(computed), BEM_ERROR * work, work, taken))  # fmt: skip
-        adhesion = Reference(kind="exact", source="the work of adhesion at the edges")
-        rows.append(within(f"{label}: G of the finite elements, by differences of energies", "J/m^2", adhesion,
-                           flat(work * np.sqrt(1 + slope**2)), flat(found), float(np.max(uncertain)), work,
-                           taken))  # fmt: skip
-        unknowns = max(unknowns, fem.unknowns)
-    return Outcome(rows=tuple(rows), counts={"unknowns of the finite elements": unknowns})
+def _rates(elements: str, label: str) -> Outcome:
+    name, patches, changes = SCENES[label]
+    scene = posed(name, **changes)
+    state, fem = bem.solve(scene).targets[-1], fem_adapter.solve_fem(scene, RESOLUTIONS[elements], patches)
+    if state.status != "converged" or fem.status != "converged":
+        raise ArithmeticError(f"{label}: boundary elements {state.status}, finite elements {fem.status}")
+    found, uncertain = energy_difference(fem)
+    spread, edges = float(np.max(uncertain)), np.array(state.edges)
+    elastic = fem_adapter.contact_state(scene, edges, state.penetration)
+    assert scene.adhesion is not None
+    work = scene.adhesion.work_of_adhesion
+    slope = scene.surface().slope(fem.edges) if scene.adhesion.slope_term else 0.0 * fem.edges
+    by_energies = Against("FEM", f"fem_reference, {elements}, by its energies", spread)
+    ours = f"{label}: G of the boundary elements"
+    rows = (
+        within(f"{ours}, K^2 / 2 E*", "J/m^2", by_energies, found, elastic.energy_release_rate, BEM_ERROR * work, work,
+               elements),
+        within(f"{ours}, by differences of energies", "J/m^2", by_energies, found,
+               _difference_of_bem(scene, edges, state.penetration), BEM_ERROR * work, work, elements),
+        within(f"{label}: G of the finite elements, by differences of energies", "J/m^2",
+               Against("exact", "the work of adhesion at the edges"), work * np.sqrt(1 + slope**2), found, spread, work,
+               elements),
+    )  # fmt: skip
+    return Outcome(rows=rows, counts={"unknowns of the finite elements": fem.unknowns})
 
 
-def _case(name: str, level: Any, elements: str, chosen: tuple[str, ...]) -> Case:
-    return Case(id=name, group="boundary elements against finite elements", level=level,
-                question="Is the energy that opening an edge releases the same by differences of both codes' energies?",
-                equations=r"$G = dU / d\xi = K^2 / (2 E^\ast) = \gamma \sqrt{1 + h'^2}$ at every edge",
-                sources=("carbone2009", "destuynder1983", "shih1986"), compute=partial(_rates, elements, chosen),
-                effects=("layer", "adhesion", "slope_term"), scene=adapters.scene_text("layer_two_crests"))  # fmt: skip
+def _case(name: str, level: Level, elements: str, label: str) -> Case:
+    return case(name, GROUP, partial(_rates, elements, label),
+                "Is the energy that opening an edge releases the same by differences of both codes' energies?",
+                r"$G = dU / d\xi = K^2 / (2 E^\ast) = \gamma \sqrt{1 + h'^2}$ at every edge",
+                "carbone2009 destuynder1983 shih1986", "layer adhesion slope_term", level=level,
+                scene="layer_two_crests")  # fmt: skip
 
 
 CASES = (
-    _case("fem-release-rate-coarse", "quick", "P2/P1", ("one crest",)),
-    _case("fem-release-rate", "standard", "P4/P3", ("one crest",)),
-    _case("fem-release-rate-two", "full", "P4/P3", ("two crests",)),
+    _case("fem-release-rate-coarse", "quick", "P2/P1", "one crest"),
+    _case("fem-release-rate", "standard", "P4/P3", "one crest"),
+    _case("fem-release-rate-two", "full", "P4/P3", "two crests"),
 )

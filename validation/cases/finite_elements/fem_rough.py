@@ -10,16 +10,23 @@ discrepancy; and the realisation of the finite elements with the theory within t
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 import bem
 from bem.scene.scene import Scene
-from validation.cases.finite_elements.fem_comparison import EQUATIONS, SOURCES, compare_equilibria, counts, rows
+from validation.cases.finite_elements.fem_comparison import (
+    EQUATIONS,
+    GROUP,
+    SOURCES,
+    compare_equilibria,
+    counts,
+    rows,
+)
 from validation.cases.finite_elements.fem_figures import figure
-from validation.harness.case import Case, Outcome
-from validation.harness.schema import Band, Reference, Row, Table
+from validation.cases.shared.checks import Against, case, column, posed
+from validation.harness.case import Outcome
+from validation.harness.schema import Row, Table
 from validation.references import adapters
 
 HARMONICS, SEED, REALISATIONS = 20, 1, 12
@@ -29,23 +36,15 @@ CAUSE = (
     "direction and for small contact"
 )
 SOURCE = "Carbone, Scaraggi, Tartaglino 2009, abstract: about 50 % for any given load, with adhesion"
+# ratios to the theory, measured: means 1.33 +- 0.06 and 1.19 +- 0.05; one realisation 1.51 (spread 0.20), 1.14 (0.16)
+BANDS_OF_MEAN = {"contact_fraction": (1.16, 1.50), "separation": (1.05, 1.33)}  # three standard errors on both sides
+BANDS_OF_ONE = {"contact_fraction": (0.74, 1.92), "separation": (0.71, 1.66)}  # three standard deviations
 
 
 def _posed(seed: int, layer: bool = True) -> Scene:
-    changes: dict[str, dict[str, Any] | None] = {
-        "profile": {"harmonics": HARMONICS, "seed": seed},
-        "layer": {"thickness": 0.02} if layer else None,
-        "adhesion": None,
-        "loading": {"control": "mean_pressure", "targets": [LOAD]},
-        "accuracy": {"tolerance": 1e-9},
-    }
-    return adapters.scene("rough_100", changes)
-
-
-def _banded(quantity: str, unit: str, theory: float, found: float, uncertainty: float, low: float, high: float) -> Row:
-    return Row(quantity=quantity, unit=unit, reference=Reference(kind="theory", source="Persson 2001"), norm="ratio",
-               expected=[theory], computed=[found], uncertainty=uncertainty,
-               band=Band(low=low, high=high, cause=CAUSE, source=SOURCE, review="2027-11-26"))  # fmt: skip
+    return posed("rough_100", profile={"harmonics": HARMONICS, "seed": seed}, adhesion=None,
+                 layer={"thickness": 0.02} if layer else None, accuracy={"tolerance": 1e-9},
+                 loading={"control": "mean_pressure", "targets": [LOAD]})  # fmt: skip
 
 
 def _rough(elements: str) -> Outcome:
@@ -54,37 +53,36 @@ def _rough(elements: str) -> Outcome:
     if any(state.status != "converged" for state in states):
         raise ArithmeticError("a realisation did not converge")
     theory = adapters.persson_contact(_posed(SEED, layer=False), LOAD)
-    judged, table = rows(found), []
+    judged, table = list(rows(found)), []
+
+    def over_theory(words: str, unit: str, value: float, uncertain: float, band: tuple[float, float]) -> Row:
+        return Against("theory", "Persson 2001").ratio(
+            f"{label}: {words}, over Persson", unit, expected, value, band, CAUSE, SOURCE, uncertainty=uncertain,
+            review="2027-11-26")  # fmt: skip
+
     for name, unit in (("contact_fraction", ""), ("separation", "m")):
-        ensemble = np.array([getattr(state, name) for state in states])
+        ensemble, label = np.array(column(states, name)), name.replace("_", " ")
         mean, spread, expected = float(ensemble.mean()), float(ensemble.std(ddof=1)), float(getattr(theory, name))
-        label, of_mean, of_one = name.replace("_", " "), BANDS_OF_MEAN[name], BANDS_OF_ONE[name]
-        judged.append(
-            _banded(f"{label}: mean of {REALISATIONS} realisations, boundary elements, over Persson", unit, expected,
-                    mean, spread / REALISATIONS**0.5, *of_mean)
-        )  # fmt: skip
-        line: list[str | float | int | None] = [label, float(f"{getattr(states[SEED], name):.9g}")]
+        judged.append(over_theory(f"mean of {REALISATIONS} realisations, boundary elements", unit, mean,
+                                  spread / REALISATIONS**0.5, BANDS_OF_MEAN[name]))  # fmt: skip
+        line: list[str | float | int | None] = [label, float(f"{ensemble[SEED]:.9g}")]
         if found.fem is not None:
             fem = float(getattr(found.fem, name))
-            judged.append(_banded(f"{label}: one realisation, finite elements, over Persson", unit, expected, fem,
-                                  spread, *of_one))  # fmt: skip
+            judged.append(over_theory("one realisation, finite elements", unit, fem, spread, BANDS_OF_ONE[name]))
             line.append(float(f"{fem:.9g}"))
         table.append([*line, float(f"{mean:.4g}"), float(f"{spread:.2g}"), float(f"{expected:.4g}")])
-    columns = ["quantity", "bem, one realisation", "fem, one realisation", "bem, mean", "spread", "Persson"]
-    caption = f"One load, 0.01 E*: what each code says, the ensemble of {REALISATIONS} realisations by their seeds."
+    shown = Table(
+        caption=f"One load, 0.01 E*: what each code says, the ensemble of {REALISATIONS} realisations by their seeds.",
+        columns=["quantity", "bem, one realisation", "fem, one realisation", "bem, mean", "spread", "Persson"],
+        rows=table,
+    )
     drawn = figure("fem-rough", f"Pressure of a rough profile of {HARMONICS} harmonics, {elements}.", found)
-    shown = (Table(caption=caption, columns=columns, rows=table),)
-    return Outcome(rows=tuple(judged), figures=tuple(drawn), tables=shown, counts=counts([found]))
+    return Outcome(rows=tuple(judged), figures=drawn, tables=(shown,), counts=counts([found]))
 
-
-# ratios to the theory, measured: means 1.33 +- 0.06 and 1.19 +- 0.05; one realisation 1.51 (spread 0.20), 1.14 (0.16)
-BANDS_OF_MEAN = {"contact_fraction": (1.16, 1.50), "separation": (1.05, 1.33)}  # three standard errors on both sides
-BANDS_OF_ONE = {"contact_fraction": (0.74, 1.92), "separation": (0.71, 1.66)}  # three standard deviations
 
 CASES = (
-    Case(id="fem-rough", group="boundary elements against finite elements", level="standard",
-         question="What do boundary elements, finite elements and Persson's theory say of one rough profile?",
-         equations=EQUATIONS + r"; theory: $A/A_0 = \text{erf}(\sqrt{2} \sigma_0 / (E^\ast h'_{rms}))$",
-         sources=(*SOURCES, "persson2001"), compute=partial(_rough, "P2/P1"), effects=("layer", "load_control"),
-         scene=adapters.scene_text("rough_100")),
+    case("fem-rough", GROUP, partial(_rough, "P2/P1"),
+         "What do boundary elements, finite elements and Persson's theory say of one rough profile?",
+         EQUATIONS + r"; theory: $A/A_0 = \text{erf}(\sqrt{2} \sigma_0 / (E^\ast h'_{rms}))$",
+         f"{SOURCES} persson2001", "layer load_control", level="standard", scene="rough_100"),
 )  # fmt: skip

@@ -30,12 +30,13 @@ from fem_reference import Resolution
 from fem_reference.elasticity import assemble, taylor_hood
 from fem_reference.mesh import crisscross
 from fem_reference.refine import observed_order
+from validation.cases.finite_elements.fem_comparison import NAMES
+from validation.cases.shared.checks import Against, case
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.compare import pairwise_orders
 from validation.harness.figure_data import drawn, loglog, trace
-from validation.harness.rows import compared
-from validation.harness.schema import Level, Reference, Row, Table
+from validation.harness.schema import Level, Table
 from validation.references.closed_forms import Sinusoid
 
 RATIOS = (-0.5, 0.3, 0.499999, 0.5)
@@ -47,9 +48,13 @@ LADDERS = {  # sizes in the ratio 3/2 and about 3/4, tips keeping pace
 }
 SAFETY = 1.25  # of the grid convergence index on three meshes
 PERIOD, AMPLITUDE, MODULUS = 0.01, 50e-6, 1e6
-NAMES = {2: "P2/P1", 4: "P4/P3"}
-JOHNSON = Reference(kind="exact", source="Johnson 1995")
-EXACT = Reference(kind="manufactured", source="the plane wave")
+JOHNSON = Against("exact", "Johnson 1995")
+ENERGY = Against("theory", "energy norm of order m, the load an energy: 2 m on graded meshes")
+SEED = 47
+MEASURED_ORDER = {2: (0.053, 0.017), 4: (0.065, 0.084)}
+# order of the load, asymptotic ratio, Richardson's value, true error over stated uncertainty, and over the GCI
+MEASURED_LADDER = {2: (0.54, 0.245, 8.3e-7, 0.071, 0.645), 4: (0.51, 0.149, 2.4e-9, 0.038, 0.716)}
+MEASURED_COVERAGE = {(2, 8): (0.0, 0.6), (2, 100): (0.0034, 1.18)}
 
 
 def manufactured_errors(order: int, nu: float, cells: int) -> tuple[float, float]:
@@ -100,11 +105,9 @@ def _manufactured() -> Outcome:
                 errors = found[nu][:, place].tolist()
                 observed.append(pairwise_orders([1 / count for count in cells], errors)[0])
                 curves.append(trace(f"{NAMES[order]}, {name}, nu = {nu:g}", cells, errors))
-            rows.append(
-                compared(f"observed order of the {name} in L2, {NAMES[order]}, nu = -0.5, 0.3, 0.499999, 0.5", "",
-                         EXACT, [float(predicted)] * len(RATIOS), observed, 2.5 * MEASURED_ORDER[order][place],
-                         MEASURED_ORDER[order][place], "absolute")
-            )  # fmt: skip
+            rows.append(Against("manufactured", "the plane wave").row(
+                f"observed order of the {name} in L2, {NAMES[order]}, nu = -0.5, 0.3, 0.499999, 0.5", "",
+                [predicted] * len(RATIOS), observed, MEASURED_ORDER[order][place], "absolute"))  # fmt: skip
     figure = drawn("fem-manufactured", "Manufactured plane wave on uniform meshes: errors in L2 against cells.",
                    loglog("cells per side", "error in L2", *curves))  # fmt: skip
     return Outcome(rows=tuple(rows), figures=(figure,))
@@ -126,47 +129,41 @@ def _arguments(wave: Sinusoid, fraction: float) -> dict[str, Any]:
     }
 
 
-def _richardson(orders: tuple[int, ...]) -> Outcome:
+def _richardson(order: int) -> Outcome:
     wave, fraction = Sinusoid(AMPLITUDE, PERIOD, MODULUS, 0.3, 0.3), 0.4
     exact, scale = float(wave.mean_pressure(fraction * np.pi / 2)), wave.full_contact_pressure
-    rows: list[Row] = []
-    table: list[list[str | float | int | None]] = []
-    for order in orders:
-        ladder, name, predicted = LADDERS[order], NAMES[order], 2 * order
-        found = fem_reference.refine(**_arguments(wave, fraction), resolutions=ladder).estimates["mean_pressure"]
-        values = [float(value) for value in found.levels]
-        sizes = [1 / resolution.cells for resolution in ladder]
-        steps = [abs(b - a) for a, b in pairwise(values)]
-        p = observed_order(steps[-2:], sizes[-3:]) or float("nan")
-        r = sizes[-2] / sizes[-1]
-        limited = min(p, predicted)
-        richardson = values[-1] + (values[-1] - values[-2]) / (r**limited - 1)
-        index = SAFETY * steps[-1] / (r**limited - 1)
-        error, stated = abs(values[-1] - exact), float(found.uncertainty)
-        expected_ratio = (sizes[-3] ** predicted - sizes[-2] ** predicted) / (
-            sizes[-2] ** predicted - sizes[-1] ** predicted
-        )
-        of_order, of_range, of_value, of_error, of_index = MEASURED_LADDER[order]
-        rows += [
-            compared(f"observed order of the load, graded meshes, {name}", "", Reference(kind="theory", source=ENERGY),
-                     [predicted], [p], 2.5 * of_order, of_order, "absolute"),
-            compared(f"asymptotic range: ratio of differences over that of the order {predicted}, {name}", "",
-                     Reference(kind="theory", source=ENERGY), [1.0], [steps[-2] / steps[-1] / expected_ratio],
-                     2.5 * of_range, of_range, "absolute"),
-            compared(f"Richardson's value of the load over p*, {name}", "Pa", JOHNSON, [exact], [richardson],
-                     2.5 * of_value, of_value, scale=scale, uncertainty=index),
-            compared(f"true error of the load over its GCI, {name}", "", JOHNSON, [0.0], [error / index], 1.0,
-                     of_index, "absolute", basis="required", pinned="unconverged"),
-            compared(f"true error of the load over its stated uncertainty, {name}", "", JOHNSON, [0.0],
-                     [error / stated], 1.0, of_error, "absolute", basis="required", pinned="unconverged"),
-        ]  # fmt: skip
-        shown = [*(f"{(value - exact) / scale:.2e}" for value in values), f"{p:.2f}"]
-        shown += [f"{(richardson - exact) / scale:.1e}", f"{index / scale:.1e}", f"{stated / scale:.1e}"]
-        table.append([name, ", ".join(str(resolution.cells) for resolution in ladder), *shown])
-    columns = ["elements", "cells per period", *(f"error, mesh {k + 1}" for k in range(4)), "observed order"]
-    columns += ["error of Richardson's value", "GCI", "stated uncertainty"]
-    shown_table = Table(caption="Load over p* at given edges: errors are true ones.", columns=columns, rows=table)
-    return Outcome(rows=tuple(rows), tables=(shown_table,))
+    ladder, name, predicted = LADDERS[order], NAMES[order], 2 * order
+    found = fem_reference.refine(**_arguments(wave, fraction), resolutions=ladder).estimates["mean_pressure"]
+    values = [float(value) for value in found.levels]
+    sizes = [1 / resolution.cells for resolution in ladder]
+    steps = [abs(b - a) for a, b in pairwise(values)]
+    p = observed_order(steps[-2:], sizes[-3:]) or float("nan")
+    refined = (sizes[-2] / sizes[-1]) ** min(p, predicted) - 1
+    richardson = values[-1] + (values[-1] - values[-2]) / refined
+    index = SAFETY * steps[-1] / refined
+    error, stated = abs(values[-1] - exact), float(found.uncertainty)
+    coarse, middle, fine = (size**predicted for size in sizes[-3:])
+    of_order, of_range, of_value, of_error, of_index = MEASURED_LADDER[order]
+    rows = (
+        ENERGY.row(f"observed order of the load, graded meshes, {name}", "", predicted, p, of_order, "absolute"),
+        ENERGY.row(f"asymptotic range: ratio of differences over that of the order {predicted}, {name}", "", 1.0,
+                   steps[-2] / steps[-1] / ((coarse - middle) / (middle - fine)), of_range, "absolute"),
+        JOHNSON.row(f"Richardson's value of the load over p*, {name}", "Pa", exact, richardson, of_value, scale=scale,
+                    uncertainty=index),
+        JOHNSON.row(f"true error of the load over its GCI, {name}", "", 0.0, error / index, of_index, "absolute",
+                    required=1.0, pinned="unconverged"),
+        JOHNSON.row(f"true error of the load over its stated uncertainty, {name}", "", 0.0, error / stated, of_error,
+                    "absolute", required=1.0, pinned="unconverged"),
+    )  # fmt: skip
+    table = Table(
+        caption="Load over p* at given edges: errors are true ones.",
+        columns=["elements", "cells per period", *(f"error, mesh {k + 1}" for k in range(4)), "observed order",
+                 "error of Richardson's value", "GCI", "stated uncertainty"],
+        rows=[[name, ", ".join(str(resolution.cells) for resolution in ladder),
+               *(f"{(value - exact) / scale:.2e}" for value in values), f"{p:.2f}",
+               f"{(richardson - exact) / scale:.1e}", f"{index / scale:.1e}", f"{stated / scale:.1e}"]],
+    )  # fmt: skip
+    return Outcome(rows=rows, tables=(table,))
 
 
 def drawn_state(rng: np.random.Generator, order: int) -> tuple[Sinusoid, float, Resolution]:
@@ -198,10 +195,10 @@ def _coverage(order: int, draws: int) -> Outcome:
     within, largest = float(np.mean(found <= 1.0)), float(np.max(found))
     missed, most = MEASURED_COVERAGE[order, draws]
     rows = (
-        compared(f"values whose true error is within the uncertainty, {found.size} of {NAMES[order]}", "", JOHNSON,
-                 [1.0], [within], 0.05, missed, "absolute", basis="required", pinned="unconverged"),
-        compared(f"largest true error over its uncertainty, {found.size} of {NAMES[order]}", "", JOHNSON, [0.0],
-                 [largest], 2.0, most, "absolute", basis="required", pinned="unconverged"),
+        JOHNSON.row(f"values whose true error is within the uncertainty, {found.size} of {NAMES[order]}", "", 1.0,
+                    within, missed, "absolute", required=0.05, pinned="unconverged"),
+        JOHNSON.row(f"largest true error over its uncertainty, {found.size} of {NAMES[order]}", "", 0.0, largest, most,
+                    "absolute", required=2.0, pinned="unconverged"),
     )  # fmt: skip
     share = [float(np.mean(found.ravel() <= at)) for at in (0.1, 0.2, 0.5, 1.0, 2.0)]
     table = Table(caption=f"Share of true errors up to a part of the stated uncertainty, {NAMES[order]}.",
@@ -209,19 +206,17 @@ def _coverage(order: int, draws: int) -> Outcome:
     return Outcome(rows=rows, tables=(table,))
 
 
-SEED = 47
-ENERGY = "energy norm of order m, the load an energy: 2 m on graded meshes"
-MEASURED_ORDER = {2: (0.053, 0.017), 4: (0.065, 0.084)}
-# order of the load, asymptotic ratio, Richardson's value, true error over stated uncertainty, and over the GCI
-MEASURED_LADDER = {2: (0.54, 0.245, 8.3e-7, 0.071, 0.645), 4: (0.51, 0.149, 2.4e-9, 0.038, 0.716)}
-MEASURED_COVERAGE = {(2, 8): (0.0, 0.6), (2, 100): (0.0034, 1.18)}
-
-
 def _case(name: str, level: Level, question: str, equations: str, compute: Any) -> Case:
-    return Case(id=name, group="code verification of the finite elements", level=level, question=question,
-                equations=equations,
-                sources=("roache1998", "taylor1973", "gustafsson2020", "johnson1995"), compute=compute,
-                effects=("layer",))  # fmt: skip
+    return case(name, "code verification of the finite elements", compute, question, equations,
+                "roache1998 taylor1973 gustafsson2020 johnson1995", "layer", level=level)  # fmt: skip
+
+
+def _richardson_case(name: str, level: Level, order: int) -> Case:
+    return _case(
+        name, level,
+        "Are the meshes in the asymptotic range, and how do Richardson's value and the GCI stand to the uncertainty?",
+        r"$q_R = q_4 + (q_4 - q_3) / (r^p - 1)$, GCI $= 1.25 |q_4 - q_3| / (r^p - 1)$",
+        partial(_richardson, order))  # fmt: skip
 
 
 COVERED = "Is the true error within the uncertainty that the finite elements state of themselves?"
@@ -229,12 +224,8 @@ CASES = (
     _case("fem-manufactured", "quick",
           "Do the elements converge at their order on a manufactured solution, for any Poisson's ratio?",
           r"$\|u - u_h\|_{L_2} \propto h^{m+1}$, $\|p - p_h\|_{L_2} \propto h^m$", _manufactured),
-    _case("fem-richardson-coarse", "quick",
-          "Are the meshes in the asymptotic range, and how do Richardson's value and the GCI stand to the uncertainty?",
-          r"$q_R = q_4 + (q_4 - q_3) / (r^p - 1)$, GCI $= 1.25 |q_4 - q_3| / (r^p - 1)$", partial(_richardson, (2,))),
-    _case("fem-richardson", "standard",
-          "Are the meshes in the asymptotic range, and how do Richardson's value and the GCI stand to the uncertainty?",
-          r"$q_R = q_4 + (q_4 - q_3) / (r^p - 1)$, GCI $= 1.25 |q_4 - q_3| / (r^p - 1)$", partial(_richardson, (4,))),
+    _richardson_case("fem-richardson-coarse", "quick", 2),
+    _richardson_case("fem-richardson", "standard", 4),
     _case("fem-coverage-coarse", "quick", COVERED, r"$|q - q_{exact}| \le U$", partial(_coverage, 2, 8)),
     _case("fem-coverage", "full", COVERED, r"$|q - q_{exact}| \le U$", partial(_coverage, 2, 100)),
 )  # fmt: skip

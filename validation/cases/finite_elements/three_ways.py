@@ -21,13 +21,15 @@ from numpy.typing import NDArray
 
 import bem
 from bem.scene.result import State
-from fem_reference import Resolution, Result
+from bem.scene.scene import Scene
+from fem_reference import Result
+from validation.cases.finite_elements.fem_comparison import GROUP, RESOLUTIONS, ROUNDING
+from validation.cases.shared.checks import Against, case, posed
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
-from validation.harness.rows import compared
-from validation.harness.schema import Figure, Reference, Row
-from validation.references import adapters, fem_adapter
+from validation.harness.schema import Figure, Row
+from validation.references import fem_adapter
 from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(amplitude=50e-6, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
@@ -36,10 +38,8 @@ PSI = 0.5 * np.pi * FRACTION
 SHARE = float(np.sin(PSI) ** 2)
 TENSION = float(WAVE.alpha * WAVE.full_contact_pressure * np.sqrt(np.tan(PSI)))  # T, Pa
 CREST = -0.7 / (2 * np.pi) * WAVE.wavelength  # of the scene
-QUARTIC = Resolution(4, 8, 18)
 INNER, AWAY = 0.8, 0.1
 SMALLEST_SHOWN = 1e-17
-ROUNDING = 1e-11  # of the scale: what a comparison of doubles that differ by nothing else leaves
 # of the scale: the boundary elements less the closed form, largest of two processors and of the kernels in NumPy
 MEASURED = {
     "contact fraction": 6.5e-15,
@@ -49,7 +49,7 @@ MEASURED = {
     "pressure at points": 4.1e-14,
     "gap at points": 1.8e-14,
 }
-JOHNSON = Reference(kind="exact", source="Johnson 1995")
+JOHNSON = Against("exact", "Johnson 1995")
 CAPTION = (
     "One adhesive wave under given load, three ways: pressure on the contact and gap beside it by boundary elements "
     "(line), finite elements (points) and Johnson's closed form (dashed). Below, how far apart any two of them are, "
@@ -95,14 +95,12 @@ def exact_energy() -> float:
     return float(dry + full * SHARE * lift - np.pi * WAVE.modulus * lift**2 / (2 * length * log))
 
 
-def _posed() -> Any:
-    return adapters.scene(
+def _posed() -> Scene:
+    return posed(
         "layer_sinusoid",
-        {
-            "layer": {"thickness": 3 * WAVE.wavelength},
-            "adhesion": {"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
-            "loading": {"control": "mean_pressure", "targets": [float(WAVE.mean_pressure(PSI))]},
-        },
+        layer={"thickness": 3 * WAVE.wavelength},
+        adhesion={"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
+        loading={"control": "mean_pressure", "targets": [float(WAVE.mean_pressure(PSI))]},
     )
 
 
@@ -159,14 +157,13 @@ def _rows(found: list[Quantity], unknowns: int) -> list[Row]:
     source = f"fem_reference, P4/P3, {unknowns} unknowns"
     rows = []
     for q in found:
-        fem = Reference(kind="FEM", source=source, uncertainty=q.fem_uncertainty)
+        fem, ours, theirs = Against("FEM", source, q.fem_uncertainty), q.bem_uncertainty, q.fem_uncertainty
         rows += [
-            compared(f"{q.name}, boundary elements", q.unit, JOHNSON, q.exact, q.bem, 2.5 * MEASURED[q.name],
-                     MEASURED[q.name], "absolute", q.scale, uncertainty=q.bem_uncertainty),
-            compared(f"{q.name}, finite elements", q.unit, JOHNSON, q.exact, q.fem, ROUNDING, 0.0, "absolute", q.scale,
-                     basis="required", uncertainty=q.fem_uncertainty, code="fem"),
-            compared(q.name, q.unit, fem, q.fem, q.bem, ROUNDING, 0.0, "absolute", q.scale, basis="required",
-                     uncertainty=q.bem_uncertainty),
+            JOHNSON.row(f"{q.name}, boundary elements", q.unit, q.exact, q.bem, MEASURED[q.name], "absolute", q.scale,
+                        uncertainty=ours),
+            JOHNSON.row(f"{q.name}, finite elements", q.unit, q.exact, q.fem, 0.0, "absolute", q.scale,
+                        required=ROUNDING, uncertainty=theirs, code="fem"),
+            fem.row(q.name, q.unit, q.fem, q.bem, 0.0, "absolute", q.scale, required=ROUNDING, uncertainty=ours),
         ]  # fmt: skip
     return rows
 
@@ -226,21 +223,19 @@ def _parted(pieces: list[tuple[list[float], list[float]]]) -> tuple[list[float |
 
 
 def _three_ways() -> Outcome:
-    posed = _posed()
-    state = bem.solve(posed).targets[-1]
-    elastic = fem_adapter.contact_state(posed, np.array(state.edges), state.penetration)
-    fem = fem_adapter.solve_fem(posed, QUARTIC)
+    scene = _posed()
+    state = bem.solve(scene).targets[-1]
+    elastic = fem_adapter.contact_state(scene, np.array(state.edges), state.penetration)
+    fem = fem_adapter.solve_fem(scene, RESOLUTIONS["P4/P3"])
     found = _quantities(state, elastic, fem)
     counts = {"unknowns": state.unknowns, "unknowns of the finite elements": fem.unknowns}
     return Outcome(rows=tuple(_rows(found, fem.unknowns)), figures=(_figure(found, elastic, fem),), counts=counts)
 
 
 CASES = (
-    Case(id="three-ways", group="boundary elements against finite elements", level="quick",
-         question="Do boundary elements, finite elements and the closed form agree on one adhesive contact, any two?",
-         equations=r"$p = p^\ast [\sin^2 \psi - \alpha \sqrt{\tan \psi}]$ given; "
-                   r"$|E| \le \sqrt{u_{\text{num}}^2 + u_D^2}$",
-         sources=("johnson1995", "westergaard1939", "gustafsson2020", "roache1998"), compute=_three_ways,
-         effects=("layer", "adhesion", "load_control"), scene=adapters.scene_text("layer_sinusoid"),
+    case("three-ways", GROUP, _three_ways,
+         "Do boundary elements, finite elements and the closed form agree on one adhesive contact, any two?",
+         r"$p = p^\ast [\sin^2 \psi - \alpha \sqrt{\tan \psi}]$ given; $|E| \le \sqrt{u_{\text{num}}^2 + u_D^2}$",
+         "johnson1995 westergaard1939 gustafsson2020 roache1998", "layer adhesion load_control", scene="layer_sinusoid",
          problem="one adhesive wave under load"),
 )  # fmt: skip

@@ -9,87 +9,74 @@ and no wave alone has one.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-import bem
-from bem.scene.result import Result
+from bem.scene.result import Event, Result
 from validation.cases.paths.energy_balance import Account, accounts, closed, legs
-from validation.harness.case import Case, Outcome
+from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed, solved, touching, work
+from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, trace
-from validation.harness.rows import compared, counted
-from validation.harness.schema import Figure, Reference, Row, Table
-from validation.references import adapters
+from validation.harness.schema import Figure, Row, Table
 from validation.references.closed_forms import Sinusoid
 
 
 def _history() -> Outcome:
-    result, ways = accounts(adapters.scene("hysteresis"))
-    apart = result.states[-1]
+    result, ways = accounts(posed("hysteresis"))
+    apart, least = result.states[-1], min(event.energy_released or 0.0 for event in result.events)
     loops = [closed(ways[1:3]), closed(ways[1:])]  # 30 um, 70 um, 30 um; and on to 160 um, apart
-    balance = Reference(kind="exact", source="first law: work = growth of U + energy released")
-    least = min((event.energy_released or 0.0) for event in result.events)
     rows = (
-        compared("work of a loop (30, 70, 30 um) and of the way apart, over the largest", "J/m^2", balance,
-                 [loop.growth + loop.released for loop in loops], [loop.work for loop in loops], 2.5 * MEASURED_WORK,
-                 MEASURED_WORK, "maximum over states", max(abs(loop.work) for loop in loops)),
-        counted("least energy released by an event is not negative (1: yes)",
-                Reference(kind="exact", source="second law"), [1.0], [float(least >= 0)]),
-        compared("energy once the surfaces are apart", "J/m^2",
-                 Reference(kind="exact", source="nothing touches, nothing is stored"), [0.0, 0.0],
-                 [apart.total_energy, apart.contact_fraction], 1e-15, 0.0, "absolute", basis="required",
-                 pinned="exact"),
+        Against("exact", "first law: work = growth of U + energy released").row(
+            "work of a loop (30, 70, 30 um) and of the way apart, over the largest", "J/m^2",
+            [loop.growth + loop.released for loop in loops], column(loops, "work"), 2.6e-10, OVER_STATES,
+            max(abs(loop.work) for loop in loops)),
+        Against("exact", "second law").count("least energy released by an event is not negative (1: yes)", 1.0,
+                                             least >= 0),
+        Against("exact", "nothing touches, nothing is stored").row(
+            "energy once the surfaces are apart", "J/m^2", [0.0, 0.0], [apart.total_energy, apart.contact_fraction],
+            0.0, "absolute", required=1e-15, pinned="exact"),
         *_symmetry(),
     )  # fmt: skip
-    return Outcome(
-        rows=rows,
-        figures=(_figure(result),),
-        tables=(_table(result), _loops(loops)),
-        counts={"events": len(result.events), "evaluations": sum(state.evaluations for state in result.states)},
-    )
+    tables = (_table(result), _loops(loops))
+    return Outcome(rows=rows, figures=(_figure(result),), tables=tables, counts=work("events evaluations", result))
+
+
+def _wave(order: int) -> Sinusoid:
+    """One of so many equal waves, alpha = 0.3."""
+    return Sinusoid(1e-4 / order, 0.01 / order, 1e6, 0.5, 0.3)
+
+
+def _bifurcations(order: int) -> list[Event]:
+    """Where the symmetric state of equal waves is lost on loading."""
+    wave = _wave(order)
+    deepest = float(wave.penetration(0.9 * np.pi / 2))
+    result = solved("sinusoid", profile={"orders": [order], "amplitudes": [1e-4 / order]},
+                    adhesion={"work_of_adhesion": wave.work_of_adhesion},
+                    loading={"targets": [0.3 * deepest, deepest]}, accuracy={"tolerance": 1e-6})  # fmt: skip
+    return [event for event in result.events if event.kind == "bifurcation"]
 
 
 def _symmetry() -> tuple[Row, Row]:
-    """Seven waves, alpha = 0.3: where the symmetric state is lost on loading, and that one wave never loses it."""
-    seventh = Sinusoid(1e-4 / 7, 0.01 / 7, 1e6, 0.5, 0.3)
-    events = {}
-    for order in (1, 7):
-        profile = {"orders": [order], "amplitudes": [1e-4 / order]}
-        wave = Sinusoid(1e-4 / order, 0.01 / order, 1e6, 0.5, 0.3)
-        deepest = float(wave.penetration(0.9 * np.pi / 2))
-        changes: dict[str, Any] = {
-            "profile": profile,
-            "adhesion": {"work_of_adhesion": wave.work_of_adhesion},
-            "loading": {"targets": [0.3 * deepest, deepest]},
-            "accuracy": {"tolerance": 1e-6},
-        }
-        result = bem.solve(adapters.scene("sinusoid", changes))
-        events[order] = [event for event in result.events if event.kind == "bifurcation"]
-    found = [_fraction(seventh, event.penetration) for event in events[7][:1]]
+    """Seven waves lose their symmetry on loading, and one wave never does; on Johnson's stable branch."""
+    psi = np.linspace(_wave(7).fold(), 0.97 * np.pi / 2, 20001)
+    found = [
+        float(np.interp(event.penetration, _wave(7).penetration(psi), psi) * 2 / np.pi) for event in _bifurcations(7)
+    ]
     return (
-        compared("contact fraction at which seven equal contacts lose their symmetry on loading", "",
-                 Reference(kind="theory", source="dense prototype, two digits: unstable above 0.76", uncertainty=0.005),
-                 [0.76], list(found) or [None], 0.01, MEASURED_SYMMETRY, "absolute"),
-        counted("bifurcations of one wave alone on loading",
-                Reference(kind="exact", source="Johnson 1995: one branch up to complete contact"), [0.0],
-                [float(len(events[1]))]),
+        Against("theory", "dense prototype, two digits: unstable above 0.76", 0.005).row(
+            "contact fraction at which seven equal contacts lose their symmetry on loading", "", 0.76,
+            found[:1] or None, (0.01, 0.006), "absolute"),
+        Against("exact", "Johnson 1995: one branch up to complete contact").count(
+            "bifurcations of one wave alone on loading", 0.0, len(_bifurcations(1))),
     )  # fmt: skip
 
 
-def _fraction(wave: Sinusoid, penetration: float) -> float:
-    """Contact fraction of Johnson's stable branch at a penetration."""
-    psi = np.linspace(wave.fold(), 0.97 * np.pi / 2, 20001)
-    return float(np.interp(penetration, wave.penetration(psi), psi) * 2 / np.pi)
-
-
 def _loops(loops: list[Account]) -> Table:
-    names = ("loop 30, 70, 30 um", "30 um and apart")
     return Table(caption="Dissipation in J/m^2 of nominal area.",
                  columns=["way", "events", "work", "growth of U", "energy released by events"],
                  rows=[[name, loop.events,
                         *(float(f"{value:.5g}") for value in (loop.work, loop.growth, loop.released))]
-                       for name, loop in zip(names, loops, strict=True)])  # fmt: skip
+                       for name, loop in zip(("loop 30, 70, 30 um", "30 um and apart"), loops,
+                                             strict=True)])  # fmt: skip
 
 
 def _table(result: Result) -> Table:
@@ -103,16 +90,14 @@ def _table(result: Result) -> Table:
 
 
 def _figure(result: Result) -> Figure:
-    words = ("loading", "unloading to 70 um", "loading again", "unloading", "apart")
-    styles = ("line", "dashed", "line", "dashed", "dashed")
+    words = {"loading": "line", "unloading to 70 um": "dashed", "loading again": "line", "unloading": "dashed"}
     height = result.states[0].separation + result.states[0].penetration
     series = [
-        trace(word, [state.separation * 1e6 for state in states if state.edges],
-              [state.mean_pressure / 1e3 for state in states if state.edges], "dashed" if style == "dashed" else "line")
-        for word, style, (states, _) in zip(words[:4], styles[:4], legs(result)[:4], strict=True)
-    ]  # fmt: skip
+        trace(word, column(touching(states), "separation", 1e-6), column(touching(states), "mean_pressure", 1e3), style)
+        for (word, style), (states, _) in zip(words.items(), legs(result)[:4], strict=True)
+    ]
     events = marks("events", [(height - event.penetration) * 1e6 for event in result.events],
-                   [event.mean_pressure / 1e3 for event in result.events])  # fmt: skip
+                   column(result.events, "mean_pressure", 1e3))  # fmt: skip
     return drawn(
         "hysteresis",
         "Mean pressure along two loops of separation: the area between the branches is what events release.",
@@ -120,12 +105,9 @@ def _figure(result: Result) -> Figure:
     )
 
 
-MEASURED_WORK, MEASURED_SYMMETRY = 2.6e-10, 0.006
-
 CASES = (
-    Case(id="loading-history", group="path", level="quick",
-         question="Is what a loop dissipates the sum of what its events release, and is a lost symmetry an event?",
-         equations=r"$\int \sigma_0 \, d\Delta = U_2 - U_1$ + sum of energies released; energy released $\ge 0$",
-         sources=("carbone2009", "johnson1995"), compute=_history,
-         effects=("half_space", "adhesion", "slope_term", "unloading"), scene=adapters.scene_text("hysteresis")),
+    case("loading-history", "path", _history,
+         "Is what a loop dissipates the sum of what its events release, and is a lost symmetry an event?",
+         r"$\int \sigma_0 \, d\Delta = U_2 - U_1$ + sum of energies released; energy released $\ge 0$",
+         "carbone2009 johnson1995", "half_space adhesion slope_term unloading", scene="hysteresis"),
 )  # fmt: skip

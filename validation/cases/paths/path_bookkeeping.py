@@ -20,38 +20,38 @@ import bem
 from bem.scene.result import Event, Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
-from validation.harness.case import Case, Outcome
-from validation.harness.rows import compared
-from validation.harness.schema import Reference, Row
-from validation.references import adapters
+from validation.cases.shared.checks import Against, case, column, solved
+from validation.harness.case import Outcome
+from validation.references.adapters import scene_text
 
 STOPS = (70e-6, 56e-6, 42e-6)  # separations in m, there and back
 MET_TWICE = {1381.208: 61.8e-6, 3558.97: 48.3e-6}  # mean pressures in Pa, and separations in m between their two states
 ASKED = (*MET_TWICE, 2000.0, 2002.0)  # the last two within one increment
 AROUND, SPACING = 8, 0.05e-6
 RESTARTED = (60e-6, 42e-6, 62e-6)
+ADHESION = {"work_of_adhesion": 0.05}
 
 
 def _crossed() -> Outcome:
     there, between, back = STOPS
-    adhesion: Any = {"work_of_adhesion": 0.05}
-    ways = {"start": there, "stop": back, "count": 3, "then_back_to": there, "targets": None}
-    asked: dict[str, Any] = {"adhesion": adhesion, "loading": {**ways, "at_mean_pressures": list(ASKED)}}
-    states = bem.solve(adapters.scene("rough_100", asked)).targets
+    ways: dict[str, Any] = {"start": there, "stop": back, "count": 3, "then_back_to": there, "targets": None}
+    states = solved("rough_100", adhesion=ADHESION, loading={**ways, "at_mean_pressures": list(ASKED)}).targets
     known = []
     for load, middle in MET_TWICE.items():
         near = (middle + SPACING * np.arange(AROUND, -AROUND - 1, -1)).tolist()
-        close: dict[str, Any] = {"adhesion": adhesion, "loading": {"targets": [there, *near]}}
-        known.append(_first(bem.solve(adapters.scene("rough_100", close)).targets, load))
+        known.append(_first(solved("rough_100", adhesion=ADHESION, loading={"targets": [there, *near]}).targets, load))
     found = [next((s.contact_fraction for s in states if _is(s, load)), float("nan")) for load in MET_TWICE]
-    pressures = [state.mean_pressure for state in states if _asked(state)]
-    separations = [state.separation for state in states if not _asked(state)]
+    pressures, separations = (
+        column((state for state in states if any(_is(state, load) for load in ASKED) == asked), name)
+        for name, asked in (("mean_pressure", True), ("separation", False))
+    )
+    scene, measured = Against("exact", "the scene"), 8e-13
+    loads, places = [*sorted(ASKED), *sorted(ASKED, reverse=True)], [there, between, back, between, there]
     rows = (
-        compared("contact fraction at loads that are met twice", "",
-                 Reference(kind="self", source="states 0.05 um apart, between which the load is first passed"), known,
-                 found, 2.5 * MEASURED_FIRST, MEASURED_FIRST),
-        _listed("mean pressures asked for, in order", "Pa", [*sorted(ASKED), *sorted(ASKED, reverse=True)], pressures),
-        _listed("separations asked for, in order", "m", [there, between, back, between, there], separations),
+        Against("self", "states 0.05 um apart, between which the load is first passed").row(
+            "contact fraction at loads that are met twice", "", known, found, 1.2e-4),  # next to a fold
+        scene.row("mean pressures asked for, in order", "Pa", loads, _as_many(pressures, loads), measured),
+        scene.row("separations asked for, in order", "m", places, _as_many(separations, places), measured),
     )  # fmt: skip
     return Outcome(rows=rows, counts={"evaluations": sum(state.evaluations for state in states)})
 
@@ -60,8 +60,9 @@ def _is(state: State, load: float) -> bool:
     return abs(state.mean_pressure - load) < 1e-6 * load
 
 
-def _asked(state: State) -> bool:
-    return any(_is(state, load) for load in ASKED)
+def _as_many(values: list[float], expected: Sequence[float]) -> list[float]:
+    """Values in order; another number of them is as wrong as can be."""
+    return values if len(values) == len(expected) else [0.0] * len(expected)
 
 
 def _first(states: Sequence[State], load: float) -> float:
@@ -73,19 +74,11 @@ def _first(states: Sequence[State], load: float) -> float:
     return float("nan")
 
 
-def _listed(quantity: str, unit: str, expected: Sequence[float], computed: Sequence[float]) -> Row:
-    """Values in order; another number of them is as wrong as can be."""
-    found = computed if len(computed) == len(expected) else [0.0] * len(expected)
-    source = Reference(kind="exact", source="the scene")
-    return compared(quantity, unit, source, expected, found, 2.5 * MEASURED_LISTED, MEASURED_LISTED)
-
-
 def _restarted() -> Outcome:
-    posed = tomllib.loads(adapters.scene_text("rough_100"))
-    posed |= {"profile": {**posed["profile"], "harmonics": 40}, "adhesion": {"work_of_adhesion": 0.1}}
+    tables = tomllib.loads(scene_text("rough_100"))
+    tables |= {"profile": {**tables["profile"], "harmonics": 40}, "adhesion": {"work_of_adhesion": 0.1}}
     loading: dict[str, Any] = {"control": "separation", "targets": list(RESTARTED)}
-    whole_scene = parse_scene({**posed, "loading": loading})
-    kept: list[Result] = []
+    whole_scene, kept = parse_scene({**tables, "loading": loading}), list[Result]()
     whole = bem.solve(whole_scene, on_state=lambda record: kept.append(record.result("interrupted")))
     first = next(index for index, state in enumerate(whole.states) if state.target)
     before = len(kept[first].events)
@@ -93,65 +86,45 @@ def _restarted() -> Outcome:
     with tempfile.TemporaryDirectory() as folder:
         write_result(kept[first], Path(folder) / "stored")
         stored = {"targets": list(RESTARTED[1:]), "initial": {"result": "stored", "state": first}}
-        begun = bem.solve(parse_scene({**posed, "loading": {**loading, **stored}}, folder))
-    ways = {
+        begun = bem.solve(parse_scene({**tables, "loading": {**loading, **stored}}, folder))
+    ways: dict[str, tuple[Sequence[State], Sequence[Event]]] = {
         "taken up": (taken_up.states[first + 1 :], taken_up.events[before:]),
         "begun from a stored state": (begun.states, begun.events),
     }
-    same = Reference(kind="self", source="the whole path")
-    rows = []
-    for name, (states, events) in ways.items():
-        later, happened = _of_states(whole.states[first + 1 :], states), _of_events(whole.events[before:], events)
-        rows += [
-            compared(f"{what} of a path {name}: difference", "", same, [0.0] * len(apart), apart, SAME, 0.0, "absolute")
-            for what, apart in (("states", later), ("events", happened))
-        ]
+    known, bit_for_bit, rows = Against("self", "the whole path"), (1e-16, 0.0), []
+    for way, (states, events) in ways.items():
+        for what, apart in (
+            ("states", _apart(whole.states[first + 1 :], states, "branch", OF_STATES)),
+            ("events", _apart(whole.events[before:], events, "kind", OF_EVENTS)),
+        ):
+            rows.append(known.row(f"{what} of a path {way}: difference", "", [0.0] * len(apart), apart, bit_for_bit,
+                                  "absolute"))  # fmt: skip
     return Outcome(rows=tuple(rows))
 
 
-def _of_states(known: Sequence[State], found: Sequence[State]) -> list[float]:
-    """By how much quantities of states differ, over the largest of each; fewer or more of them are zeros."""
-    alike = [state.branch for state in known] == [state.branch for state in found]
-
-    def values(states: Sequence[State]) -> list[list[float]]:
-        quantities = ("penetration", "mean_pressure", "contact_fraction", "total_energy")
-        return [[getattr(state, name) for state in states] for name in quantities]
-
-    return _apart(values(known), values(found) if alike else [[0.0] * len(known)] * 4)
+OF_STATES = ("penetration", "mean_pressure", "contact_fraction", "total_energy")
+OF_EVENTS = ("penetration", "energy_released")
 
 
-def _of_events(known: Sequence[Event], found: Sequence[Event]) -> list[float]:
-    """By how much penetrations and energies of events differ, over the largest of each; other events are zeros."""
-    alike = [event.kind for event in known] == [event.kind for event in found]
-
-    def values(events: Sequence[Event]) -> list[list[float]]:
-        return [[e.penetration for e in events], [e.energy_released or 0.0 for e in events]]
-
-    return _apart(values(known), values(found) if alike else [[0.0] * len(known)] * 2)
-
-
-def _apart(known: list[list[float]], found: list[list[float]]) -> list[float]:
-    largest = [max(map(abs, values)) for values in known]
-    return [
-        (other - one) / top
-        for ones, others, top in zip(known, found, largest, strict=True)
-        for one, other in zip(ones, others, strict=True)
-    ]
+def _apart(known: Sequence[Any], found: Sequence[Any], like: str, names: Sequence[str]) -> list[float]:
+    """By how much numbers differ, over the largest of each; others, or of another `like`, are zeros."""
+    alike = column(known, like) == column(found, like)
+    differences = []
+    for name in names:
+        values = [value or 0.0 for value in column(known, name)]
+        others = [value or 0.0 for value in column(found, name)] if alike else [0.0] * len(values)
+        differences += [(other - one) / max(map(abs, values)) for one, other in zip(values, others, strict=True)]
+    return differences
 
 
-MEASURED_FIRST = 1.2e-4  # of states 0.05 um apart, next to a fold
-MEASURED_LISTED = 8e-13
-SAME = 1e-16  # bit for bit
-
+HISTORY = "half_space adhesion slope_term unloading"
 CASES = (
-    Case(id="first-crossing", group="path", level="quick",
-         question="Are the states at mean pressures asked for the first on the way, and all targets met in order?",
-         equations=r"$p(s) = p_{\text{asked}}$ for the first time since the path turned",
-         sources=("carbone2009",), compute=_crossed, effects=("half_space", "adhesion", "slope_term", "unloading"),
-         scene=adapters.scene_text("rough_100")),
-    Case(id="restarted-path", group="path", level="quick",
-         question="Does a path taken up again, or begun from a stored state, go through the same states and events?",
-         equations="a state holds all that its path depends on",
-         sources=("carbone2009",), compute=_restarted, effects=("half_space", "adhesion", "slope_term", "unloading"),
-         scene=adapters.scene_text("rough_100")),
+    case("first-crossing", "path", _crossed,
+         "Are the states at mean pressures asked for the first on the way, and all targets met in order?",
+         r"$p(s) = p_{\text{asked}}$ for the first time since the path turned",
+         "carbone2009", HISTORY, scene="rough_100"),
+    case("restarted-path", "path", _restarted,
+         "Does a path taken up again, or begun from a stored state, go through the same states and events?",
+         "a state holds all that its path depends on",
+         "carbone2009", HISTORY, scene="rough_100"),
 )  # fmt: skip

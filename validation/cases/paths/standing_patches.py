@@ -14,17 +14,15 @@ of w, and ends with Newton.  A patch is gone when it is narrower than a thousand
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 import bem
 from bem.scene.result import Result
+from validation.cases.shared.checks import Against, case, solved
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Case, Outcome
-from validation.harness.rows import compared, counted
-from validation.harness.schema import Reference, Row
-from validation.references import adapters
+from validation.harness.case import Outcome
+from validation.harness.schema import Row
 
 PERIOD, DEEPEST, BETWEEN = 0.01, 10e-6, 2.16e-6  # m; the outer pair detaches at penetrations of 2.22 and 2.11 um
 AROUND, SMALLER = (-5.4e-6, -5.8e-6), 0.01  # m; widths: seven equal patches part at a penetration of -5.46 um
@@ -68,17 +66,19 @@ class Waves:
 
     def solved(self, targets: list[float]) -> Result:
         """The path of the solver to penetrations in m."""
-        changes: dict[str, Any] = {
-            "profile": {"orders": list(self.orders), "amplitudes": list(self.amplitudes), "phases": list(self.phases)},
-            "adhesion": {"work_of_adhesion": self.work},
-            "loading": {"targets": targets},
-            "accuracy": {"max_increment": 0.02, "tolerance": None},
-        }
-        return bem.solve(adapters.scene("sinusoid", changes))
+        profile = {"orders": self.orders, "amplitudes": self.amplitudes, "phases": self.phases}
+        return solved(
+            "sinusoid",
+            profile={name: list(values) for name, values in profile.items()},
+            adhesion={"work_of_adhesion": self.work},
+            loading={"targets": targets},
+            accuracy={"max_increment": 0.02, "tolerance": None},
+        )
 
 
 PAIRS = Waves((1, 24), (3e-5, 4e-6), (0.0, 0.02), 0.01)
 EQUAL = Waves((7,), (2e-5,), (0.0,), 0.1)
+FLOW = Against("self", "overdamped motion of the edges in small steps, from the state before")
 
 
 def _standing() -> Outcome:
@@ -87,34 +87,29 @@ def _standing() -> Outcome:
     before = next(s for s in reversed(result.states) if s.branch == "unloading" and s.n_patches > last.n_patches)
     event = next(e for e in result.events if e.kind == "detachment")
     rest = PAIRS.relaxed(PAIRS.relaxed(np.array(before.edges), event.penetration - PAST), BETWEEN)
-    flow = Reference(kind="self", source="overdamped motion of the edges in small steps, from the state before")
+    width = float(np.sum(rest[:, 1] - rest[:, 0])) / PERIOD
     rows = (
-        counted("patches before and after one of a pair has detached", flow, [5.0, float(len(rest))],
-                [float(before.n_patches), float(last.n_patches)]),
-        compared("contact fraction after it has detached", "", flow, [float(np.sum(rest[:, 1] - rest[:, 0])) / PERIOD],
-                 [last.contact_fraction],
-                 *MEASURED_REST),
-        _first_of_equal(flow),
+        FLOW.count("patches before and after one of a pair has detached", [5.0, len(rest)],
+                   [before.n_patches, last.n_patches]),
+        # rounding of the motion in small steps; the state is good to 2e-14
+        FLOW.row("contact fraction after it has detached", "", width, last.contact_fraction, (6e-12, 2.3e-12)),
+        _first_of_equal(),
     )  # fmt: skip
     return Outcome(rows=rows)
 
 
-def _first_of_equal(flow: Reference) -> Row:
+def _first_of_equal() -> Row:
     """Patches left when the first of equal crests detaches; the motion begins with one patch made a little narrower."""
     before, after = EQUAL.solved([DEEPEST, *AROUND]).targets[1:]
     edges = np.array(before.edges)
     edges[0] += SMALLER * (edges[0, 1] - edges[0, 0]) * np.array([0.5, -0.5])
-    rest = EQUAL.relaxed(edges, AROUND[1])
-    return counted("patches before and after the first of seven equal crests detaches", flow, [7.0, float(len(rest))],
-                   [float(before.n_patches), float(after.n_patches)])  # fmt: skip
+    return FLOW.count("patches before and after the first of seven equal crests detaches",
+                      [7.0, len(EQUAL.relaxed(edges, AROUND[1]))], [before.n_patches, after.n_patches])  # fmt: skip
 
-
-MEASURED_REST = (6e-12, 2.3e-12)  # rounding of the motion in small steps; the state is good to 2e-14
 
 CASES = (
-    Case(id="standing-patches", group="path", level="quick",
-         question="Does a patch stand that shrinks, but comes to rest, when another one detaches?",
-         equations=r"$\dot e \propto -\partial U / \partial e$ for every edge $e$",
-         sources=("carbone2009",), compute=_standing, effects=("half_space", "adhesion", "unloading"),
-         scene=adapters.scene_text("sinusoid")),
+    case("standing-patches", "path", _standing,
+         "Does a patch stand that shrinks, but comes to rest, when another one detaches?",
+         r"$\dot e \propto -\partial U / \partial e$ for every edge $e$",
+         "carbone2009", "half_space adhesion unloading", scene="sinusoid"),
 )  # fmt: skip

@@ -10,18 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene, parse_scene
+from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, trace
-from validation.harness.rows import compared, counted
-from validation.harness.schema import Reference, Row, Table
-from validation.references import adapters
+from validation.harness.schema import Table
 from validation.references.paper_method import PaperState, Surface, follow, solve
 from validation.references.posed_contacts import Posed, scene_tables, scenes
 
@@ -29,16 +29,12 @@ MOVED = 0.05  # of its edge scale: how far an edge is moved before the audit fin
 STEPS = 40
 RESIDUAL, PATH_RESIDUAL, GAP = 1e-7, 1e-5, 1e-3
 METHOD = "the paper's own method: graded cells, Gauss-Seidel, Polak-Ribiere"
-
-
-@dataclass(frozen=True)
-class Measured:
-    """Errors measured, over their scales: contact fraction, mean pressure, elastic energy, edges."""
-
-    fraction: float
-    pressure: float
-    energy: float
-    edges: float
+# errors measured, over their scales: contact fraction, mean pressure, elastic energy, edges
+MEASURED = {
+    "layer": (4.7e-7, 7.7e-7, 9.8e-7, 2e-7),
+    "path": (8.3e-7, 7e-8, 4.3e-7, 2e-7),
+    "many": (2.2e-5, 3.3e-7, 2.1e-6, 1.1e-5),
+}
 
 
 @dataclass(frozen=True)
@@ -56,8 +52,7 @@ class Extrapolated:
 
 
 def _solved(posed: Posed) -> State:
-    tables = scene_tables(posed) | {"accuracy": {"tolerance": 1e-8}}
-    return _last(parse_scene(tables))
+    return _last(parse_scene(scene_tables(posed) | {"accuracy": {"tolerance": 1e-8}}))
 
 
 def _last(scene: Scene) -> State:
@@ -78,38 +73,33 @@ def _audited(surface: Surface, penetration: float, edges: FloatArray, cells: Seq
     return states
 
 
-def _outcome(
-    name: str, state: State, states: list[PaperState], cells: Sequence[int], surface: Surface, measured: Measured
-) -> Outcome:
+def _outcome(name: str, state: State, states: list[PaperState], cells: Sequence[int], surface: Surface) -> Outcome:
     """Rows, table and figure of a state of the solver against three grids of the paper's method."""
-    heights = np.asarray(surface.amplitudes, dtype=np.float64) / surface.unit_height
-    scales = surface.unit_pressure * float(np.sqrt(np.sum((surface.order * heights) ** 2) / 2))
-    patches = [float(len(found.edges)) for found in states]
-    rows = [
-        counted("patches on every grid", Reference(kind="independent code", source=METHOD), patches,
-                [float(state.n_patches)] * len(states)),
-    ]  # fmt: skip
-    period = surface.period
-    quantities = (
-        ("contact fraction", "", 1.0, state.contact_fraction, [s.contact_fraction for s in states], measured.fraction),
-        ("mean pressure over E* h'_rms / 2", "Pa", scales, state.mean_pressure,
-         [s.mean_pressure for s in states], measured.pressure),
-        ("elastic energy, relative", "J/m^2", state.elastic_energy, state.elastic_energy,
-         [s.elastic_energy / period for s in states], measured.energy),
+    heights, period = np.asarray(surface.amplitudes, dtype=np.float64) / surface.unit_height, surface.period
+    unit = surface.unit_pressure * float(np.sqrt(np.sum((surface.order * heights) ** 2) / 2))
+    fractions, energy = column(states, "contact_fraction"), state.elastic_energy
+    patches = [len(found.edges) for found in states]
+    compared: list[tuple[str, str, float, Any, list[Any]]] = [
+        ("contact fraction", "", 1.0, state.contact_fraction, fractions),
+        ("mean pressure over E* h'_rms / 2", "Pa", unit, state.mean_pressure, column(states, "mean_pressure")),
+        ("elastic energy, relative", "J/m^2", energy, energy, column(states, "elastic_energy", period)),
+    ]
+    if set(patches) == {state.n_patches}:
+        edges = [_listed(found.edges, period) for found in states]
+        compared.append(("edges over the period", "m", period, _listed(np.array(state.edges), period), edges))
+    rows = [Against("independent code", METHOD).count("patches on every grid", patches,
+                                                      [state.n_patches] * len(states))]  # fmt: skip
+    for (quantity, unit_name, scale, computed, found), measured in zip(compared, MEASURED[name], strict=False):
+        limit = Extrapolated.of(*map(np.asarray, found))
+        rows.append(Against("independent code", f"{METHOD}; extrapolated", limit.uncertainty).row(
+            quantity, unit_name, np.ravel(limit.value), np.ravel(computed), measured, OVER_STATES, scale))  # fmt: skip
+    apart, sizes = [abs(fraction - state.contact_fraction) for fraction in fractions], column(states, "unknowns")
+    figure = drawn(
+        f"paper-method-{name}-cells",
+        "Contact fraction of the paper's method less that of the solver, against its cells.",
+        loglog("cells", "difference of the contact fraction", marks("paper's method", sizes, apart),
+               trace("second order", sizes, [apart[-1] * (sizes[-1] / n) ** 2 for n in sizes])),
     )  # fmt: skip
-    for quantity, unit, scale, computed, found, error in quantities:
-        rows.append(_row(quantity, unit, scale, np.array([computed]), [np.array([v]) for v in found], error))
-    if len(set(patches)) == 1 and patches[0] == state.n_patches:
-        computed_edges = _listed(np.array(state.edges), period)
-        found_edges = [_listed(found.edges, period) for found in states]
-        rows.append(_row("edges over the period", "m", period, computed_edges, found_edges, measured.edges))
-    apart = [abs(found.contact_fraction - state.contact_fraction) for found in states]
-    sizes = [float(found.unknowns) for found in states]
-    figure = drawn(f"{name}-cells",
-                   "Contact fraction of the paper's method less that of the solver, against its cells.",
-                   loglog("cells", "difference of the contact fraction",
-                          marks("paper's method", sizes, apart),
-                          trace("second order", sizes, [apart[-1] * (sizes[-1] / n) ** 2 for n in sizes])))  # fmt: skip
     table = Table(caption="The audit on its grids.",
                   columns=["cells per patch", "cells", "patches", "contact fraction", "mean pressure / Pa", "|G/w - 1|",
                            "smallest gap / m", "pressures", "sweeps"],
@@ -120,86 +110,56 @@ def _outcome(
     return Outcome(rows=tuple(rows), figures=(figure,), tables=(table,), counts=counts)
 
 
-def _row(quantity: str, unit: str, scale: float, computed: FloatArray, found: list[FloatArray], measured: float) -> Row:
-    limit = Extrapolated.of(*found)
-    return compared(quantity, unit,
-                    Reference(kind="independent code", source=f"{METHOD}; extrapolated", uncertainty=limit.uncertainty),
-                    limit.value.ravel(), computed.ravel(), 2.5 * measured, measured, "maximum over states", scale,
-                    pinned="converged")  # fmt: skip
-
-
 def _listed(edges: FloatArray, period: float) -> FloatArray:
     """Edges (L, 2) with every left one in [0, period), in order."""
     shifted = edges - np.floor(edges[:, :1] / period) * period
     return np.asarray(shifted[np.argsort(shifted[:, 0])])
 
 
-def _surface(scene: Scene) -> Surface:
-    """A scene of the registry as the paper's method takes it."""
-    profile = scene.surface()
-    assert scene.adhesion is not None
-    return Surface(
-        scene.solid.youngs_modulus, scene.solid.poisson_ratio, profile.period, profile.orders, profile.amplitudes,
-        profile.phases, scene.adhesion.work_of_adhesion, scene.adhesion.slope_term,
-    )  # fmt: skip
-
-
 def _layer() -> Outcome:
     posed = scenes()["layer"]
-    state = _solved(posed)
-    cells = (16, 32, 64)
-    states = _audited(posed.surface(), posed.penetration, np.array([[0.004, 0.006], [0.009, 0.011]]), cells)
-    return _outcome("paper-method-layer", state, states, cells, posed.surface(), MEASURED["layer"])
+    state, surface, cells = _solved(posed), posed.surface(), (16, 32, 64)
+    states = _audited(surface, posed.penetration, np.array([[0.004, 0.006], [0.009, 0.011]]), cells)
+    return _outcome("layer", state, states, cells, surface)
 
 
 def _path() -> Outcome:
     posed = scenes()["rough"]
-    state, surface = _solved(posed), posed.surface()
-    way = np.linspace(0.0, posed.penetration, STEPS + 1)[1:]
-    path = follow(surface, way, 6, PATH_RESIDUAL, GAP)
+    state, surface, cells = _solved(posed), posed.surface(), (8, 16, 32)
+    path = follow(surface, np.linspace(0.0, posed.penetration, STEPS + 1)[1:], 6, PATH_RESIDUAL, GAP)
     if path[-1].status != "converged":
         raise ArithmeticError(f"path of the paper's method: {path[-1].message}")
-    cells = (8, 16, 32)
-    states = _audited(surface, posed.penetration, path[-1].edges, cells)
-    return _outcome("paper-method-path", state, states, cells, surface, MEASURED["path"])
+    return _outcome("path", state, _audited(surface, posed.penetration, path[-1].edges, cells), cells, surface)
 
 
 def _many() -> Outcome:
-    scene = adapters.scene(
-        "rough_100",
-        {"profile": {"harmonics": 300}, "loading": {"targets": [25e-6]}, "accuracy": {"tolerance": 1e-8}},
-    )
-    state, surface = _last(scene), _surface(scene)
+    scene = posed("rough_100", profile={"harmonics": 300}, loading={"targets": [25e-6]}, accuracy={"tolerance": 1e-8})
+    state, profile, cells = _last(scene), scene.surface(), (4, 8, 16)
+    assert scene.adhesion is not None
+    surface = Surface(
+        scene.solid.youngs_modulus, scene.solid.poisson_ratio, profile.period, profile.orders, profile.amplitudes,
+        profile.phases, scene.adhesion.work_of_adhesion, scene.adhesion.slope_term,
+    )  # fmt: skip
     edges = np.array(state.edges)
     behind = np.append(edges[1:, 0], edges[0, 0] + surface.period) - edges[:, 1]
     width = np.diff(edges, axis=1)[:, 0]
     scale = np.stack([np.minimum(width, np.roll(behind, 1)), np.minimum(width, behind)], axis=1)
     moved = edges + MOVED * scale * np.random.default_rng(0).uniform(-1, 1, edges.shape)
-    cells = (4, 8, 16)
-    states = _audited(surface, state.penetration, moved, cells)
-    return _outcome("paper-method-many", state, states, cells, surface, MEASURED["many"])
+    return _outcome("many", state, _audited(surface, state.penetration, moved, cells), cells, surface)
 
-
-MEASURED = {
-    "layer": Measured(fraction=4.7e-7, pressure=7.7e-7, energy=9.8e-7, edges=2e-7),
-    "path": Measured(fraction=8.3e-7, pressure=7e-8, energy=4.3e-7, edges=2e-7),
-    "many": Measured(fraction=2.2e-5, pressure=3.3e-7, energy=2.1e-6, edges=1.1e-5),
-}
 
 CASES = (
-    Case(id="paper-method-layer", group="paper's method", level="quick",
-         problem="two crests on a layer",
-         question="Does the paper's own method find the same two contacts on a layer?",
-         equations="minimum of $U$ over the edges; second order in 1/cells, extrapolated",
-         sources=("carbone2009", "carbone2008"), compute=_layer, effects=("layer", "adhesion")),
-    Case(id="paper-method-path", group="paper's method", level="standard",
-         problem="rough profile of 60 harmonics, path",
-         question="Does it, from first touch on a rough profile, through all events, end in the same state?",
-         equations="40 steps of penetration; contacts made where the profile enters, joined and lost as they vanish",
-         sources=("carbone2009",), compute=_path, effects=("half_space", "adhesion", "slope_term")),
-    Case(id="paper-method-many", group="paper's method", level="full",
-         question="Is a state with dozens of contacts, its edges moved at random, found again by the paper's method?",
-         equations="edges moved by up to a twentieth of their edge scale, then minimised on three grids, extrapolated",
-         sources=("carbone2009",), compute=_many, effects=("half_space", "adhesion", "slope_term"),
-         scene=adapters.scene_text("rough_100")),
+    case("paper-method-layer", "paper's method", _layer,
+         "Does the paper's own method find the same two contacts on a layer?",
+         "minimum of $U$ over the edges; second order in 1/cells, extrapolated",
+         "carbone2009 carbone2008", "layer adhesion", problem="two crests on a layer"),
+    case("paper-method-path", "paper's method", _path,
+         "Does it, from first touch on a rough profile, through all events, end in the same state?",
+         "40 steps of penetration; contacts made where the profile enters, joined and lost as they vanish",
+         "carbone2009", "half_space adhesion slope_term", level="standard",
+         problem="rough profile of 60 harmonics, path"),
+    case("paper-method-many", "paper's method", _many,
+         "Is a state with dozens of contacts, its edges moved at random, found again by the paper's method?",
+         "edges moved by up to a twentieth of their edge scale, then minimised on three grids, extrapolated",
+         "carbone2009", "half_space adhesion slope_term", level="full", scene="rough_100"),
 )  # fmt: skip

@@ -20,32 +20,24 @@ from scipy.optimize import brentq
 import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
-from validation.harness.case import Case, Outcome
+from validation.cases.shared.checks import Against, case, posed, touching
+from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, trace
-from validation.harness.rows import compared
-from validation.harness.schema import Figure, Reference, Row, Table
-from validation.references import adapters
+from validation.harness.schema import Figure, Row, Table
 from validation.references.closed_forms import Sinusoid
 from validation.references.dense_equilibrium import reference
 
-TOLERANCES = (1e-3, 1e-6, 1e-8, 1e-10)
 TIGHT = 1e-12
 RESOLUTION = 1e-14  # of the reference, over the largest value of that quantity in the scene
 ORDERS = 100.0
 AMPLITUDE, WAVELENGTH = 1e-4, 0.01
 LAYER: dict[str, Any] = {"layer": {"thickness": 0.001}, "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.3}}
-WORDS = {
-    "mean_pressure": "mean pressure",
-    "contact_fraction": "contact fraction",
-    "penetration": "penetration",
-    "separation": "separation",
-    "total_displacement": "total displacement",
-    "elastic_energy": "elastic energy",
-    "adhesion_energy": "adhesion energy",
-    "total_energy": "total energy",
-    "stress_intensity_max": "largest stress intensity",
-    "contact_stiffness": "contact stiffness",
-}
+QUANTITIES = (
+    "mean_pressure", "contact_fraction", "penetration", "separation", "total_displacement", "elastic_energy",
+    "adhesion_energy", "total_energy", "stress_intensity_max", "contact_stiffness",
+)  # fmt: skip
+# errors measured at the tolerances
+MEASURED_ERROR = {1e-3: 2.7e-9, 1e-6: 2.7e-9, 1e-8: 8.4e-11, 1e-10: 1.8e-12}
 
 
 @dataclass(frozen=True)
@@ -72,27 +64,24 @@ class Number:
 
 def scenes(tolerance: float) -> Iterator[tuple[str, Scene, Sinusoid | None]]:
     """Name, scene, and its closed form where there is one."""
-    accuracy = {"tolerance": tolerance}
+
+    def at(scene: str, control: str, targets: list[float], **tables: Any) -> Scene:
+        loading = {"control": control, "targets": targets}
+        return posed(scene, accuracy={"tolerance": tolerance}, loading=loading, **tables)
+
     for alpha in (0.0, 0.1, 0.3, 0.5):
         wave = Sinusoid(AMPLITUDE, WAVELENGTH, 1e6, 0.5, alpha)
         adhesion = {"work_of_adhesion": wave.work_of_adhesion} if alpha else None
-        loading: dict[str, Any] = {"targets": [2e-5, 5e-5, 9e-5, 4e-5]}
-        yield (
-            f"sinusoid, alpha = {alpha:g}",
-            adapters.scene("sinusoid", {"adhesion": adhesion, "accuracy": accuracy, "loading": loading}),
-            wave,
-        )
-    load = {"control": "mean_pressure", "targets": [2e3, 8e3, 1.5e4]}
-    bare: dict[str, Any] = {"adhesion": None, "accuracy": accuracy, "loading": load}
-    yield "sinusoid under load", adapters.scene("sinusoid", bare), Sinusoid(AMPLITUDE, WAVELENGTH, 1e6, 0.5, 0.0)
-    driven = {"control": "total_displacement", "targets": [1e-5, 5e-5, 9e-5]}
-    yield "layer", adapters.scene("sinusoid", {"loading": driven, "accuracy": accuracy, **LAYER}), None
-    rough: dict[str, Any] = {"accuracy": accuracy, "profile": {"harmonics": 40}}
-    path = {"targets": [70e-6, 45e-6, 30e-6, 50e-6]}
-    yield "rough", adapters.scene("rough_100", {**rough, "loading": path}), None
-    yield "rough, no adhesion", adapters.scene("rough_100", {**rough, "loading": path, "adhesion": None}), None
-    load = {"control": "mean_pressure", "targets": [1e3, 4e3, 9e3]}
-    yield "rough under load", adapters.scene("rough_100", {**rough, "loading": load, "adhesion": None}), None
+        scene = at("sinusoid", "penetration", [2e-5, 5e-5, 9e-5, 4e-5], adhesion=adhesion)
+        yield f"sinusoid, alpha = {alpha:g}", scene, wave
+    scene = at("sinusoid", "mean_pressure", [2e3, 8e3, 1.5e4], adhesion=None)
+    yield "sinusoid under load", scene, Sinusoid(AMPLITUDE, WAVELENGTH, 1e6, 0.5, 0.0)
+    yield "layer", at("sinusoid", "total_displacement", [1e-5, 5e-5, 9e-5], **LAYER), None
+    path, fewer = [70e-6, 45e-6, 30e-6, 50e-6], {"harmonics": 40}
+    yield "rough", at("rough_100", "separation", path, profile=fewer), None
+    yield "rough, no adhesion", at("rough_100", "separation", path, profile=fewer, adhesion=None), None
+    scene = at("rough_100", "mean_pressure", [1e3, 4e3, 9e3], profile=fewer, adhesion=None)
+    yield "rough under load", scene, None
 
 
 def exact(posed: Scene, state: State, wave: Sinusoid | None) -> dict[str, float]:
@@ -101,36 +90,32 @@ def exact(posed: Scene, state: State, wave: Sinusoid | None) -> dict[str, float]
     if wave is None:
         return known
     near = state.contact_fraction * np.pi / 2
-    bracket = near * (1 - 1e-5), near * (1 + 1e-5)
-    if posed.loading.control == "mean_pressure":
+    loaded = posed.loading.control == "mean_pressure"
+    of = wave.mean_pressure if loaded else wave.penetration
+    target = state.penetration
+    if loaded:
         target = min(posed.loading.targets, key=lambda value: abs(value - state.mean_pressure))
-        psi = float(brentq(lambda p: float(wave.mean_pressure(p)) - target, *bracket, xtol=1e-16, rtol=1e-15))
-    else:
-        psi = float(brentq(lambda p: float(wave.penetration(p)) - state.penetration, *bracket, xtol=1e-16, rtol=1e-15))
-    penetration = float(wave.penetration(psi))
+    psi = float(brentq(lambda p: float(of(p)) - target, near * (1 - 1e-5), near * (1 + 1e-5), xtol=1e-16, rtol=1e-15))
     known.update(contact_fraction=psi * 2 / np.pi, mean_pressure=float(wave.mean_pressure(psi)))
-    if posed.loading.control == "mean_pressure":
+    if loaded:
+        penetration = float(wave.penetration(psi))
         known.update(penetration=penetration, separation=wave.amplitude - penetration)
     return known
 
 
 def numbers(name: str, posed: Scene, wave: Sinusoid | None, states: tuple[State, ...]) -> list[Number]:
     """Every number that the states with edges report."""
-    touching = [state for state in states if state.edges]
-    known = [exact(posed, state, wave) for state in touching]
-    scale = {quantity: max(abs(values[quantity]) for values in known) for quantity in WORDS}
-    found = []
-    for state, values in zip(touching, known, strict=True):
-        for quantity, estimate in asdict(state.error_estimate).items():
-            if estimate is None or scale[quantity] == 0 or (quantity.startswith("adhesion") and posed.adhesion is None):
-                continue
-            if quantity == "stress_intensity_max" and posed.adhesion is None:
-                continue  # zero but for rounding: judged by the certificate
-            true = abs(getattr(state, quantity) - values[quantity]) / scale[quantity]
-            found.append(
-                Number(quantity, name, posed.accuracy.tolerance, posed.leaps, true, estimate / scale[quantity])
-            )
-    return found
+    there = touching(states)
+    known = [exact(posed, state, wave) for state in there]
+    scale = {quantity: max(abs(values[quantity]) for values in known) for quantity in QUANTITIES}
+    dry = ("adhesion_energy", "stress_intensity_max") if posed.adhesion is None else ()  # zero, but for rounding
+    return [
+        Number(quantity, name, posed.accuracy.tolerance, posed.leaps,
+               abs(getattr(state, quantity) - values[quantity]) / scale[quantity], estimate / scale[quantity])
+        for state, values in zip(there, known, strict=True)
+        for quantity, estimate in asdict(state.error_estimate).items()
+        if estimate is not None and scale[quantity] != 0 and quantity not in dry
+    ]  # fmt: skip
 
 
 def distance(posed: Scene, states: tuple[State, ...], tight: tuple[State, ...]) -> float:
@@ -150,15 +135,15 @@ def distance(posed: Scene, states: tuple[State, ...], tight: tuple[State, ...]) 
 def _error_estimate() -> Outcome:
     found: list[Number] = []
     errors: dict[float, float] = {}
-    effort = {tolerance: [0, 0] for tolerance in TOLERANCES}
-    tight = {name: bem.solve(posed).targets for name, posed, _ in scenes(TIGHT)}
-    for tolerance in TOLERANCES:
-        for name, posed, wave in scenes(tolerance):
-            result = bem.solve(posed)
+    effort = {tolerance: [0, 0] for tolerance in MEASURED_ERROR}
+    tight = {name: bem.solve(scene).targets for name, scene, _ in scenes(TIGHT)}
+    for tolerance in MEASURED_ERROR:
+        for name, scene, wave in scenes(tolerance):
+            result = bem.solve(scene)
             effort[tolerance][0] += sum(state.unknowns for state in result.targets)
             effort[tolerance][1] += sum(state.evaluations for state in result.states)
-            found += numbers(name, posed, wave, result.targets)
-            miss = distance(posed, result.targets, tight[name])
+            found += numbers(name, scene, wave, result.targets)
+            miss = distance(scene, result.targets, tight[name])
             errors[tolerance] = max(errors.get(tolerance, 0.0), miss)
     return Outcome(
         rows=_rows(found, errors),
@@ -169,18 +154,18 @@ def _error_estimate() -> Outcome:
 
 
 def _rows(found: list[Number], errors: dict[float, float]) -> tuple[Row, ...]:
-    known = Reference(kind="exact", source="closed forms; dense algebra for layers and rough profiles")
+    known = Against("exact", "closed forms; dense algebra for layers and rough profiles")
     bounded = float(np.mean([number.bounded for number in found]))
     close = float(np.mean([number.ratio <= ORDERS for number in found if not number.leaps]))
-    same = Reference(kind="self", source=f"the same path at tolerance {TIGHT:g}")
     return (
-        compared(f"share of {len(found)} reported numbers whose true error is below the estimate", "", known, [1.0],
-                 [bounded], 0.05, 1 - MEASURED_BOUNDED, "absolute", basis="required", pinned="unconverged"),
-        compared("share of estimates at most a hundred times the true error", "", known, [1.0], [close], 0.05,
-                 1 - MEASURED_CLOSE, "absolute", basis="required", pinned="unconverged"),
+        known.row(f"share of {len(found)} reported numbers whose true error is below the estimate", "", 1.0, bounded,
+                  1 - 0.997, "absolute", required=0.05, pinned="unconverged"),
+        known.row("share of estimates at most a hundred times the true error", "", 1.0, close, 1 - 0.99, "absolute",
+                  required=0.05, pinned="unconverged"),
         *(
-            compared(f"true error of contact fraction and mean pressure at tolerance {tolerance:g}", "", same, [0.0],
-                     [error], tolerance, MEASURED_ERROR[tolerance], "absolute", basis="required", pinned="unconverged")
+            Against("self", f"the same path at tolerance {TIGHT:g}").row(
+                f"true error of contact fraction and mean pressure at tolerance {tolerance:g}", "", 0.0, error,
+                MEASURED_ERROR[tolerance], "absolute", required=tolerance, pinned="unconverged")
             for tolerance, error in errors.items()
         ),
     )  # fmt: skip
@@ -188,19 +173,12 @@ def _rows(found: list[Number], errors: dict[float, float]) -> tuple[Row, ...]:
 
 def _table(found: list[Number]) -> Table:
     rows: list[list[str | float | int | None]] = []
-    for quantity, words in WORDS.items():
+    for quantity in QUANTITIES:
         of = [number for number in found if number.quantity == quantity]
         ratios = [number.ratio for number in of]
-        rows.append(
-            [
-                words,
-                len(of),
-                sum(number.bounded for number in of),
-                float(f"{np.median(ratios):.2g}"),
-                float(f"{max(ratios):.2g}"),
-                float(f"{max(number.true for number in of):.2g}"),
-            ]
-        )
+        shown = (np.median(ratios), max(ratios), max(number.true for number in of))
+        words = quantity.replace("_", " ") if quantity != "stress_intensity_max" else "largest stress intensity"
+        rows.append([words, len(of), sum(number.bounded for number in of), *(float(f"{one:.2g}") for one in shown)])
     return Table(
         caption="Estimated over true errors of every number reported; 1e-14 of the largest value counts as no error.",
         columns=["quantity", "numbers", "bounded", "median of estimate/true", "largest",
@@ -247,14 +225,9 @@ def _tolerance_figure(errors: dict[float, float]) -> Figure:
                         trace("tolerance", tolerances, tolerances, "dashed")))  # fmt: skip
 
 
-MEASURED_BOUNDED, MEASURED_CLOSE = 0.997, 0.99
-MEASURED_ERROR = {1e-3: 2.7e-9, 1e-6: 2.7e-9, 1e-8: 8.4e-11, 1e-10: 1.8e-12}
-
 CASES = (
-    Case(id="error-estimate", group="accuracy", level="quick",
-         question="Do the error estimates of a state bound its true errors closely, and is the tolerance met?",
-         equations=r"true error $\le$ estimate $\le$ 100 true error in 95 % of the numbers; error $\le$ tolerance",
-         sources=("johnson1995", "carbone2009"), compute=_error_estimate,
-         effects=("half_space", "layer", "adhesion", "slope_term", "unloading", "load_control"),
-         scene=adapters.scene_text("rough_100")),
+    case("error-estimate", "accuracy", _error_estimate,
+         "Do the error estimates of a state bound its true errors closely, and is the tolerance met?",
+         r"true error $\le$ estimate $\le$ 100 true error in 95 % of the numbers; error $\le$ tolerance",
+         "johnson1995 carbone2009", "half_space layer adhesion slope_term unloading load_control", scene="rough_100"),
 )  # fmt: skip

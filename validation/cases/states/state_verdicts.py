@@ -25,16 +25,20 @@ from bem.nonadhesive.contact_assessment import assess_contact
 from bem.problem import pose
 from bem.scene.result import State
 from bem.states import Cost, Place, equilibrium_state
-from validation.harness.case import Case, Outcome
-from validation.harness.rows import compared, counted
-from validation.harness.schema import Reference, Row
-from validation.references import adapters
+from validation.cases.shared.checks import Against, case, column, posed, solved
+from validation.harness.case import Outcome
+from validation.harness.schema import Row
 from validation.references.closed_forms import Sinusoid
 from validation.references.one_patch import OnePatch
 
 WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
 BESIDE = (1.3, 1.1, 1.02, 0.98, 0.9)  # psi over that of the largest tension; pull-off lies at 0.80
 STEP = 1e-5  # of psi, in differences of fourth order
+RATIOS = (7e-14, 2.7e-14)  # tolerance and error measured
+# a at which the dip is in compression, and at which its tension is a thousandth of the largest pressure
+DENTED = (2.5, 1.57)
+OPENS = (1.575, 1.57)
+UNSTABLE, INSIDE = 0.5, 0.44  # a on a falling branch, and just before an edge takes a crest
 
 
 def _slope(quantity: Any, psi: float) -> float:
@@ -44,25 +48,20 @@ def _slope(quantity: Any, psi: float) -> float:
 
 def _stability() -> Outcome:
     tension = float(brentq(lambda psi: _slope(WAVE.mean_pressure, psi), WAVE.fold(), 0.6, xtol=1e-14))
-    psi = tension * np.array(BESIDE)
-    changes: dict[str, Any] = {
-        "adhesion": {"work_of_adhesion": WAVE.work_of_adhesion},
-        "loading": {"targets": [float(WAVE.penetration(2 * tension)), *WAVE.penetration(psi).tolist()]},
-    }
-    states = bem.solve(adapters.scene("sinusoid", changes)).targets[1:]
-    stiffness = [_slope(WAVE.mean_pressure, p) / _slope(WAVE.penetration, p) for p in psi.tolist()]
-    johnson = Reference(kind="exact", source="Johnson 1995: the mean pressure rises with the contact width")
+    psi, work = tension * np.array(BESIDE), WAVE.work_of_adhesion
+    targets = [float(WAVE.penetration(2 * tension)), *WAVE.penetration(psi).tolist()]
+    states = solved("sinusoid", adhesion={"work_of_adhesion": work}, loading={"targets": targets}).targets[1:]
+    slopes = [_slope(WAVE.mean_pressure, p) for p in psi.tolist()]
+    johnson = Against("exact", "Johnson 1995: the mean pressure rises with the contact width")
     rows: tuple[Row, ...] = (
-        counted("stable at fixed load (1: yes), from compression to pull-off past the largest tension", johnson,
-                [float(_slope(WAVE.mean_pressure, p) > 0) for p in psi.tolist()],
-                [float("nan") if s.stable_at_fixed_load is None else float(s.stable_at_fixed_load) for s in states]),
-        compared("contact stiffness, over the largest", "Pa/m", johnson, stiffness,
-                 [float("nan") if s.contact_stiffness is None else s.contact_stiffness for s in states],
-                 *MEASURED_STIFFNESS),
-        compared("largest stress intensity over critical, adhesion energy over -w f, total over both energies", "",
-                 Reference(kind="exact", source="K^2 = 2 E* w, U_ad = -w f"), [1.0] * 3 * len(states),
-                 [ratio for state in states for ratio in _ratios(state)],
-                 *MEASURED_RATIOS),
+        johnson.count("stable at fixed load (1: yes), from compression to pull-off past the largest tension",
+                      [slope > 0 for slope in slopes], column(states, "stable_at_fixed_load")),
+        johnson.row("contact stiffness, over the largest", "Pa/m",
+                    [slope / _slope(WAVE.penetration, p) for slope, p in zip(slopes, psi.tolist(), strict=True)],
+                    column(states, "contact_stiffness"), (1.2e-10, 4e-11)),
+        Against("exact", "K^2 = 2 E* w, U_ad = -w f").row(
+            "largest stress intensity over critical, adhesion energy over -w f, total over both energies", "",
+            [1.0] * 3 * len(states), [ratio for state in states for ratio in _ratios(state)], RATIOS),
         _joined(),
         _steep(),
     )  # fmt: skip
@@ -81,33 +80,27 @@ def _ratios(state: State) -> tuple[float, float, float]:
 
 def _joined() -> Row:
     """Energies of complete contact."""
-    work, pressure = WAVE.work_of_adhesion, 1.2 * WAVE.full_contact_pressure
-    loading = {"control": "mean_pressure", "targets": [pressure], "initial": "complete_contact", "flaw": 1e-5}
-    posed = adapters.scene("sinusoid", {"adhesion": {"work_of_adhesion": work}, "loading": loading})
-    (state,) = bem.solve(posed).targets
-    return compared("elastic energy and adhesion energy of complete contact, over the larger", "J/m^2",
-                    Reference(kind="exact", source="p* D / 4 and -w"),
-                    [WAVE.full_contact_pressure * WAVE.amplitude / 4, -work],
-                    [state.elastic_energy, state.adhesion_energy],
-                    *MEASURED_RATIOS)  # fmt: skip
+    work = WAVE.work_of_adhesion
+    loading = {"control": "mean_pressure", "targets": [1.2 * WAVE.full_contact_pressure],
+               "initial": "complete_contact", "flaw": 1e-5}  # fmt: skip
+    (state,) = solved("sinusoid", adhesion={"work_of_adhesion": work}, loading=loading).targets
+    return Against("exact", "p* D / 4 and -w").row(
+        "elastic energy and adhesion energy of complete contact, over the larger", "J/m^2",
+        [WAVE.full_contact_pressure * WAVE.amplitude / 4, -work], [state.elastic_energy, state.adhesion_energy],
+        RATIOS)  # fmt: skip
 
 
 def _steep() -> Row:
     """Stiffness where the work of adhesion grows with the slope, against differences of the mean pressure."""
     steep = replace(WAVE, amplitude=1e-3)
     middle, step = 0.6e-3, 1e-6
-    targets = [middle + times * step for times in (-2, -1, 0, 1, 2)]
-    changes: dict[str, Any] = {
-        "profile": {"amplitudes": [steep.amplitude]},
-        "adhesion": {"work_of_adhesion": steep.work_of_adhesion, "slope_term": True},
-        "loading": {"targets": targets},
-    }
-    states = bem.solve(adapters.scene("sinusoid", changes)).targets
-    p = [state.mean_pressure for state in states]
-    return compared("contact stiffness on a steep wave with the slope term", "Pa/m", Reference(kind="self",
-                    source="differences of fourth order of the mean pressure of neighbouring states"),
-                    [(8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step)], [states[2].contact_stiffness or 0.0],
-                    *MEASURED_STEEP)  # fmt: skip
+    adhesion = {"work_of_adhesion": steep.work_of_adhesion, "slope_term": True}
+    states = solved("sinusoid", profile={"amplitudes": [steep.amplitude]}, adhesion=adhesion,
+                    loading={"targets": [middle + times * step for times in (-2, -1, 0, 1, 2)]}).targets  # fmt: skip
+    p = column(states, "mean_pressure")
+    return Against("self", "differences of fourth order of the mean pressure of neighbouring states").row(
+        "contact stiffness on a steep wave with the slope term", "Pa/m",
+        (8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step), states[2].contact_stiffness, (3e-11, 1e-11))  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -125,16 +118,12 @@ class Posed:
     def accepted(self) -> bool:
         """Whether the state that the solver would store has a certificate that is ok."""
         orders = np.flatnonzero(self.wave.harmonics) + 1
-        changes: dict[str, Any] = {
-            "profile": {
-                "orders": orders.tolist(),
-                "amplitudes": np.abs(self.wave.harmonics)[orders - 1].tolist(),
-                "phases": [0.0 if self.wave.harmonics[m - 1] > 0 else np.pi for m in orders],
-            },
-            "adhesion": {"work_of_adhesion": self.wave.work} if self.adhesive else None,
-        }
-        posed = adapters.scene("sinusoid", changes)
-        problem = pose(posed, posed.surface())
+        heights = np.array(self.wave.harmonics)[orders - 1]
+        profile = {"orders": orders.tolist(), "amplitudes": np.abs(heights).tolist(),
+                   "phases": np.where(heights > 0, 0.0, np.pi).tolist()}  # fmt: skip
+        adhesion = {"work_of_adhesion": self.wave.work} if self.adhesive else None
+        scene = posed("sinusoid", profile=profile, adhesion=adhesion)
+        problem = pose(scene, scene.surface())
         dip = problem.surface.max_height - float(problem.surface.height(0.0))
         depth = (float(self.wave.penetration(self.angle)) + dip) / problem.scales.height + self.deeper
         edges = np.array([-self.angle]), np.array([self.angle * (1 + 2 * self.shift)])
@@ -179,13 +168,13 @@ def _states() -> tuple[list[Posed], list[Posed]]:
 
 def _refusals() -> Outcome:
     right, wrong = _states()
+    known = Against("exact", "equilibria in closed form, and the same with one fault each")
     names = ", ".join(state.name for state in wrong)
-    source = Reference(kind="exact", source="equilibria in closed form, and the same with one fault each")
     rows = (
-        counted("states in equilibrium that are accepted (1: yes)", source, [1.0] * len(right),
-                [float(state.accepted()) for state in right]),
-        counted(f"states that are refused (1: yes): {names}", source, [1.0] * len(wrong),
-                [float(not state.accepted()) for state in wrong]),
+        known.count("states in equilibrium that are accepted (1: yes)", [1.0] * len(right),
+                    [state.accepted() for state in right]),
+        known.count(f"states that are refused (1: yes): {names}", [1.0] * len(wrong),
+                    [not state.accepted() for state in wrong]),
     )  # fmt: skip
     return Outcome(rows=(*rows, _opened()))
 
@@ -193,36 +182,25 @@ def _refusals() -> Outcome:
 def _opened() -> Row:
     """Patches of the dented wave without adhesion while it is unloaded."""
     dented = OnePatch(WAVE.wavelength, WAVE.modulus, (1e-4, -0.5e-4), 0.0)
-    orders, amplitudes, phases = [1, 2], [1e-4, 0.5e-4], [0.0, np.pi]
-    profile = {"orders": orders, "amplitudes": amplitudes, "phases": phases}
-    surface = bem.Profile.from_harmonics(WAVE.wavelength, orders, amplitudes, phases)
+    harmonics = ([1, 2], [1e-4, 0.5e-4], [0.0, np.pi])
+    profile = dict(zip(("orders", "amplitudes", "phases"), harmonics, strict=True))
+    surface = bem.Profile.from_harmonics(WAVE.wavelength, *harmonics)
     dip = surface.max_height - float(surface.height(0.0))
     loading = {"targets": [float(dented.penetration(angle)) + dip for angle in OPENS]}
-    states = bem.solve(adapters.scene("sinusoid", {"profile": profile, "adhesion": None, "loading": loading})).targets
-    return counted("patches before and after the dip between two crests opens",
-                   Reference(kind="exact", source="pressure of one patch, which vanishes at the dip at a = pi / 2"),
-                   [1.0, 2.0], [float(state.n_patches) for state in states])  # fmt: skip
+    states = solved("sinusoid", profile=profile, adhesion=None, loading=loading).targets
+    return Against("exact", "pressure of one patch, which vanishes at the dip at a = pi / 2").count(
+        "patches before and after the dip between two crests opens", [1.0, 2.0], column(states, "n_patches")
+    )
 
-
-# a at which the dip is in compression, and at which its tension is a thousandth of the largest pressure
-DENTED = (2.5, 1.57)
-OPENS = (1.575, 1.57)
-UNSTABLE, INSIDE = 0.5, 0.44  # a on a falling branch, and just before an edge takes a crest
-MEASURED_STIFFNESS = (1.2e-10, 4e-11)
-MEASURED_RATIOS, MEASURED_STEEP = (7e-14, 2.7e-14), (3e-11, 1e-11)
 
 CASES = (
-    Case(
-        id="stability-flag", group="closed forms", level="quick",
-        question="Are states stable at fixed load up to the largest tension and not beyond it, and how stiff are they?",
-        equations=r"stable at fixed load where $dp / d\psi > 0$; stiffness $= \frac{dp / d\psi}{d\Delta / d\psi}$",
-        sources=("johnson1995",), compute=_stability, effects=("half_space", "adhesion", "unloading"),
-        scene=adapters.scene_text("sinusoid")
-    ),
-    Case(id="refused-states", group="identities", level="quick",
-         question="Does the certificate accept equilibria and refuse states that are wrong in one way each?",
-         equations=r"$G = w$ or $K = 0$ at edges, $u = h - h_{\text{max}} + \Delta$ on patches, gap $\ge 0$, "
-                   r"$H > 0$ or $p \ge 0$",
-         sources=("carbone2009", "muskhelishvili1953"), compute=_refusals, effects=("half_space", "adhesion"),
-         scene=adapters.scene_text("sinusoid")),
+    case("stability-flag", "closed forms", _stability,
+         "Are states stable at fixed load up to the largest tension and not beyond it, and how stiff are they?",
+         r"stable at fixed load where $dp / d\psi > 0$; stiffness $= \frac{dp / d\psi}{d\Delta / d\psi}$",
+         "johnson1995", "half_space adhesion unloading", scene="sinusoid"),
+    case("refused-states", "identities", _refusals,
+         "Does the certificate accept equilibria and refuse states that are wrong in one way each?",
+         r"$G = w$ or $K = 0$ at edges, $u = h - h_{\text{max}} + \Delta$ on patches, gap $\ge 0$, "
+         r"$H > 0$ or $p \ge 0$",
+         "carbone2009 muskhelishvili1953", "half_space adhesion", scene="sinusoid"),
 )  # fmt: skip

@@ -16,12 +16,12 @@ import bem
 import fem_reference
 from bem.scene.result import State
 from bem.scene.scene import parse_scene
+from validation.cases.shared.checks import Against, case
 from validation.corpus.accuracy_costs import CostPoint, stored
 from validation.corpus.effects import EFFECTS, loaded_alone, rough, seconds_of
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, trace
-from validation.harness.rows import compared, counted
-from validation.harness.schema import Figure, Reference, Row, Series, Table
+from validation.harness.schema import Figure, Row, Series, Table
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 from validation.references.posed_contacts import Posed, answer_of, exact_sinusoid, scene_tables, scenes
@@ -112,13 +112,12 @@ def _costs() -> Outcome:
                 "the boundary elements, and these against the paper's method extrapolated; finite elements look for "
                 "given numbers of contacts at crests and are left out"),
     )  # fmt: skip
-    known = Reference(kind="exact", source="Johnson 1995")
     exact = exact_sinusoid(posed["sinusoid"])["contact_fraction"]
-    own = smooth.error_estimate.contact_fraction or 0.0
-    row = compared("contact fraction, solved again", "", known, [exact], [smooth.contact_fraction], 3.5e-14,
-                   MEASURED["again"], "absolute", uncertainty=own)  # fmt: skip
+    again = Against("exact", "Johnson 1995").row(
+        "contact fraction, solved again", "", exact, smooth.contact_fraction, (3.5e-14, 1.3e-14), "absolute",
+        uncertainty=smooth.error_estimate.contact_fraction or 0.0)  # fmt: skip
     rows, unknowns = _given_edges()
-    return Outcome(rows=(*rows, row), figures=figures, counts={"unknowns of the finite elements": unknowns})
+    return Outcome(rows=(*rows, again), figures=figures, counts={"unknowns of the finite elements": unknowns})
 
 
 def _given_edges() -> tuple[tuple[Row, ...], int]:
@@ -142,16 +141,16 @@ def _given_edges() -> tuple[tuple[Row, ...], int]:
         edges=edges,
         resolution=fem_reference.Resolution(*MESH),
     )
-    source = Reference(kind="exact", source="Johnson 1995, contact fraction 0.6, alpha 0.3")
+    johnson = Against("exact", "Johnson 1995, contact fraction 0.6, alpha 0.3")
+    uncertain = {name: float(np.max(fem.uncertainty[name])) for name in ("mean_pressure", "stress_intensity")}
     return (
-        compared("mean pressure over p*, boundary elements", "Pa", source, [pressure], [ours.mean_pressure], 2e-15,
-                 MEASURED["ours"], "absolute", star),
-        compared("mean pressure over p*, finite elements", "Pa", source, [pressure], [fem.mean_pressure],
-                 2.5 * MEASURED["pressure"], MEASURED["pressure"], "absolute", star, code="fem",
-                 uncertainty=float(np.max(fem.uncertainty["mean_pressure"]))),
-        compared("stress intensity over critical, finite elements", "Pa m^1/2", source, [critical],
-                 [float(fem.stress_intensity.max())], 2.5 * MEASURED["intensity"], MEASURED["intensity"], "absolute",
-                 critical, code="fem", uncertainty=float(np.max(fem.uncertainty["stress_intensity"]))),
+        johnson.row("mean pressure over p*, boundary elements", "Pa", pressure, ours.mean_pressure, (2e-15, 4.4e-16),
+                    "absolute", star),
+        johnson.row("mean pressure over p*, finite elements", "Pa", pressure, fem.mean_pressure, 2.5e-5, "absolute",
+                    star, code="fem", uncertainty=uncertain["mean_pressure"]),
+        johnson.row("stress intensity over critical, finite elements", "Pa m^1/2", critical,
+                    float(fem.stress_intensity.max()), 1.9e-4, "absolute", critical, code="fem",
+                    uncertainty=uncertain["stress_intensity"]),
     ), fem.unknowns  # fmt: skip
 
 
@@ -176,22 +175,19 @@ def _prices() -> Outcome:
         columns=["effect", "on top of", "seconds", "times the scene without it", "evaluations", "more than without"],
         rows=lines,
     )
-    row = counted("modules of absent effects that a bare scene loads", Reference(kind="exact", source="none is called"),
-                  [0.0], [float(len(loaded))])  # fmt: skip
+    row = Against("exact", "none is called").count("modules of absent effects that a bare scene loads", 0.0,
+                                                   len(loaded))  # fmt: skip
     counts = {f"evaluations, {name}": evaluations for name, (_, evaluations) in found.items()}
     return Outcome(rows=(row,), tables=(table,), counts=counts)
 
 
-# of the mean pressure of both codes and the stress intensity at given edges; of the contact solved again
-MEASURED = {"ours": 4.4e-16, "pressure": 2.5e-5, "intensity": 1.9e-4, "again": 1.3e-14}
-
 CASES = (
-    Case(id="what-accuracy-costs", group="convergence", level="quick", problem="adhesive wave, given edges",
-         question="How many seconds does a digit cost, by every route, on a smooth and on a rough contact?",
-         equations=r"$p = p^\ast [\sin^2 \psi - \alpha \sqrt{\tan \psi}]$, $K = \sqrt{2 E^\ast \gamma}$",
-         sources=("johnson1995", "carbone2009"), compute=_costs, effects=("half_space", "adhesion")),
-    Case(id="price-of-effects", group="cost", level="quick", code="suite",
-         question="What does each effect of a scene cost, and does one that is absent cost nothing?",
-         equations="CPU seconds and evaluations of the scene with the effect, over those without",
-         sources=("carbone2009",), compute=_prices, effects=("half_space", "layer", "adhesion", "slope_term")),
+    case("what-accuracy-costs", "convergence", _costs,
+         "How many seconds does a digit cost, by every route, on a smooth and on a rough contact?",
+         r"$p = p^\ast [\sin^2 \psi - \alpha \sqrt{\tan \psi}]$, $K = \sqrt{2 E^\ast \gamma}$",
+         "johnson1995 carbone2009", "half_space adhesion", problem="adhesive wave, given edges"),
+    case("price-of-effects", "cost", _prices,
+         "What does each effect of a scene cost, and does one that is absent cost nothing?",
+         "CPU seconds and evaluations of the scene with the effect, over those without",
+         "carbone2009", "half_space layer adhesion slope_term", code="suite"),
 )  # fmt: skip

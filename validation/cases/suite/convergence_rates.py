@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from validation.cases.shared.checks import Against, case
 from validation.corpus.convergence_curves import (
     Curve,
     bem_curves,
@@ -16,31 +17,37 @@ from validation.corpus.convergence_curves import (
     persson_curves,
     predicted_line,
 )
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, marks, trace
-from validation.harness.rows import compared
-from validation.harness.schema import Figure, Panel, Reference, Row, Table
+from validation.harness.schema import Figure, Panel, Row, Table
 
-EQUATIONS = (
-    r"error $= C \rho^{-n}$ (K), $C \rho^{-2n}$ (load), $\rho = z + \sqrt{z^2 - 1}$, $z$ = 1 + gap / half width; "
-    "FEM load: $h^{2m}$ graded, $h$ uniform; Persson: 2 in stress, 3 in variance; the paper's cells: 2"
-)
+# relative distance of the fitted rate from the predicted one
+MEASURED = {
+    "bem-intensity-0.9": 0.022,
+    "bem-load-0.9": 0.095,  # the singularity at the next edge is integrable: a little faster than rho^-2n
+    "fem-p2-graded": 0.107,
+    "fem-p4-uniform": 0.022,
+    "persson-cells": 0.022,
+    "persson-steps": 0.053,
+    "paper-method": 0.033,
+    "ensemble-area": 0.18,  # of 64 realisations: two standard deviations of the fit are 0.4
+}
+MEASURED_FULL = {"fem-p2-graded": 0.05, "fem-p4-graded": 0.023, "fem-p2-uniform": 0.099, "fem-p4-uniform": 0.022}
 
 
 def _rate_row(curve: Curve, measured: float) -> Row:
     """Fitted against predicted rate."""
     of = "order" if curve.law == "algebraic" else "factor per node"
-    return compared(f"{of}: {curve.quantity} of {curve.id}", "",
-                    Reference(kind="theory", source=f"{curve.why}; errors against {curve.reference} ({curve.kind})"),
-                    [curve.predicted], [curve.rate.value], 2.5 * measured, measured)  # fmt: skip
+    theory = Against("theory", f"{curve.why}; errors against {curve.reference} ({curve.kind})")
+    return theory.row(f"{of}: {curve.quantity} of {curve.id}", "", curve.predicted, curve.rate.value, measured)
 
 
 def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
     """Errors as points, the predicted rate as lines through the last point fitted."""
-    series = []
-    for curve in curves:
-        label = f"{curve.id}: predicted {curve.predicted:.3g}, fitted {curve.rate.value:.3g}"
-        series.append(marks(label, curve.sizes, curve.errors))
+    series = [
+        marks(f"{one.id}: predicted {one.predicted:.3g}, fitted {one.rate.value:.3g}", one.sizes, one.errors)
+        for one in curves
+    ]
     for curve in curves:
         series.append(trace(f"predicted, {curve.id}", *predicted_line(curve), "dashed"))
     scale = "linear" if curves[0].law == "geometric" else "log"
@@ -51,9 +58,11 @@ def _table(curves: Sequence[Curve]) -> Table:
     """Errors with their rates between neighbours."""
     rows: list[list[str | float | int | None]] = []
     for curve in curves:
-        rates = [None, *curve.rate.pairwise]
-        for place, (size, error, rate) in enumerate(zip(curve.sizes, curve.errors, rates, strict=True)):
-            rows.append([curve.id, curve.knob, size, error, rate, "yes" if place in curve.rate.used else "no"])
+        points = zip(curve.sizes, curve.errors, [None, *curve.rate.pairwise], strict=True)
+        rows += [
+            [curve.id, curve.knob, size, error, rate, "yes" if place in curve.rate.used else "no"]
+            for place, (size, error, rate) in enumerate(points)
+        ]
     return Table(
         caption="Errors, rates between neighbours (order, or factor per node), and which points were fitted.",
         columns=["curve", "knob", "size", "error", "rate", "fitted"],
@@ -65,10 +74,10 @@ def _rates() -> Outcome:
     bem = bem_curves(0.9, range(4, 49, 4))
     fem = (fem_curve(2, (4, 8, 16), True), fem_curve(4, (8, 16, 32), False))
     others = (*persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100)), paper_method_curve((8, 16, 32, 64)))
-    plateau = compared("plateau of K over critical and of the load over p*", "",
-                       Reference(kind="exact", source="Johnson 1995"), [0.0, 0.0],
-                       [curve.rate.plateau for curve in bem], 1e-12, 2.3e-14, "absolute", basis="required")  # fmt: skip
     every = (*bem, *fem, *others)
+    plateau = Against("exact", "Johnson 1995").row(
+        "plateau of K over critical and of the load over p*", "", [0.0, 0.0], [curve.rate.plateau for curve in bem],
+        2.3e-14, "absolute", required=1e-12)  # fmt: skip
     return Outcome(
         rows=(*(_rate_row(curve, MEASURED[curve.id]) for curve in every), plateau),
         figures=(
@@ -97,45 +106,30 @@ def _elements() -> Outcome:
 def _ensemble(harmonics: int, realisations: int) -> Outcome:
     curve = ensemble_curve(harmonics, realisations)
     areas = np.array(curve.samples)
+    means = Table(
+        caption=f"Contact fraction at a separation of 0.8 h_rms, {harmonics} harmonics.",
+        columns=["realisations", "mean", "standard error"],
+        rows=[[realisations, float(areas.mean()), float(areas.std(ddof=1)) / realisations**0.5]],
+    )
     return Outcome(
         rows=(_rate_row(curve, MEASURED[curve.id]),),
         figures=(_figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,)),),
-        tables=(
-            _table((curve,)),
-            Table(
-                caption=f"Contact fraction at a separation of 0.8 h_rms, {harmonics} harmonics.",
-                columns=["realisations", "mean", "standard error"],
-                rows=[[realisations, float(areas.mean()), float(areas.std(ddof=1)) / realisations**0.5]],
-            ),
-        ),
+        tables=(_table((curve,)), means),
     )
 
 
-# relative distance of the fitted rate from the predicted one
-MEASURED = {
-    "bem-intensity-0.9": 0.022,
-    "bem-load-0.9": 0.095,  # the singularity at the next edge is integrable: a little faster than rho^-2n
-    "fem-p2-graded": 0.107,
-    "fem-p4-uniform": 0.022,
-    "persson-cells": 0.022,
-    "persson-steps": 0.053,
-    "paper-method": 0.033,
-    "ensemble-area": 0.18,  # of 64 realisations: two standard deviations of the fit are 0.4
-}
-MEASURED_FULL = {"fem-p2-graded": 0.05, "fem-p4-graded": 0.023, "fem-p2-uniform": 0.099, "fem-p4-uniform": 0.022}
-
 CASES = (
-    Case(id="convergence-rates", group="convergence", level="quick", code="suite",
-         question="Does every code converge at the rate that its theory predicts, and to which plateau?",
-         equations=EQUATIONS,
-         sources=("johnson1995", "persson2001", "carbone2009"), compute=_rates, effects=("half_space", "adhesion")),
-    Case(id="convergence-ensemble", group="convergence", level="standard", code="suite",
-         question="Does the mean area of an ensemble converge like the square root of the number of realisations?",
-         equations=r"spread of the mean over groups of $n$ $\propto n^{-1/2}$",
-         sources=("carbone2009",), compute=partial(_ensemble, 20, 64),
-         effects=("half_space", "adhesion", "slope_term")),
-    Case(id="convergence-elements", group="convergence", level="full", code="suite",
-         question="What do the edges cost finite elements on uniform meshes, and do graded ones win it back?",
-         equations="energy norm $h^m$ graded, $h^{1/2}$ uniform, whatever $m$; load: twice the order",
-         sources=("johnson1995",), compute=_elements, effects=("half_space", "adhesion")),
+    case("convergence-rates", "convergence", _rates,
+         "Does every code converge at the rate that its theory predicts, and to which plateau?",
+         r"error $= C \rho^{-n}$ (K), $C \rho^{-2n}$ (load), $\rho = z + \sqrt{z^2 - 1}$, $z$ = 1 + gap / half width; "
+         "FEM load: $h^{2m}$ graded, $h$ uniform; Persson: 2 in stress, 3 in variance; the paper's cells: 2",
+         "johnson1995 persson2001 carbone2009", "half_space adhesion", code="suite"),
+    case("convergence-ensemble", "convergence", partial(_ensemble, 20, 64),
+         "Does the mean area of an ensemble converge like the square root of the number of realisations?",
+         r"spread of the mean over groups of $n$ $\propto n^{-1/2}$",
+         "carbone2009", "half_space adhesion slope_term", level="standard", code="suite"),
+    case("convergence-elements", "convergence", _elements,
+         "What do the edges cost finite elements on uniform meshes, and do graded ones win it back?",
+         "energy norm $h^m$ graded, $h^{1/2}$ uniform, whatever $m$; load: twice the order",
+         "johnson1995", "half_space adhesion", level="full", code="suite"),
 )  # fmt: skip

@@ -11,31 +11,24 @@ import math
 import tempfile
 from pathlib import Path
 
+from validation.cases.shared.checks import Against, case
 from validation.harness.baseline import Baseline, differences, quantities_of
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Outcome
 from validation.harness.compare import combined_tolerance, error_of, fitted_order, pairwise_orders
-from validation.harness.rows import compared, counted
-from validation.harness.schema import Band, CaseRecord, Reference, Report, Row
+from validation.harness.schema import CaseRecord, Report, Row
 from validation.harness.verdict import Verdict, fails, verdict_of
 
-KNOWN = Reference(kind="exact", source="rows made for the purpose")
+KNOWN = Against("exact", "rows made for the purpose")
 
 
 def _row(computed: list[float | None], expected: list[float | None], uncertainty: float = 0.0) -> Row:
-    reference = Reference(kind="FEM", source="a row made for the purpose", uncertainty=uncertainty)
-    return compared("load", "N/m", reference, expected, computed, 0.1, 0.04, "absolute", 2.0)
+    made = Against("FEM", "a row made for the purpose", uncertainty)
+    return made.row("load", "N/m", expected, computed, (0.1, 0.04), "absolute", 2.0)
 
 
 def _ratio(computed: float) -> Row:
-    return Row(
-        quantity="area",
-        unit="",
-        reference=Reference(kind="theory", source="a row made for the purpose"),
-        norm="ratio",
-        expected=[2.0],
-        computed=[computed],
-        band=Band(low=1.5, high=3.0, cause="made up", source="this case", review="2099-01-01"),
-    )
+    made = Against("theory", "a row made for the purpose")
+    return made.ratio("area", "", 2.0, computed, (1.5, 3.0), "made up", "this case", review="2099-01-01")
 
 
 def _verdicts() -> list[tuple[Row, Verdict]]:
@@ -57,32 +50,32 @@ def _verdicts() -> list[tuple[Row, Verdict]]:
 
 
 def _harness() -> Outcome:
-    wrong_verdicts = float(sum(verdict_of(row) != right for row, right in _verdicts()))
+    wrong = sum(verdict_of(row) != right for row, right in _verdicts())
     errors = [error_of(_row([1.0, 1.4, 0.4], [1.0, 1.0, 1.0])), error_of(_ratio(4.0))]
-    allowed = [combined_tolerance(_row([1.0], [1.0])), combined_tolerance(_row([1.0], [1.0], uncertainty=0.6))]
+    allowed = [combined_tolerance(_row([1.0], [1.0], uncertainty=known)) for known in (0.0, 0.6)]
     sizes = [0.5, 0.25, 0.1, 0.05]
     decay = [3.0 * size**2.5 for size in sizes]
     orders = [fitted_order(sizes, decay), *pairwise_orders(sizes, decay)]
+    arithmetic = (1e-14, 4e-15)  # orders by logarithms; the others to the last digit
     rows = (
-        _exactly("wrong verdicts on known rows", [0.0], [wrong_verdicts]),
-        _within("errors of known rows", [0.3, 2.0], errors),
-        _within("tolerances of known rows, the second set by the uncertainty", [0.1, 0.3], allowed),
-        _within("orders of a sequence of order 5/2, fitted and between neighbours", [2.5] * 4, orders),
-        _exactly("differences told from a known baseline", [3.0], [float(_differences())]),
-        _exactly(
-            "failing (1: yes): all cases reported, one fewer than planned, one more", [0.0, 1.0, 1.0], _reported()
-        ),
-        _exactly("a baseline that is gone is told (1: yes)", [1.0], [_without_baseline()]),
-    )
+        KNOWN.count("wrong verdicts on known rows", 0.0, wrong),
+        KNOWN.row("errors of known rows", "", [0.3, 2.0], errors, arithmetic, "absolute"),
+        KNOWN.row("tolerances of known rows, the second set by the uncertainty", "", [0.1, 0.3], allowed, arithmetic,
+                  "absolute"),
+        KNOWN.row("orders of a sequence of order 5/2, fitted and between neighbours", "", [2.5] * 4, orders,
+                  arithmetic, "absolute"),
+        KNOWN.count("differences told from a known baseline", 3.0, _differences()),
+        KNOWN.count("failing (1: yes): all cases reported, one fewer than planned, one more", [0.0, 1.0, 1.0],
+                    map(_fails, (1, 2, 0))),
+        KNOWN.count("a baseline that is gone is told (1: yes)", 1.0, _without_baseline()),
+    )  # fmt: skip
     return Outcome(rows=rows, counts={"rows": len(_verdicts())})
 
 
 def _differences() -> int:
     """Differences reported of a record whose value, count of evaluations and number of patches moved."""
-    before = _record([1.0], 3.0, 100)
-    after = _record([1.5], 4.0, 130)
+    before, after = _record(1.0, 3.0, 100), _record(1.5, 4.0, 130)
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
         pinned = Baseline(
             case=before.id,
             reason="made for the purpose",
@@ -95,52 +88,32 @@ def _differences() -> int:
             resolution={},
             quantities=quantities_of(before),
         )
-        (folder / f"{before.id}.json").write_text(pinned.model_dump_json(), "utf-8")
-        return len(differences(after, folder))
+        (Path(name) / f"{before.id}.json").write_text(pinned.model_dump_json(), "utf-8")
+        return len(differences(after, Path(name)))
 
 
-def _reported() -> list[float | None]:
-    """Whether reports of one case fail of which one, two and none were planned."""
-    record = _record([1.0], 3.0, 100)
-    reports = (Report(level="quick", command="run", planned=n, provenance={}, cases=[record]) for n in (1, 2, 0))
-    return [float(fails(report)) for report in reports]
+def _fails(planned: int) -> bool:
+    """Whether a report of one case fails of which so many were planned."""
+    return fails(Report(level="quick", command="run", planned=planned, provenance={}, cases=[_record(1.0, 3.0, 100)]))
 
 
-def _without_baseline() -> float:
+def _without_baseline() -> bool:
     """Whether a record whose baseline is not in the folder is told."""
     with tempfile.TemporaryDirectory() as name:
-        return float(differences(_record([1.0], 3.0, 100), Path(name)) != [])
+        return differences(_record(1.0, 3.0, 100), Path(name)) != []
 
 
-def _record(load: list[float | None], patches: float, evaluations: int) -> CaseRecord:
+def _record(load: float, patches: float, evaluations: int) -> CaseRecord:
     counted = _row([patches], [patches]).model_copy(update={"quantity": "patches", "pinned": "exact"})
-    return CaseRecord(
-        id="known",
-        group="harness",
-        level="quick",
-        question="q",
-        equations="e",
-        sources=[],
-        rows=[_row(load, [1.0]), counted],
-        counts={"evaluations": evaluations},
-    )
+    return CaseRecord(id="known", group="harness", level="quick", question="q", equations="e", sources=[],
+                      rows=[_row([load], [1.0]), counted], counts={"evaluations": evaluations})  # fmt: skip
 
-
-def _exactly(quantity: str, expected: list[float | None], computed: list[float | None]) -> Row:
-    return counted(quantity, KNOWN, expected, computed)
-
-
-def _within(quantity: str, expected: list[float | None], computed: list[float]) -> Row:
-    return compared(quantity, "", KNOWN, expected, computed, 1e-14, MEASURED_ARITHMETIC, "absolute")
-
-
-MEASURED_ARITHMETIC = 4e-15  # orders by logarithms; the others to the last digit
 
 CASES = (
-    Case(id="harness", group="harness", level="quick", code="suite",
-         question="Does the harness judge rows right whose verdicts are known?",
-         equations=r"$e = \max_i \frac{|x_i - y_i|}{c}$; "
-                   r"allowed $= \max(\text{tolerance}, \frac{\sqrt{u_x^2 + u_y^2}}{c})$, "
-                   "$x$ computed, $y$ expected, $c$ the scale",
-         sources=("oberkampf2008",), compute=_harness),
+    case("harness", "harness", _harness,
+         "Does the harness judge rows right whose verdicts are known?",
+         r"$e = \max_i \frac{|x_i - y_i|}{c}$; "
+         r"allowed $= \max(\text{tolerance}, \frac{\sqrt{u_x^2 + u_y^2}}{c})$, "
+         "$x$ computed, $y$ expected, $c$ the scale",
+         "oberkampf2008", code="suite"),
 )  # fmt: skip

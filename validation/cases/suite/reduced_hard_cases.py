@@ -11,13 +11,34 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
+from validation.cases.shared.checks import Against, case
 from validation.corpus.endings import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
 from validation.corpus.endings import Row as HardRow
-from validation.harness.case import Case, Outcome
-from validation.harness.rows import counted
-from validation.harness.schema import Reference
+from validation.harness.case import Outcome
 
-REFERENCE = Reference(kind="self", source="the expectation stated beforehand, and the checks that each case names")
+EXPECTED = Against("self", "the expectation stated beforehand, and the checks that each case names")
+NAMES: dict[Code, tuple[str, str, str]] = {
+    "bem": ("boundary-elements", "the boundary element solver", "carbone2009 johnson1995 westergaard1939 tada2000"),
+    "fem": ("finite-elements", "the finite element reference", "carbone2008 johnson1995 westergaard1939"),
+    "persson": ("theory", "Persson's theory", "carbone2009 persson2001"),
+}
+QUICK: dict[Code, tuple[str, ...]] = {
+    "bem": (
+        *("flat", "flat_without_adhesion", "gap_1e-4", "contact_fraction_1e-5", "tension_no_branch_carries"),
+        *("thin_layer_without_adhesion", "thin_incompressible_layer", "last_gaps_that_close_together"),
+        *("penetration_beyond_complete_contact", "harmonics_1", "harmonics_1_without_adhesion"),
+        *("vanishing_patch_without_adhesion", "last_gap_without_adhesion"),
+    ),
+    "fem": (
+        *("apart", "incompressible_by_displacement", "narrower_than_the_mesh", "poisson_ratio_-0.9"),
+        *("poisson_ratio_0.5", "thin_incompressible_layer_in_complete_contact", "thin_incompressible_layer"),
+    ),
+    "persson": (
+        *("complete_contact_without_adhesion", "nan_load", "no_load", "one_line_without_adhesion", "tension"),
+        *("tiny_load_without_adhesion", "complete_contact", "work_1e-08", "nearly_complete_contact", "one_line"),
+        *("rms_height_1e-09", "two_lines", "hurst_0.01"),
+    ),
+}
 
 
 def _hard_cases(code: Code) -> Outcome:
@@ -34,11 +55,11 @@ def _outcome(planned: list[Task], every: Sequence[Task] = ()) -> Outcome:
     ended = [_ended(task) for task in planned]
     found = counts(ended)
     reached = found["converged"] + found["refused as expected"]
-    total = counted("cases reported, ended as expected, correct", REFERENCE, [float(len(planned))] * 3,
-                    [float(len(ended)), float(reached), float(found["correct"])])  # fmt: skip
+    total = EXPECTED.count("cases reported, ended as expected, correct", [len(planned)] * 3,
+                           [len(ended), reached, found["correct"]])  # fmt: skip
     rows = (
-        counted(f"{row.id}: ended as expected, correct", REFERENCE, [1.0, 1.0],
-                [float(row.ending in GOOD), float(row.correct)], message=row.message)
+        EXPECTED.count(f"{row.id}: ended as expected, correct", [1.0, 1.0], [row.ending in GOOD, row.correct],
+                       message=row.message)
         for row in ended
     )  # fmt: skip
     return Outcome(rows=(total, *rows), tables=(table_of(ended, [task for task in every if task not in planned]),))
@@ -52,67 +73,15 @@ def _ended(task: Task) -> HardRow:
         return row_of(task, error)
 
 
-NAMES: dict[Code, tuple[str, str, tuple[str, ...]]] = {
-    "bem": (
-        "boundary-elements",
-        "the boundary element solver",
-        ("carbone2009", "johnson1995", "westergaard1939", "tada2000"),
-    ),
-    "fem": ("finite-elements", "the finite element reference", ("carbone2008", "johnson1995", "westergaard1939")),
-    "persson": ("theory", "Persson's theory", ("carbone2009", "persson2001")),
-}
-
-QUICK: dict[Code, tuple[str, ...]] = {
-    "bem": (
-        "flat",
-        "flat_without_adhesion",
-        "gap_1e-4",
-        "contact_fraction_1e-5",
-        "tension_no_branch_carries",
-        "thin_layer_without_adhesion",
-        "thin_incompressible_layer",
-        "last_gaps_that_close_together",
-        "penetration_beyond_complete_contact",
-        "harmonics_1",
-        "harmonics_1_without_adhesion",
-        "vanishing_patch_without_adhesion",
-        "last_gap_without_adhesion",
-    ),
-    "fem": (
-        "apart",
-        "incompressible_by_displacement",
-        "narrower_than_the_mesh",
-        "thin_incompressible_layer_in_complete_contact",
-        "poisson_ratio_-0.9",
-        "poisson_ratio_0.5",
-        "thin_incompressible_layer",
-    ),
-    "persson": (
-        "complete_contact_without_adhesion",
-        "nan_load",
-        "no_load",
-        "one_line_without_adhesion",
-        "tension",
-        "tiny_load_without_adhesion",
-        "complete_contact",
-        "work_1e-08",
-        "nearly_complete_contact",
-        "one_line",
-        "rms_height_1e-09",
-        "two_lines",
-        "hurst_0.01",
-    ),
-}
-
+EQUATIONS = "expected outcome stated beforehand; certificates, closed forms, second routes, invariances"
 CASES = (
     *(
-    Case(id=f"hard-cases-{NAMES[code][0]}", group="stability", level="standard",
-         question=f"Does {NAMES[code][1]} end as expected in every hard case, and is what it gives correct?",
-         equations="expected outcome stated beforehand; certificates, closed forms, second routes, invariances",
-         sources=NAMES[code][2], compute=partial(_hard_cases, code))
-    for code in NAMES),
-    Case(id="hard-cases-quick", group="stability", level="quick",
-         question="Do the hard cases that take no time end as expected, and correct, by all three codes?",
-         equations="expected outcome stated beforehand; certificates, closed forms, second routes, invariances",
-         sources=("carbone2009", "johnson1995", "westergaard1939", "persson2001", "carbone2008"), compute=_quick),
+        case(f"hard-cases-{name}", "stability", partial(_hard_cases, code),
+             f"Does {words} end as expected in every hard case, and is what it gives correct?",
+             EQUATIONS, sources, level="standard")
+        for code, (name, words, sources) in NAMES.items()
+    ),
+    case("hard-cases-quick", "stability", _quick,
+         "Do the hard cases that take no time end as expected, and correct, by all three codes?",
+         EQUATIONS, "carbone2009 johnson1995 westergaard1939 persson2001 carbone2008"),
 )  # fmt: skip

@@ -1,7 +1,10 @@
-"""Persson's theory with adhesion: how exactly this implementation solves it.
+"""Persson's theory: how exactly this implementation solves it, without adhesion and with it.
 
-Reference points of the paper's case, two routes that share no discretisation of the stress, refinement, and the
-balance of the load: once the barrier moves, int sigma P is not conserved but gains a (-dA/dV).
+Without adhesion the closed forms against plain quadrature of what they stand for: integrals over the slope variance,
+summed line by line with Gauss-Legendre points, the wavenumber of line m holding while V runs from S_{m-1} / 4 to
+S_m / 4.  With adhesion reference points of the paper's case, two routes that share no discretisation of the stress
+(areas and energies), refinement, and the balance of the load: once the barrier moves, int sigma P is not conserved but
+gains a (-dA/dV).  SI units.
 """
 
 from __future__ import annotations
@@ -9,14 +12,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
+from scipy.special import erf, exp1
 
 import persson
 from persson.adhesive import ROUTES, Route
 from persson.spectrum import Spectrum
-from validation.harness.case import Case, Outcome
+from validation.cases.shared.checks import Against, case, posed
+from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, semilogx, trace
-from validation.harness.rows import compared
-from validation.harness.schema import Reference, Table
+from validation.harness.schema import Table
+from validation.references import adapters
 
 YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03
 MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
@@ -48,20 +53,19 @@ def adhesive(
     resolution: float = 1.0,
     with_separation: bool = False,
     detached_width: float = 1.0,
-    area_factor: str = "gaussian_slope_1d",
+    poisson_ratio: float = POISSON_RATIO,
 ) -> persson.AdhesiveContact:
-    """The theory with adhesion at a load in units of E*, the paper's material."""
+    """The theory with adhesion at a load in units of the paper's E*, the paper's material."""
     state = persson.solve(
         spectrum,
         load * MODULUS,
         youngs_modulus=YOUNGS_MODULUS,
-        poisson_ratio=POISSON_RATIO,
+        poisson_ratio=poisson_ratio,
         work_of_adhesion=WORK_OF_ADHESION,
         route=route,
         resolution=resolution,
         with_separation=with_separation,
         detached_width=detached_width,
-        area_factor=area_factor,
     )
     if not isinstance(state, persson.AdhesiveContact):
         raise TypeError(f"work_of_adhesion = {WORK_OF_ADHESION} must give a state with adhesion")
@@ -75,47 +79,80 @@ def dry(spectrum: Spectrum, load: float) -> persson.NonadhesiveContact:
     )
 
 
-def _points() -> Outcome:
-    spectrum = spectra()["paper's lines"]
-    loads = (0.005, 0.02)
-    without = [dry(spectrum, load) for load in loads]
-    with_adhesion = [adhesive(spectrum, load, with_separation=True) for load in loads]
-    source = Reference(kind="theory", source="points of the paper's case: narrow-band rule, factor of a 1D slope")
-    given: tuple[tuple[str, list[float], list[float | None], float], ...] = (
-        ("A/A0 without adhesion, 0.005 and 0.02 E*", [0.0292763, 0.1167122],
-         [state.contact_fraction for state in without], 5e-8),
-        ("A/A0 with adhesion, 0.005 and 0.02 E*", [0.03397, 0.13527],
-         [state.contact_fraction for state in with_adhesion], 5e-6),
-        ("separation over h_rms without adhesion", [0.85857, 0.15338],
-         [state.separation / spectrum.h_rms for state in without], 5e-6),
-        ("separation over h_rms with adhesion", [0.8488, 0.1477],
-         [None if state.separation is None else state.separation / spectrum.h_rms for state in with_adhesion], 5e-5),
+def _quadrature() -> Outcome:
+    scene = posed("rough_100", solid={"poisson_ratio": 0.3}, profile={"harmonics": 40})
+    surface, modulus, load = scene.surface(), YOUNGS_MODULUS / (1 - 0.3**2), 0.01
+    contact = persson.solve_nonadhesive(adapters.persson_spectrum(scene), load * modulus, youngs_modulus=YOUNGS_MODULUS,
+                                        poisson_ratio=0.3)  # fmt: skip
+    q = 2 * np.pi * surface.orders / surface.period
+    steps = (q * surface.amplitudes) ** 2 / 2
+    ends = np.cumsum(steps)
+    node, weight = np.polynomial.legendre.leggauss(200)
+    square = ((node + 1) / 2) ** 2  # the integrands of the first line have a root at zero
+    inside = (ends - steps)[:, None] + steps[:, None] * square
+    measure = steps[:, None] * weight * (node + 1) / 2
+    area = erf(load * np.sqrt(2 / inside))
+    gap = np.sqrt(2 / (np.pi * inside)) * exp1(2 * load**2 / inside)
+    summed = Against("independent code", "Gauss-Legendre quadrature of the definitions, line by line")
+    rows = (
+        summed.row("contact fraction", "", float(erf(load * np.sqrt(2 / float(ends[-1])))), contact.contact_fraction,
+                   (2e-15, 1.8e-16)),
+        summed.row("elastic energy", "J/m^2", modulus * float(np.sum(np.sum(area * measure, axis=1) / q)) / 4,
+                   contact.elastic_energy, (5e-15, 8.5e-16)),
+        summed.row("separation", "m", float(np.sum(np.sum(gap * measure, axis=1) / q)) / 4, contact.separation,
+                   (5e-15, 1.7e-15)),
     )  # fmt: skip
-    rows = tuple(
-        compared(quantity, "", source, expected, computed, tolerance, measured, "absolute", basis="required")
-        for (quantity, expected, computed, tolerance), measured in zip(given, MEASURED_POINTS, strict=True)
-    )
+    return Outcome(rows=rows)
+
+
+def _energies() -> Outcome:
+    spectrum = persson.DiscreteSpectrum.self_affine(Q0, 0.7, 50e-6, 30)
+    volumes, integral = (adhesive(spectrum, 1e4 / MODULUS, route=route, poisson_ratio=0.3) for route in ROUTES)
+    known = Against("self", "the Volterra route of the same theory")
+    rows = (
+        known.row("elastic energy with adhesion by two routes", "J/m^2", integral.elastic_energy,
+                  volumes.elastic_energy, (6e-9, 2.1e-9)),
+        known.row("energy of adhesion by two routes", "J/m^2", integral.adhesion_energy, volumes.adhesion_energy,
+                  (8e-6, 3.3e-6)),
+    )  # fmt: skip
+    return Outcome(rows=rows)
+
+
+def _points() -> Outcome:
+    spectrum, loads = spectra()["paper's lines"], (0.005, 0.02)
+    without = [dry(spectrum, load) for load in loads]
+    wet = [adhesive(spectrum, load, with_separation=True) for load in loads]
+    apart = [[None if state.separation is None else state.separation / spectrum.h_rms for state in states]
+             for states in (without, wet)]  # fmt: skip
+    known = Against("theory", "points of the paper's case: narrow-band rule, factor of a 1D slope")
+    rows = (
+        known.row("A/A0 without adhesion, 0.005 and 0.02 E*", "", [0.0292763, 0.1167122],
+                  [state.contact_fraction for state in without], 2.8e-8, "absolute", required=5e-8),
+        known.row("A/A0 with adhesion, 0.005 and 0.02 E*", "", [0.03397, 0.13527],
+                  [state.contact_fraction for state in wet], 3.9e-6, "absolute", required=5e-6),
+        known.row("separation over h_rms without adhesion", "", [0.85857, 0.15338], apart[0], 2.9e-6, "absolute",
+                  required=5e-6),
+        known.row("separation over h_rms with adhesion", "", [0.8488, 0.1477], apart[1], 4.4e-5, "absolute",
+                  required=5e-5),
+    )  # fmt: skip
     counts = {
-        "nodes": sum(state.areas.size for state in with_adhesion),
-        "iterations": sum(state.fields.iterations for state in with_adhesion),
+        "nodes": sum(state.areas.size for state in wet),
+        "iterations": sum(state.fields.iterations for state in wet),
     }
     return Outcome(rows=rows, counts=counts)
 
 
 def _routes() -> Outcome:
     rows, solution, errors = [], [], []
-    for (name, spectrum), measured in zip(spectra().items(), MEASURED_ROUTES, strict=True):
+    for (name, spectrum), measured in zip(spectra().items(), (4.5e-6, 2.8e-6, 5.6e-6), strict=True):
         volumes, integral = (
-            [adhesive(spectrum, load, route=route).contact_fraction for load in CURVE] for route in ROUTES
+            np.array([adhesive(spectrum, load, route=route).contact_fraction for load in CURVE]) for route in ROUTES
         )
-        ratio = [one / other for one, other in zip(volumes, integral, strict=True)]
-        rows.append(
-            compared(f"A/A0 by finite volumes over that by the integral equation, {name}", "",
-                     Reference(kind="self", source="the other route, with its own fixed point"), [1.0] * len(CURVE),
-                     ratio, 1e-5, measured, scale=1.0, basis="required", pinned="unconverged"),
-        )  # fmt: skip
+        rows.append(Against("self", "the other route, with its own fixed point").row(
+            f"A/A0 by finite volumes over that by the integral equation, {name}", "", [1.0] * len(CURVE),
+            volumes / integral, measured, scale=1.0, required=1e-5, pinned="unconverged"))  # fmt: skip
         solution += [trace(name, CURVE, volumes), marks(f"{name}, integral equation", CURVE, integral)]
-        errors.append(marks(name, CURVE, [value - 1 for value in ratio]))
+        errors.append(marks(name, CURVE, volumes / integral - 1))
     figure = drawn(
         "theory-routes",
         "Contact fraction of the theory with adhesion by two routes: conservative finite volumes on the moving "
@@ -126,26 +163,27 @@ def _routes() -> Outcome:
     return Outcome(rows=tuple(rows), figures=(figure,))
 
 
+# errors measured at LOADS
+CONVERGENCE = ((2.0e-6, 2.1e-6, 1.5e-6), (1.2e-6, 1.2e-6, 1.1e-6), (2.7e-6, 2.7e-6, 2.3e-6))
+
+
 def _convergence() -> Outcome:
+    finer = Against("self", "every discretisation at half the step")
     rows = []
-    for index, (name, spectrum) in enumerate(spectra().items()):
-        for place, load in enumerate(LOADS):
-            default, finer = (adhesive(spectrum, load, resolution=factor).contact_fraction for factor in (1.0, 2.0))
-            rows.append(
-                compared(f"A/A0 at {load} E*, {name}", "",
-                         Reference(kind="self", source="every discretisation at half the step"), [finer], [default],
-                         1e-5, MEASURED_CONVERGENCE[index][place], basis="required"),
-            )  # fmt: skip
+    for (name, spectrum), known in zip(spectra().items(), CONVERGENCE, strict=True):
+        for load, measured in zip(LOADS, known, strict=True):
+            default, half = (adhesive(spectrum, load, resolution=factor).contact_fraction for factor in (1.0, 2.0))
+            rows.append(finer.row(f"A/A0 at {load} E*, {name}", "", half, default, measured, required=1e-5))
     spectrum = spectra()["paper's lines"]
     series, table = [], []
-    for route in ROUTES:
+    for route, words in ROUTE_NAMES.items():
         reference = adhesive(spectrum, 0.02, route=route, resolution=REFERENCE_RESOLUTION).contact_fraction
         states = [adhesive(spectrum, 0.02, route=route, resolution=factor) for factor in RESOLUTIONS]
-        error = [abs(state.contact_fraction / reference - 1) for state in states]
-        series.append(marks(ROUTE_NAMES[route], [s.areas.size for s in states], error))
+        errors = [abs(state.contact_fraction / reference - 1) for state in states]
+        series.append(marks(words, [state.areas.size for state in states], errors))
         table += [
-            [ROUTE_NAMES[route], factor, state.areas.size, state.contact_fraction, value]
-            for factor, state, value in zip(RESOLUTIONS, states, error, strict=True)
+            [words, factor, state.areas.size, state.contact_fraction, error]
+            for factor, state, error in zip(RESOLUTIONS, states, errors, strict=True)
         ]
     figure = drawn(
         "theory-self-convergence",
@@ -153,37 +191,30 @@ def _convergence() -> Outcome:
         "the default resolution.",
         loglog("nodes in magnification", "relative error of A / A0", *series),
     )
-    columns = ["route", "resolution", "nodes", "A/A0", "error"]
-    return Outcome(
-        rows=tuple(rows),
-        figures=(figure,),
-        tables=(Table(caption="Refinement of both routes, paper's lines, 0.02 E*.", columns=columns, rows=table),),
-    )
+    shown = Table(caption="Refinement of both routes, paper's lines, 0.02 E*.",
+                  columns=["route", "resolution", "nodes", "A/A0", "error"], rows=table)  # fmt: skip
+    return Outcome(rows=tuple(rows), figures=(figure,), tables=(shown,))
 
 
 def _balance() -> Outcome:
     rows, carried, absorbed, errors = [], [], [], []
-    for (name, spectrum), measured in zip(spectra().items(), MEASURED_BALANCE, strict=True):
+    for (name, spectrum), measured in zip(spectra().items(), (6.7e-7, 1.1e-7, 2.3e-7), strict=True):
         state = adhesive(spectrum, 0.02)
-        gained = _absorbed(state) / 0.02
-        gained_at = PchipInterpolator(state.slope_variances, gained)
+        gained_at = PchipInterpolator(state.slope_variances, _absorbed(state) / 0.02)
         zeta, at, due = [], [], []
-        resolvable = [order for order in ORDERS if order * Q0 <= spectrum.wavenumbers[-1]]
-        for order in resolvable:
+        for order in (order for order in ORDERS if order * Q0 <= spectrum.wavenumbers[-1]):
             variance = spectrum.resolved_variance(order * Q0)
             if variance == 0:  # the lowest wavenumber of a power spectrum
                 continue
             zeta.append(float(order))
             at.append(float(state.stress_distribution(order * Q0).load[0]) / 0.02)
             due.append(1 + float(gained_at(variance)))
-        rows.append(
-            compared(f"int sigma P / sigma_0 at magnifications up to all roughness, {name}", "",
-                     Reference(kind="exact", source="1 + int a (-dA/dV) dV / sigma_0"), due, at, 1e-6, measured,
-                     scale=1.0, basis="required"),
-        )  # fmt: skip
+        rows.append(Against("exact", "1 + int a (-dA/dV) dV / sigma_0").row(
+            f"int sigma P / sigma_0 at magnifications up to all roughness, {name}", "", due, at, measured, scale=1.0,
+            required=1e-6))  # fmt: skip
         carried.append(marks(f"{name}: int sigma P", zeta, at))
         absorbed.append(trace(f"{name}: 1 + int a (-dA)", zeta, due))
-        errors.append(marks(name, zeta, [one - other for one, other in zip(at, due, strict=True)]))
+        errors.append(marks(name, zeta, np.subtract(at, due)))
     figure = drawn(
         "theory-load-balance",
         "Mean stress carried by the contact at each magnification, over sigma_0 = 0.02 E*: it grows once the "
@@ -200,11 +231,6 @@ def _absorbed(state: persson.AdhesiveContact) -> NDArray[np.float64]:
     return np.concatenate([[0.0], np.cumsum((barrier[1:] + barrier[:-1]) / 2 * -np.diff(state.areas))])
 
 
-MEASURED_POINTS = (2.8e-8, 3.9e-6, 2.9e-6, 4.4e-5)
-MEASURED_ROUTES = (4.5e-6, 2.8e-6, 5.6e-6)
-MEASURED_CONVERGENCE = ((2.0e-6, 2.1e-6, 1.5e-6), (1.2e-6, 1.2e-6, 1.1e-6), (2.7e-6, 2.7e-6, 2.3e-6))
-MEASURED_BALANCE = (6.7e-7, 1.1e-7, 2.3e-7)
-
 EQUATIONS = (
     r"$\frac{\partial P}{\partial V} = \frac{1}{2} \frac{\partial^2 P}{\partial \sigma^2}$, "
     r"$P = 0$ at $\sigma = -a(V)$, $a = \frac{1}{\pi} \sqrt{2 \gamma_{\text{eff}} \, q / E^\ast}$, "
@@ -212,23 +238,29 @@ EQUATIONS = (
 )
 
 CASES = (
-    Case(id="theory-points", group="theory", code="persson", level="quick",
-         question="Does the theory with adhesion reproduce area and separation of the paper's case?",
-         equations=EQUATIONS,
-         sources=("carbone2009", "persson2001", "persson2002"), compute=_points, effects=("adhesion",), scene=SCENE),
-    Case(
-        id="theory-routes", group="theory", code="persson", level="quick",
-        question="Do finite volumes and an integral equation, each with its own fixed point, give the same area?",
-        equations=EQUATIONS + r"; $N(\frac{-D(V)}{\sqrt{V}}) = \int N(-\frac{D(V) - D(U)}{\sqrt{V - U}}) \, dF(U)$, "
-        r"$D = \sigma_0 + a$, $F = 1 - A$",
-        sources=("carbone2009", "peskir2002"), compute=_routes, effects=("adhesion",), scene=SCENES
-    ),
-    Case(id="theory-convergence", group="theory", code="persson", level="quick",
-         question="Does the area of the theory with adhesion converge when every step is halved?",
-         equations=EQUATIONS,
-         sources=("carbone2009",), compute=_convergence, effects=("adhesion",), scene=SCENES),
-    Case(id="theory-load-balance", group="theory", code="persson", level="quick",
-         question="Does the load grow by just the stress that the moving barrier absorbs?",
-         equations=r"$\frac{d}{dV} \int \sigma P \, d\sigma = -a \frac{dA}{dV}$",
-         sources=("carbone2009",), compute=_balance, effects=("adhesion",), scene=SCENES),
+    case("theory-quadrature", "theory", _quadrature,
+         "Are the closed forms of the theory without adhesion the integrals they stand for?",
+         r"$A = \operatorname{erf}(\sqrt{2} \, \sigma_0 / (E^\ast \sqrt{S}))$, "
+         r"$U_{\text{el}} = \frac{E^\ast}{4} \int \frac{A}{q} \, dS$, narrow-band rule inside a line",
+         "persson2001 carbone2009", code="persson"),
+    case("theory-energies", "theory", _energies,
+         "Do finite volumes and the Volterra equation store the same energies in the theory with adhesion?",
+         r"$U_{\text{el}} = \frac{E^\ast}{4} \int \frac{A}{q} \, dS$ at $A$ with adhesion, "
+         r"$U_{\text{ad}} = -\gamma A M$, both at all roughness",
+         "carbone2009 persson2001", "adhesion", code="persson"),
+    case("theory-points", "theory", _points,
+         "Does the theory with adhesion reproduce area and separation of the paper's case?",
+         EQUATIONS, "carbone2009 persson2001 persson2002", "adhesion", code="persson", scene=SCENE),
+    case("theory-routes", "theory", _routes,
+         "Do finite volumes and an integral equation, each with its own fixed point, give the same area?",
+         EQUATIONS + r"; $N(\frac{-D(V)}{\sqrt{V}}) = \int N(-\frac{D(V) - D(U)}{\sqrt{V - U}}) \, dF(U)$, "
+         r"$D = \sigma_0 + a$, $F = 1 - A$",
+         "carbone2009 peskir2002", "adhesion", code="persson", scene=SCENES),
+    case("theory-convergence", "theory", _convergence,
+         "Does the area of the theory with adhesion converge when every step is halved?",
+         EQUATIONS, "carbone2009", "adhesion", code="persson", scene=SCENES),
+    case("theory-load-balance", "theory", _balance,
+         "Does the load grow by just the stress that the moving barrier absorbs?",
+         r"$\frac{d}{dV} \int \sigma P \, d\sigma = -a \frac{dA}{dV}$",
+         "carbone2009", "adhesion", code="persson", scene=SCENES),
 )  # fmt: skip

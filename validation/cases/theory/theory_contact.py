@@ -1,7 +1,7 @@
 """Persson's theory with adhesion: what it says of a contact.
 
 Area and effective work of adhesion over magnification, stress distribution with the paper's double Gaussian as a fit,
-and separation.
+separation, power spectra of displacement and pressure, and contact at short wavelengths.
 """
 
 from __future__ import annotations
@@ -9,14 +9,16 @@ from __future__ import annotations
 import numpy as np
 
 import persson
+from validation.cases.shared.checks import Against, case
 from validation.cases.theory.theory_accuracy import EQUATIONS, MODULUS, Q0, SCENE, adhesive, dry, spectra
-from validation.harness.case import Case, Outcome
+from validation.harness.arrays import FloatArray
+from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, loglog, marks, semilogx, semilogy, trace
-from validation.harness.rows import compared
-from validation.harness.schema import Reference, Table
+from validation.harness.schema import Table
 
 MAGNIFICATIONS = np.unique(np.round(np.geomspace(1.0, 1000.0, 61)))  # those at which a line is added
 AREA_LOADS = (0.005, 0.02, 0.1)
+RESOLVED = (1, 10, 100, 300, 500, 1000)  # magnifications
 FIT_LOADS = (0.005, 0.02, 0.05, 0.1, 0.2)
 FIT_LOAD = 0.1
 FIT_POINTS = 600
@@ -24,55 +26,49 @@ FIT_REACH = 5.0  # standard deviations of the full-contact stress above sigma_0
 SEPARATION_LOADS = np.geomspace(0.001, 0.1, 13)
 STEP = 0.02  # of the load, in central differences
 LINES = "paper's lines"
+HURSTS = (0.3, 0.4, 0.6, 0.7)
+SPECTRUM_LOAD = 0.005  # of E*
 
 
 def _magnification() -> Outcome:
-    spectrum = spectra()[LINES]
+    spectrum, zeta = spectra()[LINES], MAGNIFICATIONS
     states = {load: adhesive(spectrum, load) for load in AREA_LOADS}
-    zeta = MAGNIFICATIONS.tolist()
-    with_adhesion = {
-        load: [state.contact_fraction_at(z * Q0) for z in MAGNIFICATIONS] for load, state in states.items()
-    }
-    without = {load: [dry(spectrum, load).contact_fraction_at(z * Q0) for z in MAGNIFICATIONS] for load in AREA_LOADS}
-    orders = (1, 10, 100, 300, 500, 1000)
     integral = adhesive(spectrum, 0.02, route="volterra")
     rows = (
-        compared("A/A0 at 0.02 E*, magnifications 1, 10, 100, 300, 500, 1000", "",
-                 Reference(kind="self", source="the integral equation at the same magnifications"),
-                 [integral.contact_fraction_at(order * Q0) for order in orders],
-                 [states[0.02].contact_fraction_at(order * Q0) for order in orders], 1e-5, MEASURED_MAGNIFICATION,
-                 "absolute", basis="required"),
-        compared("gamma_eff / gamma with all roughness resolved", "",
-                 Reference(kind="exact", source="nothing is left unresolved"), [1.0] * len(AREA_LOADS),
-                 [float(state.effective_work[-1] / state.work_of_adhesion) for state in states.values()], 1e-12, 0.0,
-                 "absolute", basis="required"),
+        Against("self", "the integral equation at the same magnifications").row(
+            "A/A0 at 0.02 E*, magnifications 1, 10, 100, 300, 500, 1000", "",
+            [integral.contact_fraction_at(order * Q0) for order in RESOLVED],
+            [states[0.02].contact_fraction_at(order * Q0) for order in RESOLVED], 5.2e-7, "absolute", required=1e-5),
+        Against("exact", "nothing is left unresolved").row(
+            "gamma_eff / gamma with all roughness resolved", "", [1.0] * len(AREA_LOADS),
+            [state.effective_work[-1] / state.work_of_adhesion for state in states.values()], 0.0, "absolute",
+            required=1e-12),
     )  # fmt: skip
     area = drawn(
         "theory-area-over-magnification",
         "Contact fraction that is left when wavenumbers up to zeta q0 are resolved, with adhesion (lines) and "
         "without (dashed). Contact with adhesion levels off where the effective work of adhesion turns positive.",
         loglog("magnification zeta = q / q0", "A / A0",
-               *(trace(f"{load} E*", zeta, with_adhesion[load]) for load in AREA_LOADS),
-               *(trace(f"{load} E*, no adhesion", zeta, without[load], "dashed") for load in AREA_LOADS))
+               *(trace(f"{load} E*", zeta, [states[load].contact_fraction_at(z * Q0) for z in zeta])
+                 for load in AREA_LOADS),
+               *(trace(f"{load} E*, no adhesion", zeta,
+                       [dry(spectrum, load).contact_fraction_at(z * Q0) for z in zeta], "dashed")
+                 for load in AREA_LOADS)),
     )  # fmt: skip
-    resolved = [spectrum.resolved_variance(z * Q0) for z in MAGNIFICATIONS]
+    resolved = [spectrum.resolved_variance(z * Q0) for z in zeta]
     work = drawn(
         "theory-effective-work",
         "Effective work of adhesion at each magnification. Where it is negative, over most of the decades, the "
         "elastic energy of the finer roughness outweighs its adhesion and the barrier stays at zero.",
-        semilogx(
-            "magnification zeta = q / q0",
-            "gamma_eff / gamma",
-            *(
-                trace(f"{load} E*", zeta, np.interp(resolved, s.slope_variances, s.effective_work) / s.work_of_adhesion)
-                for load, s in states.items()
-            ),
-        ),
-    )
+        semilogx("magnification zeta = q / q0", "gamma_eff / gamma",
+                 *(trace(f"{load} E*", zeta,
+                         np.interp(resolved, s.slope_variances, s.effective_work) / s.work_of_adhesion)
+                   for load, s in states.items())),
+    )  # fmt: skip
     return Outcome(rows=rows, figures=(area, work))
 
 
-def _fit(state: persson.AdhesiveContact) -> tuple[persson.DoubleGaussian, np.ndarray[tuple[int], np.dtype[np.float64]]]:
+def _fit(state: persson.AdhesiveContact) -> tuple[persson.DoubleGaussian, FloatArray]:
     """The double Gaussian fitted from the barrier to FIT_REACH standard deviations, and the stresses in Pa."""
     top = state.mean_pressure + FIT_REACH * state.spectrum.slope_rms / 2 * MODULUS
     stress = np.linspace(-state.detachment_stress, top, FIT_POINTS)
@@ -88,14 +84,13 @@ def _distribution() -> Outcome:
     whole, half = states[FIT_LOAD, 1.0], states[FIT_LOAD, 0.5]
     fit, stress = _fit(whole)
     density = whole.pressure_distribution(stress)
-    distribution = whole.stress_distribution()
     rows = (
-        compared("int P dsigma at 0.1 E*", "", Reference(kind="self", source="A/A0 by the integral equation"),
-                 [adhesive(spectrum, FIT_LOAD, route="volterra").contact_fraction], [float(distribution.area[0])], 1e-5,
-                 MEASURED_DISTRIBUTION, "absolute", basis="required"),
-        compared("sigma_a with half the detached width over that with the whole, 0.1 E*", "",
-                 Reference(kind="exact", source="sigma_a = sqrt(2 E* gamma_eff q)/pi, the width 2 pi/q at the end"),
-                 [2**0.5], [half.detachment_stress / whole.detachment_stress], 3e-12, 1e-12, "absolute"),
+        Against("self", "A/A0 by the integral equation").row(
+            "int P dsigma at 0.1 E*", "", adhesive(spectrum, FIT_LOAD, route="volterra").contact_fraction,
+            float(whole.stress_distribution().area[0]), 1.3e-6, "absolute", required=1e-5),
+        Against("exact", "sigma_a = sqrt(2 E* gamma_eff q)/pi, the width 2 pi/q at the end").row(
+            "sigma_a with half the detached width over that with the whole, 0.1 E*", "", 2**0.5,
+            half.detachment_stress / whole.detachment_stress, (3e-12, 1e-12), "absolute"),
     )  # fmt: skip
     table = Table(
         caption="Ours: the printed double Gaussian, sigma_a and G relaxed, fitted to the theory's own P from the "
@@ -110,104 +105,123 @@ def _distribution() -> Outcome:
                fits[load, width].diffusivity * 8 * load**2 / spectrum.total_slope_variance, fits[load, width].residual]
               for (load, width), state in states.items()]
     )  # fmt: skip
-    scaled = (stress / MODULUS).tolist()
-    coarser = [
-        trace(f"zeta = {order}", scaled, whole.pressure_distribution(stress, order * Q0) * MODULUS)
-        for order in (10, 100)
-    ]
+    scaled = stress / MODULUS
     figure = drawn(
         "theory-stress-distribution",
         "Stress distribution at 0.1 E* with the roughness up to three magnifications resolved, and the double "
         "Gaussian fitted to the finest; tension is negative. Below: the fit less the theory.",
-        axes(
-            "stress / E*",
-            "P E*",
-            trace("zeta = 1000", scaled, density * MODULUS),
-            trace("fit to zeta = 1000", scaled, fit(stress) * MODULUS, "dashed"),
-            *coarser,
-        ),
+        axes("stress / E*", "P E*", trace("zeta = 1000", scaled, density * MODULUS),
+             trace("fit to zeta = 1000", scaled, fit(stress) * MODULUS, "dashed"),
+             *(trace(f"zeta = {order}", scaled, whole.pressure_distribution(stress, order * Q0) * MODULUS)
+               for order in (10, 100))),
         axes("stress / E*", "fit - theory", trace("fit - theory", scaled, (fit(stress) - density) * MODULUS)),
-    )
+    )  # fmt: skip
     return Outcome(rows=rows, figures=(figure,), tables=(table,))
 
 
+def _apart(state: persson.AdhesiveContact) -> float:
+    """The separation in m; ValueError where the theory gives none."""
+    if state.separation is None:
+        raise ValueError("separation: None where it was asked for")
+    return state.separation
+
+
 def _separation() -> Outcome:
-    spectrum = spectra()[LINES]
-    states = [adhesive(spectrum, float(load), with_separation=True) for load in SEPARATION_LOADS]
-    without = [dry(spectrum, float(load)) for load in SEPARATION_LOADS]
-    balance = []
+    spectrum, balance = spectra()[LINES], []
     for load in (0.005, 0.02):
         below, above = (adhesive(spectrum, load * (1 + sign * STEP), with_separation=True) for sign in (-1, 1))
-        if below.separation is None or above.separation is None:
-            raise ValueError("separation: None where it was asked for")
-        balance.append(
-            (below.total_energy - above.total_energy) / (above.separation - below.separation) / load / MODULUS
-        )
-    rows = (
-        compared("-dU_tot/ds over sigma_0 at 0.005 and 0.02 E*", "",
-                 Reference(kind="exact", source="work of the load; central differences over 4 % of the load"),
-                 [1.0, 1.0], balance, 2.5 * MEASURED_WORK, MEASURED_WORK, scale=1.0),
-    )  # fmt: skip
-    reached = [None if state.separation is None else state.separation / spectrum.h_rms for state in states]
-    apart = [state.separation / spectrum.h_rms for state in without]
+        closer = _apart(above) - _apart(below)
+        balance.append((below.total_energy - above.total_energy) / closer / load / MODULUS)
+    row = Against("exact", "work of the load; central differences over 4 % of the load").row(
+        "-dU_tot/ds over sigma_0 at 0.005 and 0.02 E*", "", [1.0, 1.0], balance, 3.2e-4, scale=1.0)  # fmt: skip
+    wet = np.array([_apart(adhesive(spectrum, float(load), with_separation=True)) for load in SEPARATION_LOADS])
+    without = np.array([dry(spectrum, float(load)).separation for load in SEPARATION_LOADS]) / spectrum.h_rms
+    wet /= spectrum.h_rms
     figure = drawn(
         "theory-separation",
         "Load against separation of the mean planes with and without adhesion, and below how much closer adhesion "
         "brings them at the same load.",
         semilogy("separation / h_rms", "load / E*",
-                 marks("with adhesion", reached, SEPARATION_LOADS),
-                 trace("no adhesion", apart, SEPARATION_LOADS, "dashed")),
+                 marks("with adhesion", wet, SEPARATION_LOADS),
+                 trace("no adhesion", without, SEPARATION_LOADS, "dashed")),
         axes("separation / h_rms without adhesion", "change / h_rms",
-             trace("with less without adhesion", apart, [None if one is None else one - other
-                   for one, other in zip(reached, apart, strict=True)]))
+             trace("with less without adhesion", without, wet - without)),
     )  # fmt: skip
-    return Outcome(rows=rows, figures=(figure,))
+    return Outcome(rows=(row,), figures=(figure,))
 
 
-MEASURED_MAGNIFICATION = 5.2e-7
-MEASURED_DISTRIBUTION = 1.3e-6
-MEASURED_WORK = 3.2e-4
+def _spectra() -> Outcome:
+    spectrum = persson.ContinuousSpectrum.self_affine(Q0, 1e5 * Q0, 0.7, 50e-6)
+    state, without = adhesive(spectrum, SPECTRUM_LOAD), dry(spectrum, SPECTRUM_LOAD)
+    q, onset = spectrum.wavenumbers, state.fields.onset()
+    if onset is None:
+        raise ValueError("the barrier never leaves zero: the scene must have adhesion that acts")
+    negligible = (q > 300 * Q0) & (spectrum.slope_variance < onset)
+    exponents = [
+        np.polyfit(np.log(q[negligible]), np.log(power[negligible]), 1)[0]
+        for power in (state.displacement_power(), state.pressure_power())
+    ]
+    slopes, curves, zeta = [], [], np.geomspace(1, 1e5, 51)
+    for hurst in HURSTS:
+        rough = persson.ContinuousSpectrum.self_affine(Q0, 1e5 * Q0, hurst, 5e-6)
+        short = adhesive(rough, 0.02, resolution=0.5)
+        before, after = (short.contact_fraction_at(10**power * Q0) for power in (4.0, 4.5))
+        slopes.append(float(np.log(after / before) / np.log(10**0.5)))
+        curves.append(trace(f"H = {hurst}", zeta, [short.contact_fraction_at(z * Q0) for z in zeta]))
+    paper = "Carbone, Scaraggi, Tartaglino 2009"
+    rows = (
+        Against("theory", "C_u ~ q^-(2 + H), C_sigma ~ q^-H").row(
+            "exponents of C_u and C_sigma where gamma_eff < 0, H = 0.7", "", [-2.7, -0.7], exponents, 4.4e-3,
+            "absolute"),
+        Against("theory", f"{paper}, for H > 1/2").row(
+            "d ln A / d ln q at zeta = 10^4 to 10^4.5, H = 0.6 and 0.7: contact complete", "", [0.0, 0.0], slopes[2:],
+            1.2e-2, "absolute"),
+        Against("theory", "without adhesion, A ~ q^-(1 - H)").ratio(
+            "d ln A / d ln q at zeta = 10^4 to 10^4.5, H = 0.3 and 0.4, over -(1 - H)", "",
+            [-(1 - hurst) for hurst in HURSTS[:2]], slopes[:2], (0.85, 1.02),
+            "for H < 1/2 adhesion loses against the elastic energy of ever finer roughness", paper),
+    )  # fmt: skip
+    scaled, unit = q / Q0, float(spectrum.power[0])
+    stress_unit = float((MODULUS * q[0] / 2) ** 2 * unit)
+    along = "magnification q / q0"
+    figures = (
+        drawn("theory-displacement-power",
+              "Power spectra of the profile and of the displacement at 0.005 E*, over C(q0); H = 0.7.",
+              loglog(along, "C / C(q0)", trace("profile", scaled, spectrum.power / unit),
+                     trace("displacement, with adhesion", scaled, state.displacement_power() / unit),
+                     trace("displacement, no adhesion", scaled, without.displacement_power() / unit, "dashed"))),
+        drawn("theory-pressure-power",
+              "Power spectrum of the pressure at 0.005 E*, over that of full contact at q0; H = 0.7.",
+              loglog(along, "C_sigma / (E* q0 / 2)^2 C(q0)",
+                     trace("with adhesion", scaled, state.pressure_power() / stress_unit),
+                     trace("no adhesion", scaled, without.pressure_power() / stress_unit, "dashed"))),
+        drawn("theory-short-wavelengths",
+              "Contact fraction over magnification for four Hurst exponents, h_rms = 5 um, 0.02 E*: above H = 1/2 "
+              "contact at short wavelengths becomes complete, below it does not.",
+              loglog(along, "A / A0", *curves)),
+    )  # fmt: skip
+    return Outcome(rows=rows, figures=figures)
+
 
 CASES = (
-    Case(
-        id="theory-magnification",
-        group="theory",
-        code="persson",
-        level="quick",
-        question="How much contact is left as finer roughness is resolved, and from where does adhesion act?",
-        equations=EQUATIONS,
-        sources=("carbone2009", "persson2002"),
-        compute=_magnification,
-        effects=("adhesion",),
-        scene=SCENE,
-    ),
-    Case(
-        id="theory-distribution",
-        group="theory",
-        code="persson",
-        level="quick",
-        question="Which stresses does the contact carry, how well does the double Gaussian fit, and what does half the "
-        "detached width change?",
-        equations=(
-            r"$P = \frac{1}{2 \sigma_0 \sqrt{\pi G}} [e^{-(s - \sigma_0)^2 / 4 G \sigma_0^2} "
-            r"- e^{-(s + \sigma_0)^2 / 4 G \sigma_0^2}]$, $s = \sigma + \sigma_a$, a fit in $\sigma_a$ and $G$"
-        ),
-        sources=("carbone2009",),
-        compute=_distribution,
-        effects=("adhesion",),
-        scene=SCENE,
-    ),
-    Case(
-        id="theory-separation",
-        group="theory",
-        code="persson",
-        level="quick",
-        question="How far apart are the mean planes, and does the load do the work of approaching them?",
-        equations=r"$s = s_0 + \int \frac{1}{\sigma} \frac{dD}{d\sigma} \, d\sigma$, "
-        r"$D = U_{\text{tot}} - U_{\text{el}}$ without adhesion",
-        sources=("carbone2009", "persson2007"),
-        compute=_separation,
-        effects=("adhesion",),
-        scene=SCENE,
-    ),
-)
+    case("theory-magnification", "theory", _magnification,
+         "How much contact is left as finer roughness is resolved, and from where does adhesion act?",
+         EQUATIONS, "carbone2009 persson2002", "adhesion", code="persson", scene=SCENE),
+    case("theory-distribution", "theory", _distribution,
+         "Which stresses does the contact carry, how well does the double Gaussian fit, and what does half the "
+         "detached width change?",
+         r"$P = \frac{1}{2 \sigma_0 \sqrt{\pi G}} [e^{-(s - \sigma_0)^2 / 4 G \sigma_0^2} "
+         r"- e^{-(s + \sigma_0)^2 / 4 G \sigma_0^2}]$, $s = \sigma + \sigma_a$, a fit in $\sigma_a$ and $G$",
+         "carbone2009", "adhesion", code="persson", scene=SCENE),
+    case("theory-separation", "theory", _separation,
+         "How far apart are the mean planes, and does the load do the work of approaching them?",
+         r"$s = s_0 + \int \frac{1}{\sigma} \frac{dD}{d\sigma} \, d\sigma$, "
+         r"$D = U_{\text{tot}} - U_{\text{el}}$ without adhesion",
+         "carbone2009 persson2007", "adhesion", code="persson", scene=SCENE),
+    case("theory-spectra", "theory", _spectra,
+         "Are the spectra of displacement and pressure power laws, and is contact complete at short ones?",
+         r"$C_u = C \, A(q) / A_0 \propto q^{-(2 + H)}$, $C_\sigma = (E^\ast)^2 q^2 C_u / 4 \propto q^{-H}$",
+         "carbone2009 persson2001", "adhesion", code="persson",
+         scene="power spectra over five decades; E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2\nh_rms = 50 um, H = 0.7\n"
+         "h_rms = 5 um, H = 0.3, 0.4, 0.6, 0.7"),
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""What cases of all groups share: how they are declared, scenes solved, and rows against one reference."""
