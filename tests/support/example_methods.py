@@ -4,7 +4,7 @@ import time
 
 from validation.harness.route import Answer
 from validation.studies.work_precision.methods import Method
-from validation.studies.work_precision.references import Reference, Source
+from validation.studies.work_precision.references import Source, Yardstick
 
 TRUE = {"contact_fraction": 0.5, "mean_pressure": 1000.0, "elastic_energy": 0.1}
 
@@ -25,7 +25,7 @@ def never(posed, setting):
 
 
 def truth(posed):
-    return Reference("truth", "manufactured", "made so", TRUE, dict.fromkeys(TRUE, 1e-9))
+    return Yardstick("truth", "manufactured", "made so", TRUE, dict.fromkeys(TRUE, 1e-9))
 
 
 def lost(posed):

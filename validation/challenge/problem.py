@@ -41,7 +41,7 @@ class ChallengeError(CaseError):
 
 
 @dataclass(frozen=True)
-class Problem:
+class Shipped:
     """A problem: its name, the text of problem.toml, and the certified answers."""
 
     name: str
@@ -59,7 +59,7 @@ def names() -> tuple[str, ...]:
     return NAMES
 
 
-def problem(name: str) -> Problem:
+def problem(name: str) -> Shipped:
     """A shipped problem; ChallengeError where there is none of this name.
 
     Examples
@@ -71,4 +71,4 @@ def problem(name: str) -> Problem:
         raise ChallengeError(f"problem {name!r}: one of {', '.join(names())} is needed")
     folder = resources.files("validation.challenge").joinpath("problems", name)
     content = json.loads(folder.joinpath("answers.json").read_text("utf-8"))
-    return Problem(name, folder.joinpath(PROBLEM_FILE).read_text("utf-8"), key_of(content))
+    return Shipped(name, folder.joinpath(PROBLEM_FILE).read_text("utf-8"), key_of(content))

@@ -32,7 +32,7 @@ FINE_STRESSES = np.linspace(-0.5, 1.5, 4001)  # of E*
 
 
 @dataclass(frozen=True)
-class Judged:
+class HeldOut:
     """One load of one group; errors are theory / boundary elements - 1, by name of the theory.
 
     Parameters
@@ -90,7 +90,7 @@ class Said:
 
 def judge(
     one: Observed, noise: FloatArray, correction: Correction, report: Callable[[Note], None], plain_only: bool = False
-) -> list[Judged]:
+) -> list[HeldOut]:
     """All loads of a group at which there is a realisation.
 
     Parameters
@@ -126,7 +126,7 @@ def judge(
         shares = one.shares[np.isfinite(one.areas[:, column]), column][:, kept]
         scatter = shares.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(int(kept.sum()), np.nan)
         found.append(
-            Judged(
+            HeldOut(
                 group.name,
                 group.kind,
                 group.hurst,
@@ -165,12 +165,12 @@ def rms(values: Sequence[float]) -> float:
     return float(np.sqrt(np.mean(known**2))) if known.size else np.nan
 
 
-def rms_of(judged: Sequence[Judged], quantity: str, theory: str) -> float:
+def rms_of(judged: Sequence[HeldOut], quantity: str, theory: str) -> float:
     """Of the errors of a theory in "area", "separation" or "pressure distribution"."""
     return rms([one.error(quantity, theory) for one in judged])
 
 
-def theories_of(judged: Sequence[Judged]) -> list[str]:
+def theories_of(judged: Sequence[HeldOut]) -> list[str]:
     """Names of the theories that were judged."""
     return list(dict.fromkeys(name for one in judged for name in one.area))
 

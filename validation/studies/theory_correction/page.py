@@ -22,7 +22,7 @@ from validation.studies.adhesive_edges import areas_of
 from validation.studies.theory_correction.correction_figures import chosen, figures_of, known
 from validation.studies.theory_correction.correction_members import RMS_SLOPE, Group
 from validation.studies.theory_correction.fit import lines_of
-from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, Judged, rms, rms_of, theories_of
+from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, rms, rms_of, theories_of
 
 CASE = "theory-correction"
 BELOW, ABOVE = 0.002, 0.006  # E*, at the common rms slope: bounds of the ranges of loads
@@ -58,14 +58,14 @@ GUARD = (
 )
 
 
-def outcome(calibration: Mapping[str, Any], judged: Sequence[Judged], planned: int, short: bool) -> Outcome:
+def outcome(calibration: Mapping[str, Any], judged: Sequence[HeldOut], planned: int, short: bool) -> Outcome:
     """Rows, figures and tables of the page.
 
     Parameters
     ----------
     calibration : mapping
         Content of the data file.
-    judged : sequence of Judged
+    judged : sequence of HeldOut
         The hold-out.
     planned : int
         Loads planned on the hold-out.
@@ -110,7 +110,7 @@ JUDGED: dict[str, tuple[str, dict[bool, tuple[float, float]]]] = {
 ADHESION = {False: "without adhesion", True: "with adhesion"}
 
 
-def _rows(judged: Sequence[Judged], short: bool) -> Iterator[Row]:
+def _rows(judged: Sequence[HeldOut], short: bool) -> Iterator[Row]:
     for (adhesive, words), (quantity, (error, limits)) in product(ADHESION.items(), JUDGED.items()):
         if not (some := chosen(judged, adhesive)):
             continue
@@ -186,7 +186,7 @@ def _areas() -> Table:
     )
 
 
-def _uncertainties(judged: Sequence[Judged]) -> Table:
+def _uncertainties(judged: Sequence[HeldOut]) -> Table:
     rows: list[list[str | float | int | None]] = []
     for adhesive, (name, low, high) in product(ADHESION, RANGES):
         if some := chosen(judged, adhesive, low, high):
@@ -213,7 +213,7 @@ def _uncertainties(judged: Sequence[Judged]) -> Table:
     )  # fmt: skip
 
 
-def _aims(judged: Sequence[Judged]) -> Table:
+def _aims(judged: Sequence[HeldOut]) -> Table:
     rows: list[list[str | float | int | None]] = []
     for adhesive, words in ADHESION.items():
         if not (some := chosen(judged, adhesive)):
@@ -247,7 +247,7 @@ def _coefficients(calibration: Mapping[str, Any]) -> Table:
     )
 
 
-def _by_kind(judged: Sequence[Judged]) -> Table:
+def _by_kind(judged: Sequence[HeldOut]) -> Table:
     rows: list[list[str | float | int | None]] = []
     for adhesive, kind in sorted({(one.adhesive, one.kind) for one in judged}):
         some = [one for one in judged if (one.adhesive, one.kind) == (adhesive, kind)]
@@ -265,7 +265,7 @@ def _by_kind(judged: Sequence[Judged]) -> Table:
     )
 
 
-def _all(judged: Sequence[Judged]) -> Table:
+def _all(judged: Sequence[HeldOut]) -> Table:
     return Table(
         caption="Every load of the hold-out: means of the ensembles with standard errors, relative errors of the area, "
         "separations in rms heights, largest distances of the distributions over the area.",

@@ -37,7 +37,7 @@ from validation.studies.theory_correction.correction_figures import chosen
 from validation.studies.theory_correction.correction_members import FIT_ROOT, HOLD_OUT_ROOT, RMS_SLOPE, Group, groups
 from validation.studies.theory_correction.data import Observed, observed, relative_errors
 from validation.studies.theory_correction.fit import Calibration, calibrate, correction_from
-from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, Judged, judge, rms, rms_of, theories_of
+from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, judge, rms, rms_of, theories_of
 from validation.studies.theory_correction.page import JUDGED, case_of, outcome
 
 SCHEMA = "linecontact-theory-correction-study/1"
@@ -118,7 +118,7 @@ def conclude(
     return 1 if wrong else 0
 
 
-def summary(judged: Sequence[Judged]) -> list[list[Any]]:
+def summary(judged: Sequence[HeldOut]) -> list[list[Any]]:
     """Rms errors over the hold-out by adhesion and theory."""
     return [
         ["with" if adhesive else "without", name, *(rms_of(some, quantity, name) for quantity in JUDGED)]
@@ -129,7 +129,7 @@ def summary(judged: Sequence[Judged]) -> list[list[Any]]:
 
 
 def calibration_content(
-    found: Calibration, fit: Sequence[Observed], judged: Sequence[Judged], facts: Mapping[str, Any]
+    found: Calibration, fit: Sequence[Observed], judged: Sequence[HeldOut], facts: Mapping[str, Any]
 ) -> dict[str, Any]:
     """What calibration.json holds."""
     held_out = {}
@@ -162,7 +162,7 @@ def calibration_content(
 
 def report_of(
     content: Mapping[str, Any],
-    judged: Sequence[Judged],
+    judged: Sequence[HeldOut],
     planned: int,
     facts: Mapping[str, Any],
     short: bool,
