@@ -15,7 +15,7 @@ import numpy as np
 
 from bem.elastic.collocation import Elastic
 from bem.geometry.arrays import FloatArray
-from bem.geometry.profile import Profile
+from bem.geometry.profile import EQUAL_HEIGHTS, Profile
 from bem.geometry.scaling import Scales, Solid
 from bem.loading.control import Control, DisplacementControl, LoadControl
 from bem.loading.increments import COARSE, Accuracy, Increments
@@ -24,7 +24,7 @@ from bem.scene.elastic_tables import elastic_effects, negligible
 from bem.scene.scene import Scene
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
-EQUAL, ALIKE = 1e-12, 1e-5  # of the rms height: crests that are as high as the highest, and nearly so
+ALIKE = 1e-5  # of the rms height: crests that are nearly as high as the highest
 ALIKE_ACCURACY = 1e-3  # of the accuracies between targets, where crests are nearly as high as the highest
 FINEST = 1e-14  # tolerance of an evaluation
 COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
@@ -140,7 +140,7 @@ def _has_twins(problem: Problem) -> bool:
     """
     heights = problem.profile.crests[1]
     lower = heights.max() - heights
-    return bool(np.any((lower > EQUAL) & (lower < ALIKE)))
+    return bool(np.any((lower > EQUAL_HEIGHTS) & (lower < ALIKE)))
 
 
 def _critical_intensity(problem: Problem) -> float:

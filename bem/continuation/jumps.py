@@ -19,9 +19,11 @@ import numpy as np
 from bem.adhesive.branch import moving_patches, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.relaxation import Cause, Relaxed, relax
-from bem.continuation.locating import LONGEST_STEP, AtControl, Located, Refused, Start, locate
+from bem.continuation.curve import LONGEST
+from bem.continuation.locating import AtControl, Located, Refused, Start, locate
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import Equilibrium, Point
+from bem.continuation.steps import SHORTER
 from bem.continuation.symmetry import TIED
 from bem.continuation.touches import Touch
 from bem.continuation.turns import LimitPoint
@@ -30,16 +32,11 @@ from bem.elastic.gap import GapMinima
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import Accuracy, Increments
+from bem.loading.increments import SAFETY, Accuracy, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-DOUBT = 3.0  # times its error: less energy is not an event, where all patches stay
 FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet; the last, finely evaluated
-LONGEST_PUSH = 0.16  # of the edge scale
-PUSHES = 0.02, 0.08, 0.16  # of the edge scale, or of a pinning wave: where a symmetry breaks, on either side
-LEAST_FORCE = 3.0  # times the residual of an accuracy: weaker forces say nothing
-RETURNED = 2.0  # times a push: edges that moved no farther fell back
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,14 +65,11 @@ class Jumps:
         at, mode = limit.at, limit.modes[:, 0]
         state, patches, work = at.balance.state, at.patches, at.balance.work
         length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
-        longest = LONGEST_PUSH / float(np.max(np.abs(mode) / patches.edge_scale))
+        longest = LONGEST / float(np.max(np.abs(mode) / patches.edge_scale))
         coarse, fine = self.increments.coarse, self.increments.fine
         for part, accuracy in zip(np.minimum(length, longest), (coarse, fine, fine), strict=True):
             pushed = patches.moved(part * mode)
-            if (
-                self._force(pushed, state.penetration, at.exact.value, mode, accuracy)
-                <= LEAST_FORCE * accuracy.residual
-            ):
+            if self._force(pushed, state.penetration, at.exact.value, mode, accuracy) <= SAFETY * accuracy.residual:
                 continue
             relaxed = self._relaxed(state, pushed, at.exact.value, moving_patches(patches, mode), fine=accuracy is fine)
             if self._returned(patches, relaxed, part * mode):
@@ -99,15 +93,17 @@ class Jumps:
         value, patches, state = at.exact.value, at.patches, at.balance.state
         unit = np.minimum(patches.edge_scale, self.system.pinning.shortest(at.balance.work, patches.edge_scale))
         motion = motion / float(np.max(np.abs(motion) / unit))
-        outward = PUSHES[-1] * motion
+        outward = LONGEST * motion
         if other is not None:
             outward = outward_motion(patches, other)
         else:
-            for part, sign in ((part, sign) for part in PUSHES for sign in (1.0, -1.0)):
+            for part, sign in (
+                (part, sign) for part in (LONGEST / SHORTER**2, LONGEST / SHORTER, LONGEST) for sign in (1.0, -1.0)
+            ):
                 trial, coarse = sign * part * motion, self.increments.coarse
                 if (
                     self._force(patches.moved(trial), state.penetration, value, trial, coarse)
-                    > LEAST_FORCE * coarse.residual
+                    > SAFETY * coarse.residual
                 ):
                     outward = trial
                     break
@@ -166,7 +162,7 @@ class Jumps:
             here, after, uncertain = found.balance, found.exact, found.error.potential
         released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
         doubt = error.potential + uncertain + self._elsewhere(at, error, after.penetration, after.load)
-        happened = surely or not np.isfinite(doubt) or released > DOUBT * doubt
+        happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
         events = path_events(changes, at, error, released, doubt) if happened else ()
         if relaxed.status != "converged":
             return _failed(relaxed, events)
@@ -181,7 +177,7 @@ class Jumps:
         if isinstance(found, Refused) or found.balance.factor is None:
             return None
         moved = outward_motion(here.state.patches, found.patches) / here.state.patches.edge_scale
-        return found if np.max(np.abs(moved)) <= LONGEST_STEP else None
+        return found if np.max(np.abs(moved)) <= LONGEST else None
 
     def _force(
         self, patches: Patches, penetration: float, value: float, motion: FloatArray, accuracy: Accuracy
@@ -197,7 +193,7 @@ class Jumps:
         if relaxed.balance is None or relaxed.changes:
             return False
         moved = np.abs(outward_motion(start, relaxed.balance.state.patches)) / start.edge_scale
-        return float(moved.max()) <= RETURNED * float(np.max(np.abs(outward) / start.edge_scale))
+        return float(moved.max()) <= 2 * float(np.max(np.abs(outward) / start.edge_scale))
 
     def _without_edges(
         self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]

@@ -23,13 +23,22 @@ from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation.bare_states import BareStates
 from bem.continuation.branch_ends import BranchEnds, End, Goal
-from bem.continuation.curve import CurvePoint, Piece
+from bem.continuation.curve import LONGEST, CurvePoint, Piece
 from bem.continuation.jumps import Jumps, leading_patch
 from bem.continuation.loads import Loads
-from bem.continuation.locating import AtControl, Condition, InPlane, Located, Refused, Start, settle
+from bem.continuation.locating import LOCATED, AtControl, Condition, InPlane, Located, Refused, Start, settle
 from bem.continuation.opening import Flaw
 from bem.continuation.points_with_edges import Equilibrium, Point, Stretch
-from bem.continuation.steps import Way, curve_from, evaluated_at_itself, growth, predicted, step_from
+from bem.continuation.steps import (
+    SHORTER,
+    SHORTEST,
+    Way,
+    curve_from,
+    evaluated_at_itself,
+    growth,
+    predicted,
+    step_from,
+)
 from bem.continuation.symmetry import alone, other_branch, symmetric_branch
 from bem.continuation.touches import Touch
 from bem.continuation.turns import LimitPoint
@@ -37,19 +46,12 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import Effort, Increments
+from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
 from bem.loading.path_events import path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-LONGEST, PER_INCREMENT = 0.15, 3.0  # units: a step, and per rms height of the largest increment; the lesser holds
-SHORTER = 3.0  # times: a step in which something is not clear is repeated
-SHORTEST = 1e-6  # units: a step that is not tried
+PER_INCREMENT = 3.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
 NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
-MOVED = 0.1  # units: motion in such a step behind which nothing has happened
-AROUND = 100  # steps around a fold
-MOST_JUMPS = 100  # in a row, none of which leads nearer to the goal: the path does not lead on
-SAME_VALUE = 1e-9  # of the largest increment
-CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,9 +124,9 @@ class Path:
                 yield point
             if isinstance(point, Failed):
                 return
-            leads_on = abs(goal - point.value) < left - SAME_VALUE * self.increments.largest
+            leads_on = abs(goal - point.value) < left - LOCATED * self.increments.largest
             jumps, left = (0, abs(goal - point.value)) if leads_on else (jumps + 1, left)
-            if jumps == MOST_JUMPS:
+            if jumps == MAXIMUM_ITERATIONS:
                 yield Failed(point.value, "jumps_again")
                 return
 
@@ -191,7 +193,7 @@ class Path:
         direction, closing, end = self.direction(point, goal), self.bare.closing_value, goal
         if direction > 0 and goal >= closing:
             end = closing - self.last_increment(point.value, point.patches.count, closing)
-            if point.value >= end - SAME_VALUE * self.increments.smallest:
+            if point.value >= end - LOCATED * self.increments.smallest:
                 yield self.bare.closed(point.state.patches, goal)
                 return
         way = self._way(point, direction, end)
@@ -229,7 +231,7 @@ class Path:
         """The increment before complete contact: the smallest; half the way, where several gaps are left."""
         if patches == 1:
             return self.increments.smallest
-        return max((closing - value) / 2, CLOSED)
+        return max((closing - value) / 2, LOCATED)
 
     def _stretches(self, piece: Piece, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
         """A point on a piece with the stretch that leads there from a load, after one where the load turns before."""
@@ -277,15 +279,16 @@ class Path:
         return self.jumps.from_broken_symmetry(at, motion, edges) or self._by_control(piece.first, way)
 
     def _around(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
-        """The state behind a snap too small for a force to be felt: where the curve has turned twice."""
+        """The state behind a snap too small for a force to be felt: less than a unit on, the curve has turned twice."""
         at, length, value = piece.last, piece.size, limit.at.exact.value
         beyond = replace(way, end=way.direction * np.inf)
-        for _ in range(AROUND):
+        for _ in range(MAXIMUM_ITERATIONS):
+            moved = outward_motion(limit.at.patches, at.patches) / at.unit
+            if length < SHORTEST or np.max(np.abs(moved)) > 1:
+                break
             step = step_from(self.system, at, predicted(at, length, beyond), beyond)
             if isinstance(step, Refused):
                 length /= SHORTER
-                if length < SHORTEST:
-                    break
                 continue
             at, length = step.last, min(way.longest, length * growth(step))
             if at.balance.factor is not None and (at.value - value) * way.direction > 0:
@@ -307,9 +310,7 @@ class Path:
             found = self._stable(Start(at.patches, at.numbers.penetration, value))
             if isinstance(found, Failed):
                 continue
-            moved = outward_motion(at.patches, found.patches) / at.unit
-            closed = interpenetration(self.system, found.state, self.increments.fine.allowed)
-            if np.max(np.abs(moved)) < MOVED and closed.position.size == 0:
+            if interpenetration(self.system, found.state, self.increments.fine.allowed).position.size == 0:
                 return found
         self.effort.unlocated += 1
         return self.jumps.unlocated(at.balance, at.value, value)

@@ -28,15 +28,11 @@ from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.continuation.curve import Piece
-from bem.continuation.locating import AtRest, Located, NeutralMode, Refused, Start, locate
+from bem.continuation.locating import LOCATED, MODES, HeldModes, Located, NeutralMode, Refused, Start, locate
 from bem.geometry.arrays import FloatArray
 
 IDLE = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
-NEARLY_IDLE = 0.03  # the same: of the mode of a fold, which may then be where a symmetry is restored
-FELT = 1e-9  # of the work of adhesion: a force that holds a mode at rest
-NEUTRAL, SOFT = 1e-4, 1e-2  # eigenvalues: of a neutral mode, and of modes that turn unstable together
-FIRST = 1e-7  # the same: what another mode may be below the neutral one by rounding
-ATTEMPTS = 4  # at the modes that turn unstable first
+NEUTRAL = 1e-2  # eigenvalues of modes that are neutral together
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +102,7 @@ class Turns:
         """The fold at about a parameter, unless a symmetry breaks before it."""
         scale = piece.first.balance.scale
         along = piece.last.rate / scale
-        neutral = NeutralMode(self.system, scale, along / np.linalg.norm(along), NEUTRAL)
+        neutral = NeutralMode(self.system, scale, along / np.linalg.norm(along))
         at = locate(self.system, self._start(piece, place), neutral, self.tolerance)
         if isinstance(at, Refused):
             return at
@@ -119,10 +115,6 @@ class Turns:
             before &= does_no_work(at.balance, scale, neutral.modes)
             return self._broken(piece, at.balance, neutral.modes[:, before], scale) if before.any() else Refused.UNCLEAR
         work = float(pull @ mode)
-        if abs(work) < NEARLY_IDLE * np.linalg.norm(pull):
-            restored = self._restored(piece, piece.parameter(at.patches), mode)
-            if isinstance(restored, LimitPoint):
-                return restored
         cubic = float(neutral.by_edges @ neutral.motion)
         if cubic * work * self.direction <= 0:
             return Refused.UNCLEAR
@@ -132,14 +124,14 @@ class Turns:
     def _restored(self, piece: Piece, place: float, mode: FloatArray) -> LimitPoint | Refused:
         """Where a broken symmetry is restored, at about a parameter; `mode` is that of the symmetry."""
         scale = piece.first.balance.scale
-        neutral = NeutralMode(self.system, scale, mode, NEUTRAL / 10)
-        rest = AtRest((mode * scale)[:, None], restored=True)
+        neutral = NeutralMode(self.system, scale, mode)
+        rest = HeldModes((mode * scale)[:, None], restored=True)
         at = locate(self.system, self._start(piece, place), neutral, self.tolerance, rest)
         if isinstance(at, Refused):
             return at
         if not piece.holds(at.patches, at.exact.value):
             return Refused.FAR
-        soft = does_no_work(at.balance, scale, neutral.modes) & (neutral.values < SOFT)
+        soft = does_no_work(at.balance, scale, neutral.modes) & (neutral.values < NEUTRAL)
         if not soft[neutral.index] or np.any(neutral.values[~soft] <= 0):
             return Refused.UNCLEAR
         modes = neutral.modes[:, soft] * scale[:, None]
@@ -157,28 +149,28 @@ class Turns:
         stiff, soft = (np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (piece.first.balance, here))
         shares = np.where((stiff > 0) & (soft < 0), stiff / np.where(soft < stiff, stiff - soft, 1.0), 1.0)
         start, along = self._start(piece, float(shares.min())), held[:, int(np.argmin(shares))] / scale
-        for _ in range(ATTEMPTS):
-            neutral = NeutralMode(self.system, scale, along / np.linalg.norm(along), NEUTRAL / 10)
-            at = locate(self.system, start, neutral, self.tolerance, AtRest(held))
+        for _ in range(MODES):
+            neutral = NeutralMode(self.system, scale, along / np.linalg.norm(along))
+            at = locate(self.system, start, neutral, self.tolerance, HeldModes(held))
             if isinstance(at, Refused):
                 return at
             start = Start(at.patches, at.exact.penetration, at.exact.value)
-            felt = _forces(at.balance, held) > FELT
+            felt = _forces(at.balance, held) > LOCATED
             if felt.any() and not felt.all():  # those are held by forces: the profile has not their symmetry
                 held = held[:, ~felt]
                 continue
             lowest = int(np.argmin(neutral.values))
-            if neutral.values[lowest] > neutral.values[neutral.index] - FIRST:
+            if neutral.values[lowest] > neutral.values[neutral.index] - LOCATED:
                 return self._breaking(piece, at, neutral)
             along = neutral.modes[:, lowest]
         return Refused.UNCLEAR
 
     def _breaking(self, piece: Piece, at: Located, neutral: NeutralMode) -> LimitPoint | Refused:
         """The point where a symmetry breaks, if the profile has it and nothing else turned unstable before."""
-        soft = does_no_work(at.balance, neutral.scale, neutral.modes) & (neutral.values < SOFT)
+        soft = does_no_work(at.balance, neutral.scale, neutral.modes) & (neutral.values < NEUTRAL)
         modes = neutral.modes * neutral.scale[:, None]
-        pushed = np.any(_forces(at.balance, modes[:, soft & (neutral.values < NEUTRAL)]) > FELT)
-        behind = (at.exact.value - piece.first.value) * self.direction < -FELT
+        pushed = np.any(_forces(at.balance, modes[:, soft & (neutral.values < NEUTRAL)]) > LOCATED)
+        behind = (at.exact.value - piece.first.value) * self.direction < -LOCATED
         if not soft[0] or np.any(neutral.values[~soft] <= 0) or pushed or behind:
             return Refused.UNCLEAR
         return LimitPoint("broken_symmetry", at, modes[:, soft], 0.0, piece.parameter(at.patches))

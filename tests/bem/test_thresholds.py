@@ -1,4 +1,7 @@
-"""bem/THRESHOLDS.md lists the numerical constants of every module of bem, with the values that they have."""
+"""bem/THRESHOLDS.md lists the numerical constants of every module of bem, with the values that they have.
+
+Constants that are computed from others, or from the precision of numbers, need no row.
+"""
 
 import ast
 import re
@@ -27,6 +30,12 @@ def is_numeric(value: ast.expr) -> bool:
     )
 
 
+def is_derived(value: ast.expr) -> bool:
+    """Whether an expression contains another constant, or what NumPy says of the precision of numbers."""
+    names = {getattr(part, "id", "") for part in ast.walk(value)} - {"TWO_PI"}
+    return any(name.isupper() for name in names) or "finfo" in ast.unparse(value)
+
+
 def constants_of(source: str) -> dict[str, str]:
     """Numerical constants in capitals at the top level of a module, but 2 pi; values in normal form."""
     found: dict[str, str] = {}
@@ -37,7 +46,11 @@ def constants_of(source: str) -> dict[str, str]:
         for target in targets:
             several = isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple)
             pairs = zip(target.elts, node.value.elts, strict=True) if several else [(target, node.value)]
-            found |= {name.id: ast.unparse(value) for name, value in pairs if name.id.isupper() and is_numeric(value)}
+            found |= {
+                name.id: ast.unparse(value)
+                for name, value in pairs
+                if name.id.isupper() and is_numeric(value) and not is_derived(value)
+            }
     found.pop("TWO_PI", None)
     return found
 
@@ -66,4 +79,10 @@ def test_modules_on_the_page_exist():
 
 def test_constants_are_recognised():
     source = "A, B = 1e-3, 1 << 4\n_C = (0.1, -2)\nD = 4 * float(np.eps)\nE = Exact(0.0)\nF = ('x', 1)\nG = h\nh = 1.0"
-    assert constants_of(source) == {"A": "0.001", "B": "1 << 4", "_C": "(0.1, -2)", "D": "4 * float(np.eps)"}
+    derived = "H, I = 2 * A, 4 * np.finfo(float).eps"
+    assert constants_of(f"{source}\n{derived}") == {
+        "A": "0.001",
+        "B": "1 << 4",
+        "_C": "(0.1, -2)",
+        "D": "4 * float(np.eps)",
+    }

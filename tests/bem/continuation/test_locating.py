@@ -84,7 +84,7 @@ def test_a_fold_is_where_johnsons_branch_turns(system, quantity):
     exact = lowest(quantity)
     here = resting(system, [0.0], 0.8, 0.95 * exact)
     scale, before = here.scale, system.effort.evaluations
-    on = NeutralMode(system, scale, np.ones(2) / np.sqrt(2), 1e-4)
+    on = NeutralMode(system, scale, np.ones(2) / np.sqrt(2))
     found = locate(system, Start(here.state.patches, here.state.penetration, 0.95 * exact), on, 1e-8)
     assert found.exact.value == pytest.approx(exact, rel=1e-11)
     assert abs(found.exact.value - exact) <= 3 * found.error.value + 1e-13
