@@ -1,12 +1,11 @@
 """Jumps of an adhesive path: where the contact goes when its branch has ended, and the energy that it releases.
 
-A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (turns.py, touches.py), so
-that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of the control at
-which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as the square of
-the motion, from a broken symmetry on both sides of its mode.  It goes on by finer evaluations where only coarse ones
-find it at rest; what it releases is the difference of the potential of two equilibria, each improved until another
-resolution changes nothing.  A jump that leaves all patches in place is an event if it releases more than three times
-the error of that.  Dimensionless.
+A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (limit_points.py,
+touches.py), so that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of
+the control at which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as
+the square of the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  What
+it releases is the difference of the potential of two equilibria, each located with its error.  A jump that leaves all
+patches in place is an event if it releases more than the error stated.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -20,23 +19,23 @@ from bem.adhesive.branch import moving_patches, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.relaxation import Cause, Relaxed, relax
 from bem.continuation.curve import LONGEST
+from bem.continuation.limit_points import LimitPoint
 from bem.continuation.locating import AtControl, Located, Refused, Start, locate
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import Equilibrium, Point
 from bem.continuation.steps import SHORTER
 from bem.continuation.symmetry import TIED
 from bem.continuation.touches import Touch
-from bem.continuation.turns import LimitPoint
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import SAFETY, Accuracy, Increments
+from bem.loading.increments import SAFETY, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet; the last, finely evaluated
+FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet, in turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +65,10 @@ class Jumps:
         state, patches, work = at.balance.state, at.patches, at.balance.work
         length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
         longest = LONGEST / float(np.max(np.abs(mode) / patches.edge_scale))
-        coarse, fine = self.increments.coarse, self.increments.fine
-        for part, accuracy in zip(np.minimum(length, longest), (coarse, fine, fine), strict=True):
-            pushed = patches.moved(part * mode)
-            if self._force(pushed, state.penetration, at.exact.value, mode, accuracy) <= SAFETY * accuracy.residual:
+        for part in np.minimum(length, longest):
+            if not self._is_felt(patches.moved(part * mode), state.penetration, at.exact.value, mode):
                 continue
-            relaxed = self._relaxed(state, pushed, at.exact.value, moving_patches(patches, mode), fine=accuracy is fine)
+            relaxed = self._relaxed(state, patches.moved(part * mode), at.exact.value, moving_patches(patches, mode))
             if self._returned(patches, relaxed, part * mode):
                 continue
             changes = relaxed.changes or (("bifurcation", leading_patch(patches, mode)),)
@@ -100,14 +97,11 @@ class Jumps:
             for part, sign in (
                 (part, sign) for part in (LONGEST / SHORTER**2, LONGEST / SHORTER, LONGEST) for sign in (1.0, -1.0)
             ):
-                trial, coarse = sign * part * motion, self.increments.coarse
-                if (
-                    self._force(patches.moved(trial), state.penetration, value, trial, coarse)
-                    > SAFETY * coarse.residual
-                ):
+                trial = sign * part * motion
+                if self._is_felt(patches.moved(trial), state.penetration, value, trial):
                     outward = trial
                     break
-        relaxed = self._relaxed(state, patches.moved(outward), value, moving_patches(patches, outward), fine=True)
+        relaxed = self._relaxed(state, patches.moved(outward), value, moving_patches(patches, outward))
         if self._returned(patches, relaxed, outward):
             return None
         changes = (("bifurcation", leading_patch(patches, outward)), *relaxed.changes)
@@ -116,7 +110,7 @@ class Jumps:
     def unlocated(self, here: Balance, start: float, value: float) -> Point:
         """The state at `value` behind an end of the branch that was not located, from the last good edges before it."""
         state, width = here.state, abs(value - start)
-        relaxed = self._relaxed(state, state.patches, value, unstable_patches(here), fine=True)
+        relaxed = self._relaxed(state, state.patches, value, unstable_patches(here))
         control, stiffness = self.system.control, here.stiffness
         deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
         error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
@@ -133,8 +127,6 @@ class Jumps:
     ) -> Point:
         """The point behind a jump with its events.
 
-        Where only coarse evaluations find it at rest, the jump goes on from there by finer ones.
-
         Parameters
         ----------
         at, error : EventNumbers
@@ -148,20 +140,13 @@ class Jumps:
         """
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
-        value, here, found = relaxed.target, relaxed.balance, self._at_rest(relaxed.balance, relaxed.target)
-        if found is None and relaxed.status == "converged":
-            finer = self._relaxed(here.state, here.state.patches, value, fine=True)
-            if finer.status in ("converged", "separated", "complete_contact"):
-                changes = (*changes, *finer.changes)
-                relaxed, surely = finer, surely or bool(finer.changes)
-            if relaxed.balance is None:
-                return self._without_edges(at, error, relaxed, changes)
-            here, found = relaxed.balance, self._at_rest(relaxed.balance, value)
+        value, here = relaxed.target, relaxed.balance
+        found = self._minimum(here, value)
         after, uncertain = self._at_fixed_edges(here, value, value), np.inf
         if found is not None:
             here, after, uncertain = found.balance, found.exact, found.error.potential
-        released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
-        doubt = error.potential + uncertain + self._elsewhere(at, error, after.penetration, after.load)
+        released = at.potential - self._potential_at(here.state, after.potential, at.value - after.value)
+        doubt = error.potential + uncertain + self._moved_by_error(at, error, after.penetration, after.load)
         happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
         events = path_events(changes, at, error, released, doubt) if happened else ()
         if relaxed.status != "converged":
@@ -169,24 +154,22 @@ class Jumps:
         patches = here.state.patches if found is None else found.patches
         return Equilibrium(value, here, patches, after.load, events=events)
 
-    def _at_rest(self, here: Balance, value: float) -> Located | None:
-        """The stable equilibrium beside the one in which a jump ended, with its errors; None where there is none."""
-        outward = -here.response(here.gradient)
-        start = Start(here.state.patches.moved(outward), here.state.penetration, value)
-        found = locate(self.system, start, AtControl(value), self.increments.fine.tolerance)
+    def _minimum(self, here: Balance, value: float) -> Located | None:
+        """The stable equilibrium in which a jump ended, with its errors; None where there is none."""
+        start = Start(here.state.patches, here.state.penetration, value)
+        found = locate(self.system, start, AtControl(value), self.increments.fine.tolerance, known=here)
         if isinstance(found, Refused) or found.balance.factor is None:
             return None
         moved = outward_motion(here.state.patches, found.patches) / here.state.patches.edge_scale
         return found if np.max(np.abs(moved)) <= LONGEST else None
 
-    def _force(
-        self, patches: Patches, penetration: float, value: float, motion: FloatArray, accuracy: Accuracy
-    ) -> float:
-        """Force along a motion that edges feel, over the work of adhesion."""
+    def _is_felt(self, patches: Patches, penetration: float, value: float, motion: FloatArray) -> bool:
+        """Whether edges feel a force along a motion: more than errors leave of one."""
         if not patches.is_ordered:
-            return -np.inf
-        here = balance(self.system, patches, penetration, value, accuracy.tolerance)
-        return -float(here.gradient @ motion) / float(here.work @ np.abs(motion))
+            return False
+        here = balance(self.system, patches, penetration, value, self.increments.fine.tolerance)
+        force = -float(here.gradient @ motion) / float(here.work @ np.abs(motion))
+        return force > SAFETY * self.increments.fine.residual
 
     def _returned(self, start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
         """Whether edges that were pushed outward fell back to an equilibrium."""
@@ -204,11 +187,11 @@ class Jumps:
             changes = (*changes[:-1], ("pull_off", changes[-1][1]))
             if self.system.control.penetration_weight:  # a dead tension falls for ever
                 released = at.potential
-                doubt += self._elsewhere(at, error, at.penetration, 0.0)
+                doubt += self._moved_by_error(at, error, at.penetration, 0.0)
         elif relaxed.status == "complete_contact":
             released = at.potential - complete_potential(self.system, self.complete, relaxed.target)
             highest = self.system.elastic.profile.max_height
-            doubt += self._elsewhere(at, error, highest, self.system.control.load(highest, relaxed.target))
+            doubt += self._moved_by_error(at, error, highest, self.system.control.load(highest, relaxed.target))
         events = path_events(changes, at, error, released, doubt)
         if relaxed.status == "separated":
             return Separated(relaxed.target, events=events)
@@ -216,7 +199,7 @@ class Jumps:
             return Complete(relaxed.target, events=events)
         return _failed(relaxed, events)
 
-    def _elsewhere(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
+    def _moved_by_error(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
         """Change of the energy released where the jump to this penetration and load lies elsewhere within its error."""
         works = self.system.control.penetration_weight > 0  # the load does work, or the penetration
         return error.value * (abs(at.load - load) if works else abs(at.penetration - penetration))
@@ -228,25 +211,20 @@ class Jumps:
         value: float,
         unstable: IntArray | None = None,
         found: GapMinima | None = None,
-        fine: bool = False,
     ) -> Relaxed:
-        """Where the forces lead; what the accuracy between targets leaves open that of targets decides."""
+        """Where the forces lead."""
         cause = Cause(unstable, found, before)
-        for accuracy in (self.increments.coarse, self.increments.fine)[int(fine) :]:
-            relaxed = relax(self.system, patches, before.penetration, value, accuracy, cause)
-            if relaxed.status != "not_converged":
-                break
-        return relaxed
+        return relax(self.system, patches, before.penetration, value, self.increments.fine, cause)
 
     def _at_fixed_edges(self, here: Balance, start: float, value: float) -> EventNumbers:
         """Numbers of a state after a change of the control at fixed edges."""
         control, change = self.system.control, value - start
         state = here.state
         deeper = change * control.rate(state)
-        potential = self._led_to(state, here.potential, change)
+        potential = self._potential_at(state, here.potential, change)
         return EventNumbers(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
 
-    def _led_to(self, state: Evaluation, potential: float, change: float) -> float:
+    def _potential_at(self, state: Evaluation, potential: float, change: float) -> float:
         """The potential of a state after a change of the control at fixed edges."""
         control = self.system.control
         return potential + change * (control.force(state) + change / 2 * control.force_rate(state))

@@ -70,9 +70,9 @@ class Loads:
             else:
                 miss_a /= 2
             b, miss_b = s, miss
-        return None if point is None else self._settled(point, load, allowed)
+        return None if point is None else self._state_at(point, load, allowed)
 
-    def _settled(self, point: CurvePoint, load: float, allowed: float) -> Equilibrium | None:
+    def _state_at(self, point: CurvePoint, load: float, allowed: float) -> Equilibrium | None:
         """The state at a load next to a point of the curve; beside an extremum at the control of the point."""
         start = Start(point.patches, point.numbers.penetration, point.value)
         for on in (AtLoad(self.system, load, allowed), AtControl(point.value)):

@@ -207,7 +207,12 @@ class Located:
 
 
 def locate(
-    system: System, start: Start, on: Condition, tolerance: float, held: HeldModes | None = None
+    system: System,
+    start: Start,
+    on: Condition,
+    tolerance: float,
+    held: HeldModes | None = None,
+    known: Balance | None = None,
 ) -> Located | Refused:
     """The equilibrium next to edges that meets a condition, with its error.
 
@@ -219,12 +224,18 @@ def locate(
     tolerance : float
         Of the evaluations.
     held : HeldModes, optional
+    known : Balance, optional
+        Forces where it begins, evaluated at the same tolerance.
     """
     before: EventNumbers | None = None
     place, last = start, np.inf
     for _ in range(MAXIMUM_ITERATIONS):
         asked = on.asked(system.sloped)
-        here = evaluated(asked, place, tolerance) if before is None else evaluated_finely(asked, place, tolerance)
+        if before is None:
+            here = known or evaluated(asked, place, tolerance)
+        else:
+            here = evaluated_finely(asked, place, tolerance)
+        known = None
         if isinstance(here, Refused):
             return here
         step = newton_step(system, here, on.row(here, place.value), held)

@@ -25,6 +25,7 @@ from bem.continuation.bare_states import BareStates
 from bem.continuation.branch_ends import BranchEnds, End, Goal
 from bem.continuation.curve import LONGEST, CurvePoint, Piece
 from bem.continuation.jumps import Jumps, leading_patch
+from bem.continuation.limit_points import LimitPoint
 from bem.continuation.loads import Loads
 from bem.continuation.locating import LOCATED, AtControl, Condition, InPlane, Located, Refused, Start, settle
 from bem.continuation.opening import Flaw
@@ -41,7 +42,6 @@ from bem.continuation.steps import (
 )
 from bem.continuation.symmetry import alone, other_branch, symmetric_branch
 from bem.continuation.touches import Touch
-from bem.continuation.turns import LimitPoint
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
@@ -170,7 +170,7 @@ class Path:
         if isinstance(before, Equilibrium) and isinstance(after, Equilibrium):
             return None if after.stretch is None else self.loads.on_stretch(after.stretch, load)
         beside = [point for point in (before, after) if isinstance(point, Equilibrium)]
-        return self.loads.in_last_gap(beside[0], load, self.increments.coarse.tolerance) if beside else None
+        return self.loads.in_last_gap(beside[0], load, self.increments.fine.tolerance) if beside else None
 
     def _stable(self, start: Start, on: Condition | None = None) -> Equilibrium | Failed:
         """The stable state next to edges that meets a condition, or at their value of the control."""

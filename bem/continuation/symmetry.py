@@ -15,9 +15,9 @@ import numpy as np
 from bem.adhesive.branch import outward_motion
 from bem.adhesive.equilibrium import System, symmetric_part
 from bem.continuation.curve import LONGEST, CurvePoint, curve_point, unit_of
+from bem.continuation.limit_points import LimitPoint
 from bem.continuation.locating import AtControl, InPlane, Located, Refused, Start, locate
 from bem.continuation.steps import SHORTER, Way, shorter_steps
-from bem.continuation.turns import LimitPoint
 from bem.geometry.arrays import FloatArray
 
 TIED = 1e-6  # relative difference of patches that are equal
