@@ -23,8 +23,8 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import check
 from bem.geometry.scaling import Scales
 
-NODES = 16  # of a panel on which sqrt(1 + h'^2) is a Chebyshev series
-UNRESOLVED = 1e-15  # of the largest value times 2 pi over the width: last coefficients of a panel that is halved
+NODES = 16  # speed: of a panel on which sqrt(1 + h'^2) is a Chebyshev series
+UNRESOLVED = 1e-15  # derived: rounding of the last coefficients of a panel, over its largest value and part of 2 pi
 MAXIMUM_HALVINGS = np.finfo(float).nmant - 6  # of a panel, which then has a few digits left
 
 

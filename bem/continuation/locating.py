@@ -29,10 +29,10 @@ from bem.geometry.patches import Patches
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.loading.path_events import EventNumbers
 
-LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
+LAST = 1e-5  # derived: units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
 FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
-MODES = 8  # lowest ones, among which the neutral one is followed
+MODES = 8  # speed: lowest ones, among which the neutral one is followed
 
 
 class Refused(Enum):

@@ -43,7 +43,7 @@ from bem.loading.control import LoadControl
 
 FloatArray = NDArray[np.float64]
 
-RESOLVED_GAP = 1e-4 * TWO_PI  # evaluated as it is in a tenth of a second
+RESOLVED_GAP = 1e-4 * TWO_PI  # speed: evaluated as it is in a tenth of a second
 FINEST_GAP = (
     RESOLVED_GAP / 10
 )  # the same in seconds; narrower ones do not feel a layer but by the square of their width

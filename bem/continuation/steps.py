@@ -27,7 +27,7 @@ MISFIT = 0.02  # of the chord, and of the rise of the control: what the two ends
 GOOD = MISFIT / 2  # units: the Newton step that a prediction should leave
 SHORTER = 3.0  # times: a step that is refused is repeated
 LONGER = SHORTER**0.5  # times the last step: the next, at most
-SHORTEST = 1e-6  # units: a step that is not tried is shorter
+SHORTEST = 1e-6  # limit: units: a step that is not tried is shorter
 PAST = GOOD  # units: how far a step may go past where the control turns
 BEYOND = 1 + NEAR  # times the way to where the control turns, or to its last value: what lies there is on the piece
 

@@ -23,11 +23,11 @@ from bem.geometry.ranges import check, check_harmonics
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-EQUAL_HEIGHTS = 1e-12  # of the rms height: crests as high as each other, to rounding
-_POINTS_PER_WAVELENGTH = 16
-_TAYLOR_TERMS = 14
-_MANY_POINTS = 256  # above, Horner's rule over all points beats one sum per point (measured)
-_BISECTIONS = 55  # of a crest between its neighbours on the grid: also flat crests, where Newton is slow
+EQUAL_HEIGHTS = 1e-12  # derived: of the rms height: crests as high as each other, to rounding
+_POINTS_PER_WAVELENGTH = 16  # derived: of the table of heights: with `_TAYLOR_TERMS` its truncation is 1e-15 of h
+_TAYLOR_TERMS = 14  # derived: terms about a point of the table
+_MANY_POINTS = 256  # speed: above, Horner's rule over all points beats one sum per point (measured)
+_BISECTIONS = 55  # derived: of a crest between its neighbours on the grid: also flat crests, where Newton is slow
 _DERIVATIVE_FACTORS = np.array([[math.perm(k, order) for k in range(_TAYLOR_TERMS)] for order in range(4)], dtype=float)
 
 

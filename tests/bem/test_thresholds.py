@@ -1,6 +1,7 @@
-"""bem/THRESHOLDS.md lists the numerical constants of every module of bem, with the values that they have.
+"""bem/THRESHOLDS.md lists the numerical constants of bem on which a result may depend, with the values that they have.
 
-Constants that are computed from others, or from the precision of numbers, need no row.
+Constants that are computed from others, or from the precision of numbers, need no row; nor do those whose comment
+begins with a word that says why no result depends on them.
 """
 
 import ast
@@ -13,6 +14,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "bem" / "THRESHOLDS.md").read_text("utf-8")
 MODULES = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "bem").rglob("*.py"))
 UNNAMED = "Numbers in functions"
+REASONS = re.findall(r"^\| (\w+) \|", PAGE.partition("| word |")[2].partition("\n\n")[0], flags=re.MULTILINE)
 NUMERIC = (ast.Constant, ast.Tuple, ast.UnaryOp, ast.BinOp, ast.operator, ast.unaryop, ast.Name, ast.Attribute)
 ARITHMETIC = {"float", "linspace", "finfo"}
 
@@ -41,6 +43,8 @@ def constants_of(source: str) -> dict[str, str]:
     found: dict[str, str] = {}
     for node in ast.parse(source).body:
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        if source.splitlines()[(node.end_lineno or 1) - 1].partition("  # ")[2].partition(":")[0] in REASONS:
             continue
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
         for target in targets:
@@ -79,10 +83,15 @@ def test_modules_on_the_page_exist():
 
 def test_constants_are_recognised():
     source = "A, B = 1e-3, 1 << 4\n_C = (0.1, -2)\nD = 4 * float(np.eps)\nE = Exact(0.0)\nF = ('x', 1)\nG = h\nh = 1.0"
-    derived = "H, I = 2 * A, 4 * np.finfo(float).eps"
+    derived = "H, I = 2 * A, 4 * np.finfo(float).eps\nJ = 2  # derived: a pair\nK = 3  # limit: of pairs"
     assert constants_of(f"{source}\n{derived}") == {
         "A": "0.001",
         "B": "1 << 4",
         "_C": "(0.1, -2)",
         "D": "4 * float(np.eps)",
     }
+
+
+def test_reasons_are_those_of_the_page():
+    assert REASONS == ["derived", "speed", "limit", "format", "prediction"]
+    assert constants_of("A = 1  # speedy: no reason") == {"A": "1"}
