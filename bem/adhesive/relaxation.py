@@ -117,7 +117,7 @@ def relax(
             )
             changes += local
         end = descend(system, patches, penetration, target, accuracy, steps)
-        changes += [(change.kind, change.position) for change in end.changes]
+        changes += end.changes
         if end.status == "separated" and target > 0:  # apart, the surfaces would overlap: the highest crests touch
             crests = system.elastic.profile.highest_crests
             patches, active, state = first_contact(system, crests), None, None
@@ -213,7 +213,7 @@ def _relaxed_locally(
     changes: list[tuple[str, float]] = []
     for _ in range(_most_rounds(system)):
         end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_RESIDUAL), steps)
-        changes += [(change.kind, change.position) for change in end.changes]
+        changes += end.changes
         if end.touching is None:
             break
         inner, _, formed = _with_new_contacts(local, end.patches, end.touching)

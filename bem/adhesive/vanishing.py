@@ -8,8 +8,7 @@ Source: Barquins, J. Adhesion 26 (1988) 1, for the width at which a lone contact
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +24,7 @@ LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
 TIED = 1e-3  # relative difference of what vanishes or touches at the same instant
 
 
-@dataclass(frozen=True)
-class Change:
+class Change(NamedTuple):
     """A patch or gap that vanished in a descent."""
 
     kind: Literal["coalescence", "detachment", "complete_contact"]

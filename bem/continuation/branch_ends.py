@@ -54,10 +54,10 @@ class BranchEnds:
         found, end = interpenetration(self.system, state, allowed), limit
         if found.position.size:
             touch = locate_touch(self.system, piece, (state, place), found, tolerance)
-            if isinstance(touch, Refused) or way.beyond(touch.at.exact.value) <= 0:
+            if isinstance(touch, Refused) or way.beyond(touch.at.numbers.value) <= 0:
                 return touch
             end = None
-        value = piece.last.value if limit is None else limit.at.exact.value
+        value = piece.last.value if limit is None else limit.at.numbers.value
         if way.beyond(value) < 0 and not found.position.size:
             return limit
         goal = self._goal(piece, way)

@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.branch import moving_patches, outward_motion, unstable_patches
+from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.relaxation import Cause, Relaxed, relax
 from bem.continuation.curve import LONGEST
@@ -56,8 +56,8 @@ class Jumps:
     def from_touch(self, touch: Touch) -> Point:
         """The state behind the touch of a crest."""
         state, at = touch.at.balance.state, touch.at
-        relaxed = self._relaxed(state, state.patches, at.exact.value, found=touch.touching)
-        return self.behind(at.exact, at.error, relaxed, relaxed.changes)
+        relaxed = self._relaxed(state, state.patches, at.numbers.value, found=touch.touching)
+        return self.behind(at.numbers, at.error, relaxed, relaxed.changes)
 
     def from_fold(self, limit: LimitPoint) -> Point | None:
         """The state behind a fold; None where no force is felt along its mode that leads on."""
@@ -66,13 +66,13 @@ class Jumps:
         length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
         longest = LONGEST / float(np.max(np.abs(mode) / patches.edge_scale))
         for part in np.minimum(length, longest):
-            if not self._is_felt(patches.moved(part * mode), state.penetration, at.exact.value, mode):
+            if not self._is_felt(patches.moved(part * mode), state.penetration, at.numbers.value, mode):
                 continue
-            relaxed = self._relaxed(state, patches.moved(part * mode), at.exact.value, moving_patches(patches, mode))
+            relaxed = self._relaxed(state, patches.moved(part * mode), at.numbers.value, moving_patches(patches, mode))
             if self._returned(patches, relaxed, part * mode):
                 continue
             changes = relaxed.changes or (("bifurcation", leading_patch(patches, mode)),)
-            return self.behind(at.exact, at.error, relaxed, changes, surely=bool(relaxed.changes))
+            return self.behind(at.numbers, at.error, relaxed, changes, surely=bool(relaxed.changes))
         return None
 
     def from_broken_symmetry(self, at: Located, motion: FloatArray, other: Patches | None) -> Point | None:
@@ -87,7 +87,7 @@ class Jumps:
         other : Patches or None
             Edges of an unstable branch that begins there, from which forces lead on.
         """
-        value, patches, state = at.exact.value, at.patches, at.balance.state
+        value, patches, state = at.numbers.value, at.patches, at.balance.state
         unit = np.minimum(patches.edge_scale, self.system.pinning.shortest(at.balance.work, patches.edge_scale))
         motion = motion / float(np.max(np.abs(motion) / unit))
         outward = LONGEST * motion
@@ -105,7 +105,7 @@ class Jumps:
         if self._returned(patches, relaxed, outward):
             return None
         changes = (("bifurcation", leading_patch(patches, outward)), *relaxed.changes)
-        return self.behind(at.exact, at.error, relaxed, changes)
+        return self.behind(at.numbers, at.error, relaxed, changes)
 
     def unlocated(self, here: Balance, start: float, value: float) -> Point:
         """The state at `value` behind an end of the branch that was not located, from the last good edges before it."""
@@ -115,7 +115,8 @@ class Jumps:
         deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
         error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
-        return self.behind(self._at_fixed_edges(here, start, value), error, relaxed, changes, bool(relaxed.changes))
+        at = after_step(self.system, here, start, np.zeros(2 * state.patches.count), value - start)
+        return self.behind(at, error, relaxed, changes, bool(relaxed.changes))
 
     def behind(
         self,
@@ -142,16 +143,16 @@ class Jumps:
             return self._without_edges(at, error, relaxed, changes)
         value, here = relaxed.target, relaxed.balance
         found = self._minimum(here, value)
-        after, uncertain = self._at_fixed_edges(here, value, value), np.inf
-        if found is not None:
-            here, after, uncertain = found.balance, found.exact, found.error.potential
-        released = at.potential - self._potential_at(here.state, after.potential, at.value - after.value)
+        if found is None:
+            patches, after, uncertain = here.state.patches, numbers_of(here, value), np.inf
+        else:
+            here, patches, after, uncertain = found.balance, found.patches, found.numbers, found.error.potential
+        released = at.potential - after.potential
         doubt = error.potential + uncertain + self._moved_by_error(at, error, after.penetration, after.load)
         happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
         events = path_events(changes, at, error, released, doubt) if happened else ()
         if relaxed.status != "converged":
             return _failed(relaxed, events)
-        patches = here.state.patches if found is None else found.patches
         return Equilibrium(value, here, patches, after.load, events=events)
 
     def _minimum(self, here: Balance, value: float) -> Located | None:
@@ -215,19 +216,6 @@ class Jumps:
         """Where the forces lead."""
         cause = Cause(unstable, found, before)
         return relax(self.system, patches, before.penetration, value, self.increments.fine, cause)
-
-    def _at_fixed_edges(self, here: Balance, start: float, value: float) -> EventNumbers:
-        """Numbers of a state after a change of the control at fixed edges."""
-        control, change = self.system.control, value - start
-        state = here.state
-        deeper = change * control.rate(state)
-        potential = self._potential_at(state, here.potential, change)
-        return EventNumbers(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
-
-    def _potential_at(self, state: Evaluation, potential: float, change: float) -> float:
-        """The potential of a state after a change of the control at fixed edges."""
-        control = self.system.control
-        return potential + change * (control.force(state) + change / 2 * control.force_rate(state))
 
 
 def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:

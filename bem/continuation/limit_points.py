@@ -147,7 +147,7 @@ class LimitPoints:
             at = locate(self.system, start, neutral, self.tolerance, HeldModes(held))
             if isinstance(at, Refused):
                 return at
-            start = Start(at.patches, at.exact.penetration, at.exact.value)
+            start = Start(at.patches, at.numbers.penetration, at.numbers.value)
             felt = _forces(at.balance, held) > LOCATED
             if felt.any() and not felt.all():  # those are held by forces: the profile has not their symmetry
                 held = held[:, ~felt]
@@ -163,7 +163,7 @@ class LimitPoints:
         soft = does_no_work(at.balance, neutral.scale, neutral.modes) & (neutral.values < NEUTRAL)
         modes = neutral.modes * neutral.scale[:, None]
         pushed = np.any(_forces(at.balance, modes[:, soft & (neutral.values < NEUTRAL)]) > LOCATED)
-        behind = (at.exact.value - piece.first.value) * self.direction < -LOCATED
+        behind = (at.numbers.value - piece.first.value) * self.direction < -LOCATED
         if not soft[0] or np.any(neutral.values[~soft] <= 0) or pushed or behind:
             return Refused.UNCLEAR
         return LimitPoint("broken_symmetry", at, modes[:, soft], 0.0, piece.parameter(at.patches))
@@ -177,7 +177,7 @@ class LimitPoints:
     ) -> Located | Refused:
         """What is located from about a parameter, if it lies on the piece."""
         at = locate(self.system, self._start(piece, place), on, self.tolerance, held)
-        return at if isinstance(at, Refused) or piece.holds(at.patches, at.exact.value) else Refused.FAR
+        return at if isinstance(at, Refused) or piece.holds(at.patches, at.numbers.value) else Refused.FAR
 
     def _start(self, piece: Piece, place: float) -> Start:
         """Where Newton begins on a piece."""

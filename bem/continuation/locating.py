@@ -189,14 +189,14 @@ class Located:
     ----------
     balance : Balance
         Forces beside it.
-    exact, error : EventNumbers
+    numbers, error : EventNumbers
         Its numbers, and what the last evaluation changed of them.
     step : (2 L,) array
         What is left to it, outward motion of the edges.
     """
 
     balance: Balance
-    exact: EventNumbers
+    numbers: EventNumbers
     error: EventNumbers
     step: FloatArray
 

@@ -27,7 +27,7 @@ from bem.continuation.curve import LONGEST, CurvePoint, Piece
 from bem.continuation.jumps import Jumps, leading_patch
 from bem.continuation.limit_points import LimitPoint
 from bem.continuation.loads import Loads
-from bem.continuation.locating import LOCATED, AtControl, Condition, InPlane, Located, Refused, Start, settle
+from bem.continuation.locating import LOCATED, AtControl, Condition, InPlane, Refused, Start, settle
 from bem.continuation.opening import Flaw
 from bem.continuation.points_with_edges import Equilibrium, Point, Stretch
 from bem.continuation.steps import (
@@ -223,7 +223,7 @@ class Path:
             if found is not None:
                 yield from self._ended(piece, found, way, load)
                 return
-            yield from self._stretches(piece, 1.0, _on_curve(piece.last), load)
+            yield from self._stretches(piece, 1.0, Equilibrium.beside(piece.last), load)
             at, length, again = piece.last, min(way.longest, tried * growth(piece)), True
             load = at.numbers.load
 
@@ -237,7 +237,7 @@ class Path:
         """A point on a piece with the stretch that leads there from a load, after one where the load turns before."""
         start = 0.0
         for s, top in self.loads.turns(piece, reach) if self.asked_loads else ():
-            yield replace(_on_curve(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
+            yield replace(Equilibrium.beside(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
             start, load = s, top.numbers.load
         yield replace(point, stretch=Stretch(piece, (start, reach), (load, point.load)))
 
@@ -247,8 +247,7 @@ class Path:
             yield from self._stretches(piece, end.place, Equilibrium.of(way.end, end.balance, settled=True), load)
             return
         at = end.at
-        last = Equilibrium(at.exact.value, at.balance, at.patches, at.exact.load, last=True)
-        yield from self._stretches(piece, end.place, last, load)
+        yield from self._stretches(piece, end.place, Equilibrium.beside(at, last=True), load)
         if isinstance(end, Touch):
             yield self.jumps.from_touch(end)
         elif end.kind == "fold":
@@ -257,7 +256,7 @@ class Path:
             yield self._behind_broken_symmetry(piece, end, way)
         else:
             beyond = symmetric_branch(self.system, end, way)
-            yield self._by_control(piece.first, way) if isinstance(beyond, Refused) else _located(beyond)
+            yield self._by_control(piece.first, way) if isinstance(beyond, Refused) else Equilibrium.beside(beyond)
 
     def _behind_broken_symmetry(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
         """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead."""
@@ -265,22 +264,22 @@ class Path:
         other = other_branch(self.system, limit, motion, way)
         if isinstance(other, Refused):
             edges = None
-        elif other.balance.factor is None or (other.value - at.exact.value) * way.direction <= 0:
+        elif other.balance.factor is None or (other.value - at.numbers.value) * way.direction <= 0:
             edges = other.patches
         else:
             edges = None
-            events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.exact, at.error, 0.0, 0.0)
+            events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.numbers, at.error, 0.0, 0.0)
             if way.beyond(other.value) <= 0:
-                return replace(_on_curve(other), events=events)
-            part = np.sqrt(max(-way.beyond(at.exact.value), 0.0) / abs(other.value - at.exact.value))
+                return replace(Equilibrium.beside(other), events=events)
+            part = np.sqrt(max(-way.beyond(at.numbers.value), 0.0) / abs(other.value - at.numbers.value))
             outward = part * outward_motion(at.patches, other.patches)
-            settled = self._stable(Start(at.patches.moved(outward), at.exact.penetration, way.end))
+            settled = self._stable(Start(at.patches.moved(outward), at.numbers.penetration, way.end))
             return replace(settled, events=events)
         return self.jumps.from_broken_symmetry(at, motion, edges) or self._by_control(piece.first, way)
 
     def _around(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
         """The state behind a snap too small for a force to be felt: less than a unit on, the curve has turned twice."""
-        at, length, value = piece.last, piece.size, limit.at.exact.value
+        at, length, value = piece.last, piece.size, limit.at.numbers.value
         beyond = replace(way, end=way.direction * np.inf)
         for _ in range(MAXIMUM_ITERATIONS):
             moved = outward_motion(limit.at.patches, at.patches) / at.unit
@@ -314,13 +313,3 @@ class Path:
                 return found
         self.effort.unlocated += 1
         return self.jumps.unlocated(at.balance, at.value, value)
-
-
-def _on_curve(at: CurvePoint) -> Equilibrium:
-    """A point of a curve as one of the path."""
-    return Equilibrium(at.value, at.balance, at.patches, at.numbers.load)
-
-
-def _located(at: Located) -> Equilibrium:
-    """A located state as a point of the path."""
-    return Equilibrium(at.exact.value, at.balance, at.patches, at.exact.load)

@@ -48,13 +48,13 @@ def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way
     for part in shorter_steps(LONGEST / SHORTER):
         patches = at.patches.moved(part * motion)
         normal = motion / unit**2
-        start = Start(patches, at.exact.penetration, at.exact.value)
+        start = Start(patches, at.numbers.penetration, at.numbers.value)
         found = locate(system, start, InPlane(patches, normal), way.tolerance)
         if isinstance(found, Refused):
             refused = found
             continue
         moved = outward_motion(at.patches, found.patches)
-        point = curve_point(system, found.balance, found.exact.value, normal, float(normal @ moved))
+        point = curve_point(system, found.balance, found.numbers.value, normal, float(normal @ moved))
         if point is not None and point.lowest[0].size <= limit.modes.shape[1]:
             return point
     return refused
@@ -73,10 +73,10 @@ def symmetric_branch(system: System, limit: LimitPoint, way: Way) -> Located | R
     along = np.linalg.solve(matrix, side)[:size] * scale
     for part in shorter_steps(LONGEST / SHORTER):
         step = part / float(np.max(np.abs(along / unit)))
-        value = limit.at.exact.value + way.direction * step
+        value = limit.at.numbers.value + way.direction * step
         if way.beyond(value) > 0:
-            step, value = abs(way.end - limit.at.exact.value), way.end
-        start = Start(limit.at.patches.moved(step * along), limit.at.exact.penetration, value)
+            step, value = abs(way.end - limit.at.numbers.value), way.end
+        start = Start(limit.at.patches.moved(step * along), limit.at.numbers.penetration, value)
         found = locate(system, start, AtControl(value), way.tolerance)
         if isinstance(found, Located) and found.balance.factor is not None:
             return found

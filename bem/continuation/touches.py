@@ -106,7 +106,7 @@ def locate_touch(
         at = locate(system, Start(patches, first.penetration, value), closes, tolerance)
         if isinstance(at, Refused):
             return at
-        if not piece.holds(at.patches, at.exact.value) or at.balance.factor is None:
+        if not piece.holds(at.patches, at.numbers.value) or at.balance.factor is None:
             return Refused.FAR
         state, left = at.balance.state, float(closes.lowest.depth.min())
         earlier = interpenetration(system, state, LOCATED - min(left, 0.0))
