@@ -50,7 +50,7 @@ from bem.scene.scene_rules import Mistake
 from bem.scene.scene_tables import TABLES
 from bem.solver import solve
 
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # format: exit codes
 CURVES = ("contact_fraction", "separation")  # against which --plot draws the mean pressure
 
 

@@ -22,7 +22,7 @@ FAILURES = {  # of a point of a path
 NUMERICAL_FAILURES = (IllConditionedSystemError, *UNPHYSICAL, FloatingPointError, np.linalg.LinAlgError, MemoryError)
 COARSER = "fewer profile.harmonics"
 UNCERTIFIED_REMEDIES = ("half the accuracy.max_increment", "a larger accuracy.tolerance", COARSER)
-LISTED = 3  # targets missed whose reasons stand in the failure of a result
+LISTED = 3  # format: targets missed whose reasons stand in the failure of a result
 
 
 class MissedTargetError(Exception):

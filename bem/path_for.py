@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from bem.leaps.spread import Spread
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
 
-TOUCHING = 1e-12  # of the rms height: crests as high as the highest are touched with it
-
 
 def check_path(scene: Scene) -> None:
     """Pose the path of a scene as solving it begins: SceneError for what nothing but that shows."""
@@ -42,8 +40,7 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
     SceneError
         The flaw of the scene holds no gap where it would open.
     """
-    positions, heights = problem.profile.crests
-    highest = positions[heights >= heights.max() - TOUCHING]
+    highest = problem.profile.highest_crests
     increments = increments_of(scene, problem)
     if problem.law is None:
         from bem.nonadhesive.completed_body import CompletedBody

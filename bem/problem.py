@@ -24,9 +24,7 @@ from bem.scene.elastic_tables import elastic_effects, negligible
 from bem.scene.scene import Scene
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
-EQUAL, ALIKE = 1e-12, 1e-5  # of the rms height: crests that are as high as the highest, and nearly so
-ALIKE_ACCURACY = 1e-3  # of the accuracies between targets, where crests are nearly as high as the highest
-FINEST = 1e-14  # tolerance of an evaluation
+FINEST = 1e-14  # derived: tolerance of an evaluation
 COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
 
 
@@ -120,27 +118,16 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
         unit = problem.load_of(1e-2 * problem.surface.rms_slope * problem.scales.plane_strain_modulus)
     largest = scene.accuracy.max_increment * unit
     tolerance = scene.accuracy.tolerance
-    refined = ALIKE_ACCURACY if _has_twins(problem) else 1.0
-    coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)) * refined, FINEST)
+    coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)), FINEST)
     fine = max(min(1e-8, 1e-2 * tolerance, coarse), FINEST)
     allowed = 0.5 * max(1e-10, 1e-3 * tolerance)
     return Increments(
         largest=largest,
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
-        coarse=Accuracy(coarse, COARSE.residual * refined, allowed),
+        coarse=Accuracy(coarse, COARSE.residual, allowed),
         fine=Accuracy(fine, max(1e-1 * fine, 1e-12), allowed),
         deepest=scene.accuracy.max_increment,
     )
-
-
-def _has_twins(problem: Problem) -> bool:
-    """Whether highest crests are nearly, but not exactly, equal: less of a difference than coarse evaluations make.
-
-    Where such crests pull off, it decides which of them goes first, and when.
-    """
-    heights = problem.profile.crests[1]
-    lower = heights.max() - heights
-    return bool(np.any((lower > EQUAL) & (lower < ALIKE)))
 
 
 def _critical_intensity(problem: Problem) -> float:

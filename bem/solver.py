@@ -41,8 +41,8 @@ from bem.states import Missed
 if TYPE_CHECKING:
     from bem.record import AnyPoint
 
-MOST_BETWEEN = 500  # states stored between two targets
-DEEPER = 0.05  # rms heights of penetration between two states stored, or the largest increment where that is less
+MOST_BETWEEN = 500  # limit: states stored between two targets
+DEEPER = 0.05  # speed: rms heights of penetration between states stored, or the largest increment if that is less
 ALMOST = 0.9  # of that: steps under load are as long as the stiffness where they begin says
 
 

@@ -14,6 +14,7 @@ from bem.flat import FlatState
 from bem.geometry.profile import Profile
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
+from bem.loading.increments import SAFETY
 from bem.loading.path_events import PathEvent
 from bem.problem import Problem
 from bem.scene.result import Certificate, ErrorEstimate, Event, EventError, State
@@ -21,11 +22,10 @@ from bem.scene.result import Certificate, ErrorEstimate, Event, EventError, Stat
 if TYPE_CHECKING:
     from bem.nonadhesive.gap_series import GapEvaluation
 
-SAFETY = 3.0  # error estimates are this multiple of what a finer evaluation still changes
-ROUNDING = 1e-13  # floor of error estimates, dimensionless and of the number itself
+ROUNDING = 1e-13  # derived: floor of error estimates, dimensionless and of the number itself
 RELEASE_ROUNDING = 1.5e-12  # of an energy released, over the potential before: a difference; measured 4.7e-13
 STIFFNESS_ROUNDING = 5e-12  # of a stiffness, relative: it is solved for, edges hardly resisting; measured 2.3e-12
-RESIDUAL = 1e-8
+RESIDUAL = 1e-8  # derived: residual that the certificate asks for, ten times that of targets
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,9 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import check
 from bem.geometry.scaling import Scales
 
-PANELS_PER_WAVELENGTH, NODES = 4, 16  # of panels on which sqrt(1 + h'^2) is a Chebyshev series
-UNRESOLVED = 1e-15  # of the largest value times 2 pi over the width: last coefficients of a panel that is halved
-MOST_HALVINGS = 45
+NODES = 16  # speed: of a panel on which sqrt(1 + h'^2) is a Chebyshev series
+UNRESOLVED = 1e-15  # derived: rounding of the last coefficients of a panel, over its largest value and part of 2 pi
+MAXIMUM_HALVINGS = np.finfo(float).nmant - 6  # of a panel, which then has a few digits left
 
 
 @dataclass(frozen=True)
@@ -126,15 +126,15 @@ def true_length(profile: Profile, slope_scale: float) -> TrueLength:
 
     Where slopes are steep the integrand has kinks of the width 1 / (slope_scale h'') at crests and troughs.
     """
-    count = PANELS_PER_WAVELENGTH * profile.max_order
+    count = profile.max_order
     start, width = np.arange(count) * (TWO_PI / count), np.full(count, TWO_PI / count)
     kept: list[tuple[FloatArray, FloatArray, FloatArray]] = []
-    for halvings in range(MOST_HALVINGS + 1):
+    for halvings in range(MAXIMUM_HALVINGS):
         x = start[:, None] + width[:, None] * (1 + chebyshev.basis_nodes(NODES)) / 2
         series = chebyshev.coefficients(np.hypot(1.0, slope_scale * profile.slope(x)))
         last = np.abs(series[:, -2:]).max(axis=1)
         done = last * width <= UNRESOLVED * TWO_PI * np.abs(series[:, 0])
-        if halvings == MOST_HALVINGS:
+        if halvings == MAXIMUM_HALVINGS - 1:
             done[:] = True
         kept.append((start[done], width[done], series[done]))
         half = width[~done] / 2

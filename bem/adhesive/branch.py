@@ -44,6 +44,11 @@ def after_step(system: System, here: Balance, value: float, outward: FloatArray,
     )
 
 
+def numbers_of(here: Balance, value: float) -> EventNumbers:
+    """Numbers of a state."""
+    return EventNumbers(value, here.state.penetration, here.state.load, here.potential)
+
+
 def unstable_patches(here: Balance) -> IntArray:
     """Patches that move most in the softest mode of the Hessian."""
     return moving_patches(here.state.patches, lowest_modes(here.scaled_hessian, 1)[1][:, 0] * here.scale)

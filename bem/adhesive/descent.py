@@ -17,20 +17,17 @@ import numpy as np
 from bem.adhesive.equilibrium import Balance, System, balance, energy_noise, symmetric_part
 from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.trust_region import trust_region_step
-from bem.adhesive.vanishing import Change, closing_gaps, pulled_shut, vanishing_patches
+from bem.adhesive.vanishing import Change, closing_gaps, vanishing_patches
 from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-from bem.loading.increments import Accuracy
+from bem.geometry.profile import EQUAL_HEIGHTS
+from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
-DESCENT_STEPS = 10_000  # rounds; jumps of three realisations of the paper's profile took up to 52
 ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
-SMALLEST_RADIUS = 1e-12  # of a step, below which the descent ends
-LARGEST_STEP_SCALE = 0.5  # of the shortest wavelength: largest unit of the steps of an edge
-LARGEST_EXPANSION = 0.2  # of the shortest wavelength, by which edges move at once where one has K <= 0
-NARROW_GAP, CLOSING_STEP = 0.25, 0.4  # of the shortest wavelength; part of its width by which its edges move at once
+LEAST_INTENSITY = 0.3  # of the critical K: edges below move outward by so much of their step scale, at most
 
 
 DescentStatus = Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
@@ -107,8 +104,8 @@ def descend(
     steps : Steps
     """
     walk = _Walk(system, target, accuracy, steps, patches, penetration, seen=patches, radius=steps.largest / 2)
-    for _ in range(DESCENT_STEPS):
-        if walk.radius < SMALLEST_RADIUS:
+    for _ in range(MAXIMUM_ITERATIONS * system.elastic.profile.max_order):  # edges move on from wave to wave
+        if walk.radius < EQUAL_HEIGHTS:
             break
         here = walk.evaluated()
         if here is None:
@@ -208,7 +205,7 @@ class _Walk:
 
     def step(self, here: Balance) -> _Step:
         """The step that minimises the quadratic model within the trust radius."""
-        scale = _step_scale(self.system, here, self.steps.largest)
+        scale = step_scale(self.system, here)
         hessian = symmetric_part(here.hessian, scale)
         gradient = here.gradient * scale
         parts = trust_region_step(gradient, hessian, self.radius)
@@ -279,27 +276,17 @@ def _equal(first: Resolution, second: Resolution) -> bool:
     return bool(np.all(first.nodes == second.nodes) and np.all(first.modes == second.modes))
 
 
-def _step_scale(system: System, here: Balance, largest_step: float) -> FloatArray:
-    """Unit of the motion of each edge, (2 L,): the edge scale, at most half the shortest wavelength.
-
-    In a narrow gap that closes whatever happens, enlarged so that the largest step is `CLOSING_STEP` of its width.
-    """
-    patches, wavelength = here.state.patches, 2 * np.pi / system.elastic.profile.max_order
-    scale = np.minimum(patches.edge_scale, LARGEST_STEP_SCALE * wavelength)
-    narrow = patches.gap_after < NARROW_GAP * wavelength
-    if narrow.any():
-        share = np.where(narrow & pulled_shut(here), max(CLOSING_STEP / largest_step, 1.0), 1.0)
-        scale = scale * np.concatenate([np.roll(share, 1), share])
-    return scale
+def step_scale(system: System, here: Balance) -> FloatArray:
+    """Unit of the motion of each edge, (2 L,): the edge scale, at most half the shortest wavelength."""
+    return np.minimum(here.state.patches.edge_scale, np.pi / system.elastic.profile.max_order)
 
 
 def _expanded(system: System, here: Balance) -> Patches | None:
-    """Edges with K below 0.3 of the critical one moved outward by Newton towards that; None where no space is left."""
-    state = here.state
-    scale = np.minimum(state.patches.edge_scale, LARGEST_EXPANSION / 0.3 * 2 * np.pi / system.elastic.profile.max_order)
-    short = state.stress_intensity < 0.3 * 2 * np.sqrt(here.work)
+    """Edges with too small a K moved outward by Newton on K; None where no space is left."""
+    state, scale = here.state, step_scale(system, here)
+    least = LEAST_INTENSITY * 2 * np.sqrt(here.work)
     slope = np.diagonal(here.jacobian)
-    wanted = (0.6 * np.sqrt(here.work) - state.stress_intensity) / np.where(slope > 0, slope, np.inf)
-    step = np.where(short, np.clip(wanted, 0.02 * scale, 0.3 * scale), 0.0)
+    wanted = (least - state.stress_intensity) / np.where(slope > 0, slope, np.inf)
+    step = np.where(state.stress_intensity < least, np.clip(wanted, 0.02 * scale, LEAST_INTENSITY * scale), 0.0)
     moved = state.patches.moved(step)
     return moved if moved.is_ordered else None

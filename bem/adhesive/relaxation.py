@@ -17,21 +17,18 @@ import numpy as np
 from bem.adhesive.descent import DescentStatus, Steps, descend
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.touching import CrestsAhead
-from bem.adhesive.vanishing import pull_off_half_width
+from bem.adhesive.vanishing import TIED, pull_off_half_width
 from bem.elastic.collocation import Evaluation, Resolution, resolve
 from bem.elastic.gap import GapMinima, gap_field, low_minima
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
+from bem.geometry.profile import EQUAL_HEIGHTS
 from bem.loading.control import DisplacementControl
-from bem.loading.increments import Accuracy
+from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
-LOCAL_STEP, LOCAL_RESIDUAL = 0.2, 1e-2
-GLOBAL_STEP = 0.4
+GLOBAL_STEP = 0.4  # derived: trust radius in step scales; below 0.7, or the two edges of a gap may cross
+LOCAL_STEP, LOCAL_RESIDUAL = GLOBAL_STEP / 2, 1e-2  # the same, and the residual, in the field of frozen patches
 NEIGHBOURS = 4
-FROZEN_CALLS = 9  # evaluations of a local problem (mean, measured), for which the frozen field is prepared
-AVALANCHE_ROUNDS = 200  # besides one for every touch of a crest
-EQUAL = 1e-12  # rms heights: crests as high as the highest
-TIED = 1e-3  # relative difference in depth of contacts that form at the same instant
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,9 +117,9 @@ def relax(
             )
             changes += local
         end = descend(system, patches, penetration, target, accuracy, steps)
-        changes += [(change.kind, change.position) for change in end.changes]
+        changes += end.changes
         if end.status == "separated" and target > 0:  # apart, the surfaces would overlap: the highest crests touch
-            crests = _highest(system)
+            crests = system.elastic.profile.highest_crests
             patches, active, state = first_contact(system, crests), None, None
             changes += [("new_contact", float(crest)) for crest in crests]
             continue
@@ -140,13 +137,7 @@ def relax(
 
 def _most_rounds(system: System) -> int:
     """How often an avalanche may continue: beside equilibria that interpenetrate, every crest may touch, and again."""
-    return AVALANCHE_ROUNDS + 2 * int(system.elastic.profile.crests[0].size)
-
-
-def _highest(system: System) -> FloatArray:
-    """Positions of the highest crests."""
-    positions, heights = system.elastic.profile.crests
-    return np.asarray(positions[heights >= heights.max() - EQUAL])
+    return MAXIMUM_ITERATIONS + 2 * int(system.elastic.profile.crests[0].size)
 
 
 def first_contact(system: System, positions: FloatArray) -> Patches:
@@ -174,7 +165,7 @@ def _with_new_contacts(
 def _with_new_contact(system: System, patches: Patches, position: float, depth: float, others: FloatArray) -> Patches:
     """Patches with a new one around a point that interpenetrates by -depth, clear of `others` that do so too."""
     at = np.array([position])
-    curvature = max(float(-system.elastic.profile.curvature(at)[0]), 1e-12)
+    curvature = max(float(-system.elastic.profile.curvature(at)[0]), EQUAL_HEIGHTS)
     geometric = np.sqrt(-2 * depth / curvature)
     lone = 1.5 * float(pull_off_half_width(system, at)[0])
     to_right = np.min((np.append(patches.left, others) - position) % TWO_PI)
@@ -222,7 +213,7 @@ def _relaxed_locally(
     changes: list[tuple[str, float]] = []
     for _ in range(_most_rounds(system)):
         end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_RESIDUAL), steps)
-        changes += [(change.kind, change.position) for change in end.changes]
+        changes += end.changes
         if end.touching is None:
             break
         inner, _, formed = _with_new_contacts(local, end.patches, end.touching)
@@ -242,4 +233,4 @@ def _frozen_field(
     frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
     keep = np.repeat(frozen, state.resolution.modes)
     charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
-    return system.elastic.field_of_charges(state.skeleton_nodes()[keep], charges[keep], FROZEN_CALLS)
+    return system.elastic.field_of_charges(state.skeleton_nodes()[keep], charges[keep], members.size)

@@ -18,12 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bem.adhesive.equilibrium import Balance, System
+from bem.adhesive.vanishing import NARROW
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 
 REACH = 4.0  # shortest wavelengths ahead of an edge
-MOVED = 1e-2  # of the shortest wavelength, by which an edge must have moved to be looked ahead of again
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ class CrestsAhead:
         tensile, crests = (after.state.stress_intensity > 0).tolist(), profile.crests[0]
         edges: list[int] = []
         ahead: dict[int, tuple[float, int]] = {}  # of each crest: windows of the two edges of a gap may overlap
-        for edge in np.flatnonzero(outward > MOVED * wavelength).tolist():
+        for edge in np.flatnonzero(outward > NARROW * wavelength).tolist():
             gap = (edge - 1 if edge < count else edge) % count
             if not (tensile[count + gap] and tensile[(gap + 1) % count]):
                 continue

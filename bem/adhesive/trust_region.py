@@ -13,8 +13,6 @@ from scipy.linalg import lapack
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.geometry.arrays import FloatArray
 
-HARD_CASE = 1e-3  # of the square of the radius: a shorter step gets what is missing along the most negative mode
-
 
 def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:
     """Minimiser of the quadratic model in a ball, (n,).
@@ -40,7 +38,7 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
     mode, low = modes[:, 0], max(0.0, -float(values[0]))
     step = _on_surface(gradient, hessian, radius, low, low + abs(float(mode @ gradient)) / radius)
     missing = radius**2 - float(step @ step)
-    if values[0] < 0 and missing > HARD_CASE * radius**2:
+    if values[0] < 0 < missing:
         along = float(step @ mode)
         leading = along if along != 0 else mode[np.argmax(np.abs(mode))]
         step = step + (np.copysign(np.sqrt(along**2 + missing), leading) - along) * mode

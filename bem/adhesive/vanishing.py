@@ -8,8 +8,7 @@ Source: Barquins, J. Adhesion 26 (1988) 1, for the width at which a lone contact
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +18,13 @@ from bem.geometry.patches import Patches
 
 FloatArray = NDArray[np.float64]
 
-DOOMED_GAP = 0.02  # of the shortest wavelength, when also 20 times narrower than the widest gap
+NARROW = 0.02  # of the shortest wavelength, for a gap; of the width at which a lone contact pulls off, for a patch
 CLOSED_GAP = 1e-7  # of the period
 LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
-TIED = 1e-3  # relative difference of gaps that close, or patches that vanish, at the same instant
-VANISHED_WIDTH = 0.02  # of the half width at which a lone JKR contact pulls off
+TIED = 1e-3  # relative difference of what vanishes or touches at the same instant
 
 
-@dataclass(frozen=True)
-class Change:
+class Change(NamedTuple):
     """A patch or gap that vanished in a descent."""
 
     kind: Literal["coalescence", "detachment", "complete_contact"]
@@ -46,7 +43,7 @@ def closing_gaps(system: System, here: Balance) -> Remaining | None:
     count = patches.count
     gaps = patches.gap_after
     wavelength = 2 * np.pi / system.elastic.profile.max_order
-    doomed = gaps < min(DOOMED_GAP * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
+    doomed = gaps < min(NARROW * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
     closed = gaps < CLOSED_GAP * 2 * np.pi
     closing = np.flatnonzero((doomed & pulled_shut(here)) | closed if doomed.any() else closed)
     if closing.size == 0:
@@ -69,12 +66,12 @@ def vanishing_patches(system: System, here: Balance) -> Remaining | None:
     patches = here.state.patches
     count = patches.count
     inward = here.gradient > 0
-    narrow = patches.half_width < VANISHED_WIDTH / system.elastic.profile.max_order  # the widest at pull-off
+    narrow = patches.half_width < NARROW / system.elastic.profile.max_order  # the widest at pull-off
     shrinking = np.flatnonzero(inward[:count] & inward[count:])
     if not narrow[shrinking].any():
         return None
     relative = patches.half_width[shrinking] / pull_off_half_width(system, patches.center[shrinking])
-    if relative.min() >= VANISHED_WIDTH:
+    if relative.min() >= NARROW:
         return None
     gone = shrinking[relative <= (1 + TIED) * relative.min()]
     changes = tuple(Change("detachment", float(x)) for x in patches.center[gone])

@@ -29,12 +29,13 @@ from bem.geometry.profile import Profile
 
 SMALLEST_VARIATION = 1e-5  # rms heights; rounding of u (5e-14, measured with 155 patches) over 1e-8, margin 2
 SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
-RESOLVED = 1e-12  # rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
+RESOLVED = 1e-12  # derived: rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
 POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them is 4.4e-16
 LOAD_ROUNDING = 1.5e-14  # of displacements over the load, sums over all patches; measured 6.1e-15 at 3028 patches
 ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
 AT_EDGE = "at an edge of patch"
-ZOOMS, ZOOM_POINTS = 8, np.linspace(-1.0, 1.0, 9)  # of a minimum of the pressure: each a quarter as wide as the last
+ZOOMS = 8  # of a minimum of the pressure
+ZOOM_POINTS = np.linspace(-1.0, 1.0, 9)  # derived: each zoom is a quarter as wide as the last
 
 
 @dataclass(frozen=True)

@@ -33,13 +33,13 @@ from bem.geometry.patches import PatchPressure
 
 ComplianceRatio = Callable[[FloatArray], FloatArray]
 
-ROUNDING = 1e-16
-LONGEST_SERIES = 1 << 16  # modes of a layer
-LARGEST_BLOCK = 1 << 14  # pairs of points and patches at a time, or logarithms: they stay in the cache
-TINY = 1e-300  # keeps the number of terms defined at an edge
-UNIT = (2 * np.pi) ** (2 / 3)  # of length in logarithms: three images make up for the period without a constant
-CLEAR = 3.0  # half boxes, and then a width of the patch, from the center of a box to that of the nearest far patch
-TERMS = 4  # of a power series at a time
+ROUNDING = 1e-16  # derived: of the displacement, over its largest
+LONGEST_SERIES = 1 << 16  # limit: modes of a layer
+LARGEST_BLOCK = 1 << 14  # speed: pairs of points and patches at a time, or logarithms: they stay in the cache
+TINY = 1e-300  # derived: keeps the number of terms defined at an edge
+UNIT = (2 * np.pi) ** (2 / 3)  # derived: of length: three images make up for the period without a constant
+CLEAR = 3.0  # speed: half boxes, and a width of the patch, from the centre of a box to that of the nearest far patch
+TERMS = 4  # speed: of a power series at a time
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,10 +37,10 @@ SUMMED = 4.0  # of that, in sums over the terms of a series; measured 1
 RELATIVE = 1e-8  # of the mean gap over the separation
 TENSION = 1e-10  # in contact, over the largest tension held back
 POINTS_PER_WAVELENGTH, LEAST_POINTS = 16, 48  # in contact
-ZOOMS, ZOOM_POINTS = 14, 9  # each narrows the bracket of a minimum to a quarter
-CLOSE = 0.03  # distance at which cot(y/2)/2 - 1/y is a series; terms of y^9 are 1e-16 there, the first 1e-3
+ZOOMS, ZOOM_POINTS = 14, 9  # derived: each narrows the bracket of a minimum to a quarter
+CLOSE = 0.03  # derived: distance at which cot(y/2)/2 - 1/y is a series; terms of y^9 are 1e-16 there, the first 1e-3
 ANGLES = 24  # beyond those of the series
-HIGHEST = 1 << 16  # modes of a layer
+HIGHEST = 1 << 16  # limit: modes of a layer
 
 
 @dataclass(frozen=True, eq=False)

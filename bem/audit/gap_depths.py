@@ -17,8 +17,8 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.profile import Profile
 
 GAP_POINTS_PER_WAVELENGTH = 16
-MAX_GAP_SAMPLES = 8192
-WAVE_TERMS = 30  # of half a wave of the cosine: below 1e-20
+MAX_GAP_SAMPLES = 8192  # limit: of u in a gap; more is a reason against the state
+WAVE_TERMS = 30  # derived: of half a wave of the cosine: below 1e-20
 REFINEMENTS, NARROWER = 6, 3  # of a minimum: the last points are 1/243 as far apart as the first
 
 

@@ -14,7 +14,7 @@ from bem.scene.result import Result
 from bem.scene.result_views import UNITS
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-FEWEST, MOST = 2, 4  # digits
+FEWEST, MOST = 2, 4  # format: digits
 UNKNOWN = "–"
 HEADS = (
     "mean pressure",

@@ -32,7 +32,7 @@ from bem.scene.result_file import (
 )
 from bem.scene.scene import Scene
 
-PAUSE = 10.0  # times the duration of a write of result.json until the next
+PAUSE = 10.0  # format: times the duration of a write of result.json until the next
 
 
 class OutputFolderError(ValueError):

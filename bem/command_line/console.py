@@ -22,10 +22,10 @@ from bem.scene.cost_prediction import Cost
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Caution, Effect, Progress, Result
 
-LINE_SECONDS = 5.0
-TARGET_SECONDS = 0.5
-BAR_SECONDS = 0.2
-TRUST = 0.05  # of the predicted work: until so much is done, the prediction outweighs the pace seen
+LINE_SECONDS = 5.0  # format: s between lines of progress
+TARGET_SECONDS = 0.5  # format: s, the same at targets
+BAR_SECONDS = 0.2  # format: s between redraws of the bar
+TRUST = 0.05  # format: of the predicted work: until so much is done, the prediction outweighs the pace seen
 
 
 def discard_stdout() -> None:

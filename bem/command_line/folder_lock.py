@@ -17,7 +17,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 LOCK_FILE = ".lock"
-PATIENCE = 0.2  # s; a lock file that its holder just removed is tried again
+PATIENCE = 0.2  # format: s; a lock file that its holder just removed is tried again
 
 
 class FolderError(RuntimeError):

@@ -26,6 +26,7 @@ from bem.continuation.opening import (
 from bem.continuation.points_with_edges import Equilibrium, Point
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
+from bem.geometry.profile import EQUAL_HEIGHTS
 from bem.loading.complete_contact import CompleteContact, closing_place
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, path_events
 from bem.loading.path_point import Complete, Failed, Separated
@@ -62,7 +63,9 @@ class BareStates:
     @property
     def closing_value(self) -> float:
         """Penetration at which contact is complete; infinite when the load takes part in the control."""
-        return self.system.elastic.profile.max_height * (1 - 1e-12) if self.system.control.load_weight == 0 else np.inf
+        if self.system.control.load_weight > 0:
+            return np.inf
+        return self.system.elastic.profile.max_height * (1 - EQUAL_HEIGHTS)
 
     def advance(self, point: Separated | Complete | Failed, goal: float) -> Point:
         """From separated surfaces to first touch (at value 0), from complete contact to its opening, or to the goal."""
@@ -128,4 +131,4 @@ class BareStates:
 
     def _relaxed(self, start: Patches, penetration: float, value: float) -> Relaxed:
         """Where the forces lead from edges that touch or open."""
-        return relax(self.system, start, penetration, value, self.jumps.increments.coarse)
+        return relax(self.system, start, penetration, value, self.jumps.increments.fine)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation.curve import Piece
+from bem.continuation.limit_points import LimitPoint, LimitPoints
 from bem.continuation.locating import AtControl, Refused, Start, settle
 from bem.continuation.steps import Way
 from bem.continuation.touches import Touch, locate_touch
-from bem.continuation.turns import LimitPoint, Turns
 from bem.loading.increments import Increments
 
 
@@ -45,7 +45,7 @@ class BranchEnds:
     def first(self, piece: Piece, way: Way) -> End | Refused | None:
         """The first one on a piece; None where there is none."""
         tolerance, allowed = self.increments.fine.tolerance, self.increments.fine.allowed
-        limit = Turns(self.system, way.direction, tolerance).on(piece)
+        limit = LimitPoints(self.system, way.direction, tolerance).on(piece)
         if isinstance(limit, Refused):
             return limit
         state, place = piece.last.balance.state, 1.0
@@ -54,10 +54,10 @@ class BranchEnds:
         found, end = interpenetration(self.system, state, allowed), limit
         if found.position.size:
             touch = locate_touch(self.system, piece, (state, place), found, tolerance)
-            if isinstance(touch, Refused) or way.beyond(touch.at.exact.value) <= 0:
+            if isinstance(touch, Refused) or way.beyond(touch.at.numbers.value) <= 0:
                 return touch
             end = None
-        value = piece.last.value if limit is None else limit.at.exact.value
+        value = piece.last.value if limit is None else limit.at.numbers.value
         if way.beyond(value) < 0 and not found.position.size:
             return limit
         goal = self._goal(piece, way)

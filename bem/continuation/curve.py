@@ -35,9 +35,11 @@ from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
 
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
-BESIDE = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
+LONGEST = 0.15  # units: a motion of the edges along the curve, in a step or by Newton
+SHORT = 5e-4  # units, or of a gap: a motion in which everything is linear but for a part of its square
+NEAR = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
 SOFTENING = 60.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit; measured 39
-MODES = 4  # of a point whose Hessian is indefinite: more than turn within a step, but for equal patches
+MODES = 4  # speed: of a point whose Hessian is indefinite: more than turn within a step, but for equal patches
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,7 +275,7 @@ class Piece:
         y = self._at(s)
         off = float(np.max(np.abs((motion - y[:-1]) / self.first.unit)))
         risen = abs(value - self.first.value - float(y[-1]))
-        return -BESIDE <= s <= 1 + BESIDE and off <= BESIDE * self.size and risen <= BESIDE * self.rise
+        return -NEAR <= s <= 1 + NEAR and off <= NEAR * self.size and risen <= NEAR * self.rise
 
     def turns(self) -> FloatArray:
         """Parameters at which the control turns, ascending."""

@@ -1,12 +1,11 @@
 """Jumps of an adhesive path: where the contact goes when its branch has ended, and the energy that it releases.
 
-A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (turns.py, touches.py), so
-that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of the control at
-which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as the square of
-the motion, from a broken symmetry on both sides of its mode.  It goes on by finer evaluations where only coarse ones
-find it at rest; what it releases is the difference of the potential of two equilibria, each improved until another
-resolution changes nothing.  A jump that leaves all patches in place is an event if it releases more than three times
-the error of that.  Dimensionless.
+A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (limit_points.py,
+touches.py), so that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of
+the control at which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as
+the square of the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  What
+it releases is the difference of the potential of two equilibria, each located with its error.  A jump that leaves all
+patches in place is an event if it releases more than the error stated.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -16,30 +15,27 @@ from typing import Literal
 
 import numpy as np
 
-from bem.adhesive.branch import moving_patches, outward_motion, unstable_patches
+from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.relaxation import Cause, Relaxed, relax
-from bem.continuation.locating import LONGEST_STEP, AtControl, Located, Refused, Start, locate
+from bem.continuation.curve import LONGEST
+from bem.continuation.limit_points import LimitPoint
+from bem.continuation.locating import AtControl, Located, Refused, Start, locate
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import Equilibrium, Point
+from bem.continuation.steps import SHORTER
 from bem.continuation.symmetry import TIED
 from bem.continuation.touches import Touch
-from bem.continuation.turns import LimitPoint
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import Accuracy, Increments
+from bem.loading.increments import SAFETY, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-DOUBT = 3.0  # times its error: less energy is not an event, where all patches stay
-FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet; the last, finely evaluated
-LONGEST_PUSH = 0.16  # of the edge scale
-PUSHES = 0.02, 0.08, 0.16  # of the edge scale, or of a pinning wave: where a symmetry breaks, on either side
-LEAST_FORCE = 3.0  # times the residual of an accuracy: weaker forces say nothing
-RETURNED = 2.0  # times a push: edges that moved no farther fell back
+FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet, in turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,28 +56,23 @@ class Jumps:
     def from_touch(self, touch: Touch) -> Point:
         """The state behind the touch of a crest."""
         state, at = touch.at.balance.state, touch.at
-        relaxed = self._relaxed(state, state.patches, at.exact.value, found=touch.touching)
-        return self.behind(at.exact, at.error, relaxed, relaxed.changes)
+        relaxed = self._relaxed(state, state.patches, at.numbers.value, found=touch.touching)
+        return self.behind(at.numbers, at.error, relaxed, relaxed.changes)
 
     def from_fold(self, limit: LimitPoint) -> Point | None:
         """The state behind a fold; None where no force is felt along its mode that leads on."""
         at, mode = limit.at, limit.modes[:, 0]
         state, patches, work = at.balance.state, at.patches, at.balance.work
         length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
-        longest = LONGEST_PUSH / float(np.max(np.abs(mode) / patches.edge_scale))
-        coarse, fine = self.increments.coarse, self.increments.fine
-        for part, accuracy in zip(np.minimum(length, longest), (coarse, fine, fine), strict=True):
-            pushed = patches.moved(part * mode)
-            if (
-                self._force(pushed, state.penetration, at.exact.value, mode, accuracy)
-                <= LEAST_FORCE * accuracy.residual
-            ):
+        longest = LONGEST / float(np.max(np.abs(mode) / patches.edge_scale))
+        for part in np.minimum(length, longest):
+            if not self._is_felt(patches.moved(part * mode), state.penetration, at.numbers.value, mode):
                 continue
-            relaxed = self._relaxed(state, pushed, at.exact.value, moving_patches(patches, mode), fine=accuracy is fine)
+            relaxed = self._relaxed(state, patches.moved(part * mode), at.numbers.value, moving_patches(patches, mode))
             if self._returned(patches, relaxed, part * mode):
                 continue
             changes = relaxed.changes or (("bifurcation", leading_patch(patches, mode)),)
-            return self.behind(at.exact, at.error, relaxed, changes, surely=bool(relaxed.changes))
+            return self.behind(at.numbers, at.error, relaxed, changes, surely=bool(relaxed.changes))
         return None
 
     def from_broken_symmetry(self, at: Located, motion: FloatArray, other: Patches | None) -> Point | None:
@@ -96,36 +87,36 @@ class Jumps:
         other : Patches or None
             Edges of an unstable branch that begins there, from which forces lead on.
         """
-        value, patches, state = at.exact.value, at.patches, at.balance.state
+        value, patches, state = at.numbers.value, at.patches, at.balance.state
         unit = np.minimum(patches.edge_scale, self.system.pinning.shortest(at.balance.work, patches.edge_scale))
         motion = motion / float(np.max(np.abs(motion) / unit))
-        outward = PUSHES[-1] * motion
+        outward = LONGEST * motion
         if other is not None:
             outward = outward_motion(patches, other)
         else:
-            for part, sign in ((part, sign) for part in PUSHES for sign in (1.0, -1.0)):
-                trial, coarse = sign * part * motion, self.increments.coarse
-                if (
-                    self._force(patches.moved(trial), state.penetration, value, trial, coarse)
-                    > LEAST_FORCE * coarse.residual
-                ):
+            for part, sign in (
+                (part, sign) for part in (LONGEST / SHORTER**2, LONGEST / SHORTER, LONGEST) for sign in (1.0, -1.0)
+            ):
+                trial = sign * part * motion
+                if self._is_felt(patches.moved(trial), state.penetration, value, trial):
                     outward = trial
                     break
-        relaxed = self._relaxed(state, patches.moved(outward), value, moving_patches(patches, outward), fine=True)
+        relaxed = self._relaxed(state, patches.moved(outward), value, moving_patches(patches, outward))
         if self._returned(patches, relaxed, outward):
             return None
         changes = (("bifurcation", leading_patch(patches, outward)), *relaxed.changes)
-        return self.behind(at.exact, at.error, relaxed, changes)
+        return self.behind(at.numbers, at.error, relaxed, changes)
 
     def unlocated(self, here: Balance, start: float, value: float) -> Point:
         """The state at `value` behind an end of the branch that was not located, from the last good edges before it."""
         state, width = here.state, abs(value - start)
-        relaxed = self._relaxed(state, state.patches, value, unstable_patches(here), fine=True)
+        relaxed = self._relaxed(state, state.patches, value, unstable_patches(here))
         control, stiffness = self.system.control, here.stiffness
         deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
         error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
         changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
-        return self.behind(self._at_fixed_edges(here, start, value), error, relaxed, changes, bool(relaxed.changes))
+        at = after_step(self.system, here, start, np.zeros(2 * state.patches.count), value - start)
+        return self.behind(at, error, relaxed, changes, bool(relaxed.changes))
 
     def behind(
         self,
@@ -136,8 +127,6 @@ class Jumps:
         surely: bool = True,
     ) -> Point:
         """The point behind a jump with its events.
-
-        Where only coarse evaluations find it at rest, the jump goes on from there by finer ones.
 
         Parameters
         ----------
@@ -152,52 +141,43 @@ class Jumps:
         """
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
-        value, here, found = relaxed.target, relaxed.balance, self._at_rest(relaxed.balance, relaxed.target)
-        if found is None and relaxed.status == "converged":
-            finer = self._relaxed(here.state, here.state.patches, value, fine=True)
-            if finer.status in ("converged", "separated", "complete_contact"):
-                changes = (*changes, *finer.changes)
-                relaxed, surely = finer, surely or bool(finer.changes)
-            if relaxed.balance is None:
-                return self._without_edges(at, error, relaxed, changes)
-            here, found = relaxed.balance, self._at_rest(relaxed.balance, value)
-        after, uncertain = self._at_fixed_edges(here, value, value), np.inf
-        if found is not None:
-            here, after, uncertain = found.balance, found.exact, found.error.potential
-        released = at.potential - self._led_to(here.state, after.potential, at.value - after.value)
-        doubt = error.potential + uncertain + self._elsewhere(at, error, after.penetration, after.load)
-        happened = surely or not np.isfinite(doubt) or released > DOUBT * doubt
+        value, here = relaxed.target, relaxed.balance
+        found = self._minimum(here, value)
+        if found is None:
+            patches, after, uncertain = here.state.patches, numbers_of(here, value), np.inf
+        else:
+            here, patches, after, uncertain = found.balance, found.patches, found.numbers, found.error.potential
+        released = at.potential - after.potential
+        doubt = error.potential + uncertain + self._moved_by_error(at, error, after.penetration, after.load)
+        happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
         events = path_events(changes, at, error, released, doubt) if happened else ()
         if relaxed.status != "converged":
             return _failed(relaxed, events)
-        patches = here.state.patches if found is None else found.patches
         return Equilibrium(value, here, patches, after.load, events=events)
 
-    def _at_rest(self, here: Balance, value: float) -> Located | None:
-        """The stable equilibrium beside the one in which a jump ended, with its errors; None where there is none."""
-        outward = -here.response(here.gradient)
-        start = Start(here.state.patches.moved(outward), here.state.penetration, value)
-        found = locate(self.system, start, AtControl(value), self.increments.fine.tolerance)
+    def _minimum(self, here: Balance, value: float) -> Located | None:
+        """The stable equilibrium in which a jump ended, with its errors; None where there is none."""
+        start = Start(here.state.patches, here.state.penetration, value)
+        found = locate(self.system, start, AtControl(value), self.increments.fine.tolerance, known=here)
         if isinstance(found, Refused) or found.balance.factor is None:
             return None
         moved = outward_motion(here.state.patches, found.patches) / here.state.patches.edge_scale
-        return found if np.max(np.abs(moved)) <= LONGEST_STEP else None
+        return found if np.max(np.abs(moved)) <= LONGEST else None
 
-    def _force(
-        self, patches: Patches, penetration: float, value: float, motion: FloatArray, accuracy: Accuracy
-    ) -> float:
-        """Force along a motion that edges feel, over the work of adhesion."""
+    def _is_felt(self, patches: Patches, penetration: float, value: float, motion: FloatArray) -> bool:
+        """Whether edges feel a force along a motion: more than errors leave of one."""
         if not patches.is_ordered:
-            return -np.inf
-        here = balance(self.system, patches, penetration, value, accuracy.tolerance)
-        return -float(here.gradient @ motion) / float(here.work @ np.abs(motion))
+            return False
+        here = balance(self.system, patches, penetration, value, self.increments.fine.tolerance)
+        force = -float(here.gradient @ motion) / float(here.work @ np.abs(motion))
+        return force > SAFETY * self.increments.fine.residual
 
     def _returned(self, start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
         """Whether edges that were pushed outward fell back to an equilibrium."""
         if relaxed.balance is None or relaxed.changes:
             return False
         moved = np.abs(outward_motion(start, relaxed.balance.state.patches)) / start.edge_scale
-        return float(moved.max()) <= RETURNED * float(np.max(np.abs(outward) / start.edge_scale))
+        return float(moved.max()) <= 2 * float(np.max(np.abs(outward) / start.edge_scale))
 
     def _without_edges(
         self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
@@ -208,11 +188,11 @@ class Jumps:
             changes = (*changes[:-1], ("pull_off", changes[-1][1]))
             if self.system.control.penetration_weight:  # a dead tension falls for ever
                 released = at.potential
-                doubt += self._elsewhere(at, error, at.penetration, 0.0)
+                doubt += self._moved_by_error(at, error, at.penetration, 0.0)
         elif relaxed.status == "complete_contact":
             released = at.potential - complete_potential(self.system, self.complete, relaxed.target)
             highest = self.system.elastic.profile.max_height
-            doubt += self._elsewhere(at, error, highest, self.system.control.load(highest, relaxed.target))
+            doubt += self._moved_by_error(at, error, highest, self.system.control.load(highest, relaxed.target))
         events = path_events(changes, at, error, released, doubt)
         if relaxed.status == "separated":
             return Separated(relaxed.target, events=events)
@@ -220,7 +200,7 @@ class Jumps:
             return Complete(relaxed.target, events=events)
         return _failed(relaxed, events)
 
-    def _elsewhere(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
+    def _moved_by_error(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
         """Change of the energy released where the jump to this penetration and load lies elsewhere within its error."""
         works = self.system.control.penetration_weight > 0  # the load does work, or the penetration
         return error.value * (abs(at.load - load) if works else abs(at.penetration - penetration))
@@ -232,28 +212,10 @@ class Jumps:
         value: float,
         unstable: IntArray | None = None,
         found: GapMinima | None = None,
-        fine: bool = False,
     ) -> Relaxed:
-        """Where the forces lead; what the accuracy between targets leaves open that of targets decides."""
+        """Where the forces lead."""
         cause = Cause(unstable, found, before)
-        for accuracy in (self.increments.coarse, self.increments.fine)[int(fine) :]:
-            relaxed = relax(self.system, patches, before.penetration, value, accuracy, cause)
-            if relaxed.status != "not_converged":
-                break
-        return relaxed
-
-    def _at_fixed_edges(self, here: Balance, start: float, value: float) -> EventNumbers:
-        """Numbers of a state after a change of the control at fixed edges."""
-        control, change = self.system.control, value - start
-        state = here.state
-        deeper = change * control.rate(state)
-        potential = self._led_to(state, here.potential, change)
-        return EventNumbers(value, state.penetration + deeper, state.load + deeper * state.load_rate, potential)
-
-    def _led_to(self, state: Evaluation, potential: float, change: float) -> float:
-        """The potential of a state after a change of the control at fixed edges."""
-        control = self.system.control
-        return potential + change * (control.force(state) + change / 2 * control.force_rate(state))
+        return relax(self.system, patches, before.penetration, value, self.increments.fine, cause)
 
 
 def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:

@@ -18,20 +18,16 @@ from numpy.polynomial import polynomial
 
 from bem.adhesive.equilibrium import System
 from bem.continuation.curve import CurvePoint, Piece, curve_point
-from bem.continuation.locating import AtControl, AtLoad, Refused, Start, evaluated, settle
+from bem.continuation.locating import LAST, LOCATED, AtControl, AtLoad, Refused, Start, evaluated, settle
 from bem.continuation.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
 from bem.continuation.points_with_edges import Equilibrium, Stretch
 from bem.elastic.collocation import evaluate
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.control import LoadControl
-from bem.loading.increments import Accuracy
+from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
-SECANTS = 40
 LOAD_ACCURACY = 1e-11  # of the load, or of a load of 1e-3
-GAP_ACCURACY = 1e-5  # of the width of a narrow gap, from where Newton needs one or two steps
-DIGITS = 64  # spacings of the control, by which it misses a load in a narrow gap
-TWICE = 2.0  # times as far beyond the ends of a piece as its cubic says: where the load may turn
-LEVEL = 1e-9  # of the change of dP/ds over a piece: where the load turns
+DIGITS = 64  # spacings of the control, by which it misses a load in a narrow gap; 26 at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +57,7 @@ class Loads:
             return None
         allowed = LOAD_ACCURACY * max(abs(load), 1e-3)
         point: CurvePoint | None = None
-        for _ in range(SECANTS):
+        for _ in range(MAXIMUM_ITERATIONS):
             s = (a * miss_b - b * miss_a) / (miss_b - miss_a)
             point = self.point(piece, s)
             if point is None:
@@ -74,9 +70,9 @@ class Loads:
             else:
                 miss_a /= 2
             b, miss_b = s, miss
-        return None if point is None else self._settled(point, load, allowed)
+        return None if point is None else self._state_at(point, load, allowed)
 
-    def _settled(self, point: CurvePoint, load: float, allowed: float) -> Equilibrium | None:
+    def _state_at(self, point: CurvePoint, load: float, allowed: float) -> Equilibrium | None:
         """The state at a load next to a point of the curve; beside an extremum at the control of the point."""
         start = Start(point.patches, point.numbers.penetration, point.value)
         for on in (AtLoad(self.system, load, allowed), AtControl(point.value)):
@@ -105,8 +101,8 @@ class Loads:
         rate_low, rate_high = (self._rate(piece, point) for point in (piece.first, piece.last))
         if rate_low * rate_high >= 0 or not self._may_pass(ends, (rate_low, rate_high)):
             return
-        level = LEVEL * abs(rate_low - rate_high)
-        for _ in range(SECANTS):
+        level = LOCATED * abs(rate_low - rate_high)
+        for _ in range(MAXIMUM_ITERATIONS):
             s = low - rate_low * (high - low) / (rate_high - rate_low)
             point = self.point(piece, s)
             if point is None:
@@ -129,7 +125,7 @@ class Loads:
         at = polynomial.polyroots(polynomial.polyder(cubic)).real
         top = polynomial.polyval(np.clip(at, 0.0, 1.0), cubic)
         highest, lowest = max(ends), min(ends)
-        above, below = TWICE * (max(top) - highest), TWICE * (lowest - min(top))
+        above, below = 2 * (max(top) - highest), 2 * (lowest - min(top))
         return any(highest <= load <= highest + above or lowest - below <= load <= lowest for load in self.asked)
 
     def _rate(self, piece: Piece, point: CurvePoint) -> float:
@@ -152,7 +148,7 @@ class Loads:
         if patches.count > 1 or widest <= FINEST_GAP or miss(FINEST_GAP) * miss(widest) > 0:
             return None
         brentq = import_module("scipy.optimize").brentq
-        flaw = gap(float(brentq(miss, FINEST_GAP, widest, rtol=GAP_ACCURACY)))
+        flaw = gap(float(brentq(miss, FINEST_GAP, widest, rtol=LAST)))
         crack, highest = with_gap(flaw.center, flaw.width), system.elastic.profile.max_height
         state = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load)
         depth = state.penetration

@@ -1,8 +1,9 @@
 """Equilibria that meet a condition: Newton on the bordered system (curve.py), and the error of what it finds.
 
 Iterates are evaluated at a tolerance until a step is short.  The last evaluation has more nodes and modes than that
-tolerance asks for; what it changes, of the numbers as the last Newton steps leave them, is the error.  Where modes are
-held at rest (a symmetry that is to be kept), the forces lambda that hold them are further unknowns, and V . d xi = 0.
+tolerance asks for; what it changes, of the numbers as the last Newton steps leave them, is the error.  Newton has
+diverged where a step is no shorter than the one before it.  Where modes V are held (a symmetry that is to be kept), the
+forces lambda that hold them are further unknowns, and V . d xi = 0.
 
 A condition says phi and its derivatives in a state.  These are a value of the control, a load, a plane through edges,
 the neutral mode of a fold or of a bifurcation (minimally augmented: R. Seydel, Practical Bifurcation and Stability
@@ -13,7 +14,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Protocol
 
 import numpy as np
 
@@ -21,19 +21,18 @@ from bem.adhesive.branch import after_step, outward_motion
 from bem.adhesive.equilibrium import Balance, System, balance, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
-from bem.continuation.curve import Row, bordered, missing, unit_of
+from bem.continuation.curve import LONGEST, SHORT, Row, bordered, missing, unit_of
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-from bem.loading.increments import Accuracy
+from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.loading.path_events import EventNumbers
 
-STEPS = 12  # of Newton; three to five do
-LONGEST_STEP = 0.2  # units: what is taken of a longer step
-SHORT, LAST = 1e-3, 1e-5  # units: a step behind which the last evaluation comes, and one that leaves 1e-10
+LAST = 1e-5  # derived: units: the last step, behind which LAST^2 = 1e-10 is missing
+LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
 FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
-MODES = 8  # lowest ones, among which the neutral one is followed
+MODES = 8  # speed: lowest ones, among which the neutral one is followed
 
 
 class Refused(Enum):
@@ -49,33 +48,25 @@ class Refused(Enum):
     UNCLEAR = "a shorter step must tell what happens in this one"
 
 
-class Condition(Protocol):
-    """What closes the equations of equilibrium: phi(xi, tau) = 0, within an accuracy."""
+class Condition:
+    """What closes the equations of equilibrium: phi(xi, tau) = 0, in a settled state within an accuracy."""
 
-    @property
-    def accuracy(self) -> float:
-        """Largest |phi| of what is found."""
-        ...
-
-    def asked(self, system: System) -> System:
-        """The system whose evaluations know what the condition needs."""
-        ...
-
-    def row(self, here: Balance, value: float) -> Row:
-        """phi and its derivatives."""
-        ...
-
-
-@dataclass(frozen=True)
-class AtControl:
-    """The control has a value."""
-
-    goal: float
     accuracy: float = np.inf
 
     def asked(self, system: System) -> System:
-        """As it is."""
+        """The system whose evaluations know what the condition needs."""
         return system
+
+    def row(self, here: Balance, value: float) -> Row:
+        """phi and its derivatives."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class AtControl(Condition):
+    """The control has a value."""
+
+    goal: float
 
     def row(self, here: Balance, value: float) -> Row:
         """tau - goal."""
@@ -83,16 +74,12 @@ class AtControl:
 
 
 @dataclass(frozen=True)
-class AtLoad:
+class AtLoad(Condition):
     """The load has a value, within an accuracy."""
 
     system: System
     load: float
     accuracy: float
-
-    def asked(self, system: System) -> System:
-        """As it is."""
-        return system
 
     def row(self, here: Balance, value: float) -> Row:
         """P - load: edges change P by k at fixed penetration, and by the control."""
@@ -102,16 +89,11 @@ class AtLoad:
 
 
 @dataclass(frozen=True, eq=False)
-class InPlane:
+class InPlane(Condition):
     """Edges lie in a plane: normal . (xi - those given) = 0."""
 
     patches: Patches
     normal: FloatArray
-    accuracy: float = np.inf
-
-    def asked(self, system: System) -> System:
-        """As it is."""
-        return system
 
     def row(self, here: Balance, value: float) -> Row:
         """How far beyond it."""
@@ -119,7 +101,7 @@ class InPlane:
 
 
 @dataclass(eq=False)
-class NeutralMode:
+class NeutralMode(Condition):
     """An eigenvalue of the scaled Hessian vanishes: mu = v . H v, d mu = (D_v H v) . d xi + v . H_tau v d tau.
 
     Of the lowest modes it is that which is most along the last one, at first along the mode given.
@@ -139,15 +121,10 @@ class NeutralMode:
     system: System
     scale: FloatArray
     last: FloatArray
-    accuracy: float
-    values: FloatArray = field(default_factory=lambda: np.zeros(0))
-    modes: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
-    index: int = 0
-    by_edges: FloatArray = field(default_factory=lambda: np.zeros(0))
-
-    def asked(self, system: System) -> System:
-        """As it is."""
-        return system
+    values: FloatArray = field(init=False)
+    modes: FloatArray = field(init=False)
+    index: int = field(init=False)
+    by_edges: FloatArray = field(init=False)
 
     def row(self, here: Balance, value: float) -> Row:
         """mu."""
@@ -172,11 +149,11 @@ class NeutralMode:
 
 
 @dataclass(frozen=True, eq=False)
-class AtRest:
+class HeldModes:
     """Modes that do not take part, (2 L, k) outward motions, held by forces along them.
 
-    Where a broken symmetry is restored it is not known where they are at rest: there the control does no work on them,
-    v . dg/dtau = 0.
+    Where a broken symmetry is restored it is not known which edges are symmetric: there the control does no work on the
+    modes, v . dg/dtau = 0.
     """
 
     modes: FloatArray
@@ -212,14 +189,14 @@ class Located:
     ----------
     balance : Balance
         Forces beside it.
-    exact, error : EventNumbers
+    numbers, error : EventNumbers
         Its numbers, and what the last evaluation changed of them.
     step : (2 L,) array
         What is left to it, outward motion of the edges.
     """
 
     balance: Balance
-    exact: EventNumbers
+    numbers: EventNumbers
     error: EventNumbers
     step: FloatArray
 
@@ -230,7 +207,12 @@ class Located:
 
 
 def locate(
-    system: System, start: Start, on: Condition, tolerance: float, at_rest: AtRest | None = None
+    system: System,
+    start: Start,
+    on: Condition,
+    tolerance: float,
+    held: HeldModes | None = None,
+    known: Balance | None = None,
 ) -> Located | Refused:
     """The equilibrium next to edges that meets a condition, with its error.
 
@@ -241,57 +223,59 @@ def locate(
     on : Condition
     tolerance : float
         Of the evaluations.
-    at_rest : AtRest, optional
+    held : HeldModes, optional
+    known : Balance, optional
+        Forces where it begins, evaluated at the same tolerance.
     """
     before: EventNumbers | None = None
     place, last = start, np.inf
-    for _ in range(STEPS):
+    for _ in range(MAXIMUM_ITERATIONS):
         asked = on.asked(system.sloped)
-        here = evaluated(asked, place, tolerance) if before is None else evaluated_finely(asked, place, tolerance)
+        if before is None:
+            here = known or evaluated(asked, place, tolerance)
+        else:
+            here = evaluated_finely(asked, place, tolerance)
+        known = None
         if isinstance(here, Refused):
             return here
-        row = on.row(here, place.value)
-        taken = newton_step(system, here, row, at_rest)
-        if isinstance(taken, Refused):
-            return taken
-        step, change, size = taken
-        if size > last and size > SHORT:
+        step = newton_step(system, here, on.row(here, place.value), held)
+        if isinstance(step, Refused):
+            return step
+        if step.size >= last:
             return Refused.DIVERGED
-        numbers = after_step(system, here, place.value, step, change)
-        if before is not None and size <= LAST and abs(row.value) <= on.accuracy:
-            return Located(here, numbers, numbers.apart(before, system.control.force(here.state)), step)
-        if before is None and size <= SHORT:
-            before = numbers
-        last = size
-        place = _moved(here, place.value, step, change, size)
+        numbers, last = after_step(system, here, place.value, step.motion, step.change), step.size
+        if before is not None and step.size <= LAST:
+            return Located(here, numbers, numbers.apart(before, system.control.force(here.state)), step.motion)
+        if before is None and step.size <= SHORT:
+            before, last = numbers, np.inf
+        place = step.end(here, place.value)
     return Refused.DIVERGED
 
 
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
     """The state next to edges that meets a condition, evaluated in itself, and its value of the control.
 
-    It is no farther than LONGEST_STEP away, and at the end of a Newton step: what that leaves is below the residual.
+    It is no farther than LONGEST away, and at the end of a Newton step: what that leaves is below the residual.
     Short steps keep the resolution: where adhesion is weak K of one number of modes and K of the next differ by more
     than the residual allows.
     """
     place, last, kept = start, np.inf, None
-    for count in range(STEPS):
+    for _ in range(MAXIMUM_ITERATIONS):
         here = evaluated(on.asked(system), place, accuracy.tolerance, kept)
         if isinstance(here, Refused):
             return here
-        if np.max(np.abs(outward_motion(start.patches, place.patches)) / unit_of(system, here)) > LONGEST_STEP:
+        if np.max(np.abs(outward_motion(start.patches, place.patches)) / unit_of(system, here)) > LONGEST:
             return Refused.FAR
         row = on.row(here, place.value)
-        if count and here.is_equilibrium(accuracy.residual) and abs(row.value) <= on.accuracy:
+        if place is not start and here.is_equilibrium(accuracy.residual) and abs(row.value) <= on.accuracy:
             return here, place.value
-        taken = newton_step(system, here, row, None)
-        if isinstance(taken, Refused):
-            return taken
-        step, change, size = taken
-        if size > last and size > SHORT:
+        step = newton_step(system, here, row)
+        if isinstance(step, Refused):
+            return step
+        if step.size >= last:
             return Refused.DIVERGED
-        last, kept = size, here.state.resolution if size < SHORT else None
-        place = _moved(here, place.value, step, change, size)
+        last, kept = step.size, here.state.resolution if step.size < SHORT else None
+        place = step.end(here, place.value)
     return Refused.DIVERGED
 
 
@@ -320,18 +304,30 @@ def evaluated_finely(system: System, place: Start, tolerance: float) -> Balance 
     return evaluated(system, place, tolerance, wanted)
 
 
-def newton_step(
-    system: System, here: Balance, row: Row, at_rest: AtRest | None
-) -> tuple[FloatArray, float, float] | Refused:
-    """Motion of the edges, change of the control, and length of the motion in units."""
+@dataclass(frozen=True, eq=False)
+class NewtonStep:
+    """Motion of the edges, change of the control, and the length of the motion in units."""
+
+    motion: FloatArray
+    change: float
+    size: float
+
+    def end(self, here: Balance, value: float) -> Start:
+        """Where the next evaluation is: at the end of the step, or on the way there if it is long."""
+        part = min(1.0, LONGEST / self.size) if self.size else 1.0
+        return Start(here.state.patches.moved(part * self.motion), here.state.penetration, value + part * self.change)
+
+
+def newton_step(system: System, here: Balance, row: Row, held: HeldModes | None = None) -> NewtonStep | Refused:
+    """The solution of the bordered system, some modes being held."""
     unit = unit_of(system, here)
     n = unit.size
     matrix, side = bordered(system, here, unit, row), np.append(missing(here), -row.value)
-    if at_rest is not None:
-        rows, off = at_rest.rows(system, here, unit)
+    if held is not None:
+        rows, off = held.rows(system, here, unit)
         count = off.size
         columns = np.zeros((n + 1, count))
-        columns[:n] = at_rest.modes / (np.sqrt(here.work) * unit)[:, None]
+        columns[:n] = held.modes / (np.sqrt(here.work) * unit)[:, None]
         matrix = np.block([[matrix, columns], [rows, np.zeros((count, count))]])
         side = np.append(side, off)
     scale = np.max(np.abs(matrix[n]))
@@ -342,10 +338,4 @@ def newton_step(
     except np.linalg.LinAlgError:
         return Refused.SINGULAR
     size = float(np.max(np.abs(both[:n])))
-    return (both[:n] * unit, float(both[n]), size) if np.isfinite(size) else Refused.SINGULAR
-
-
-def _moved(here: Balance, value: float, step: FloatArray, change: float, size: float) -> Start:
-    """Where the next evaluation is: at the end of a step, or on the way there if it is long."""
-    part = min(1.0, LONGEST_STEP / size) if size else 1.0
-    return Start(here.state.patches.moved(part * step), here.state.penetration, value + part * change)
+    return NewtonStep(both[:n] * unit, float(both[n]), size) if np.isfinite(size) else Refused.SINGULAR

@@ -34,6 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import System, balance
+from bem.continuation.locating import LOCATED
 from bem.elastic.collocation import Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.patches import TWO_PI, Patches, ordered
@@ -42,12 +43,10 @@ from bem.loading.control import LoadControl
 
 FloatArray = NDArray[np.float64]
 
-RESOLVED_GAP = 1e-4 * TWO_PI  # evaluated as it is in a tenth of a second
-EVEN_GAP = 1e-6 * TWO_PI  # narrower flaws open at both edges at once to a part of 1e-11, where rounding takes over
-CENTERED = 1e-4  # of the width of a flaw: its middle
-SHUT = 1e-8  # rms heights of overlap
-WIDEST_FIRST_GAP = 0.5  # of the shortest wavelength: no crest lies in the first gap between surfaces that part
-FINEST_GAP = 1e-5 * TWO_PI  # the same in seconds; narrower ones do not feel a layer but by the square of their width
+RESOLVED_GAP = 1e-4 * TWO_PI  # speed: evaluated as it is in a tenth of a second
+FINEST_GAP = (
+    RESOLVED_GAP / 10
+)  # the same in seconds; narrower ones do not feel a layer but by the square of their width
 
 
 def with_gap(position: float, width: float) -> Patches:
@@ -83,7 +82,7 @@ def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: 
     A flaw is shut at an edge, where K < 0, or on a crest in between.
     """
     lowest = lowest_pressure(complete)
-    if width < EVEN_GAP:
+    if width < FINEST_GAP / 10:
         return Flaw(lowest, width)
 
     def uneven(center: float) -> float:
@@ -92,11 +91,11 @@ def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: 
 
     ends, flaw = (lowest - width / 2, lowest + width / 2), Flaw(lowest, width)
     if uneven(ends[0]) * uneven(ends[1]) < 0:
-        flaw = Flaw(float(import_module("scipy.optimize").brentq(uneven, *ends, xtol=CENTERED * width)), width)
+        flaw = Flaw(float(import_module("scipy.optimize").brentq(uneven, *ends)), width)
     if width >= RESOLVED_GAP:
         load = opening_load(system, complete, flaw, tolerance)
         state = LoadControl().reach(_gap_at(system, flaw, tolerance), load)
-        shut = low_minima(gap_field(system.elastic, state)).depth < -SHUT
+        shut = low_minima(gap_field(system.elastic, state)).depth < -LOCATED
         if np.any(shut) or np.any(state.stress_intensity < 0):
             return None
     return flaw
@@ -187,7 +186,7 @@ def first_gap(system: System, complete: CompleteContact, separation: float) -> t
     position = lowest_pressure(complete)
     critical = 2 * float(np.sqrt(system.law.work_of_adhesion(np.array([position]))[0]))
     per_width = critical * np.sqrt(np.pi / 32) / TWO_PI  # to the power of 3/2
-    width, widest = (separation / per_width) ** (2 / 3), WIDEST_FIRST_GAP * TWO_PI / system.elastic.profile.max_order
+    width, widest = (separation / per_width) ** (2 / 3), np.pi / system.elastic.profile.max_order
     if width > widest:
         width, separation = widest, per_width * widest**1.5
     return separation, with_gap(position, width)

@@ -23,33 +23,35 @@ from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation.bare_states import BareStates
 from bem.continuation.branch_ends import BranchEnds, End, Goal
-from bem.continuation.curve import CurvePoint, Piece
+from bem.continuation.curve import LONGEST, CurvePoint, Piece
 from bem.continuation.jumps import Jumps, leading_patch
+from bem.continuation.limit_points import LimitPoint
 from bem.continuation.loads import Loads
-from bem.continuation.locating import AtControl, Condition, InPlane, Located, Refused, Start, settle
+from bem.continuation.locating import LOCATED, AtControl, Condition, InPlane, Refused, Start, settle
 from bem.continuation.opening import Flaw
 from bem.continuation.points_with_edges import Equilibrium, Point, Stretch
-from bem.continuation.steps import Way, curve_from, evaluated_at_itself, growth, predicted, step_from
+from bem.continuation.steps import (
+    SHORTER,
+    SHORTEST,
+    Way,
+    curve_from,
+    evaluated_at_itself,
+    growth,
+    predicted,
+    step_from,
+)
 from bem.continuation.symmetry import alone, other_branch, symmetric_branch
 from bem.continuation.touches import Touch
-from bem.continuation.turns import LimitPoint
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import Effort, Increments
+from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
 from bem.loading.path_events import path_events
 from bem.loading.path_point import Complete, Failed, Separated
 
-LONGEST, PER_INCREMENT = 0.15, 3.0  # units: a step, and per rms height of the largest increment; the lesser holds
-SHORTER = 3.0  # times: a step in which something is not clear is repeated
-SHORTEST = 1e-6  # units: a step that is not tried
+PER_INCREMENT = 3.0  # speed: units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
 NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
-MOVED = 0.1  # units: motion in such a step behind which nothing has happened
-AROUND = 100  # steps around a fold
-MOST_JUMPS = 100  # in a row, none of which leads nearer to the goal: the path does not lead on
-SAME_VALUE = 1e-9  # of the largest increment
-CLOSED = 1e-9  # separation, in rms heights, at which the gaps that are left close together
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,9 +124,9 @@ class Path:
                 yield point
             if isinstance(point, Failed):
                 return
-            leads_on = abs(goal - point.value) < left - SAME_VALUE * self.increments.largest
+            leads_on = abs(goal - point.value) < left - LOCATED * self.increments.largest
             jumps, left = (0, abs(goal - point.value)) if leads_on else (jumps + 1, left)
-            if jumps == MOST_JUMPS:
+            if jumps == MAXIMUM_ITERATIONS:
                 yield Failed(point.value, "jumps_again")
                 return
 
@@ -168,7 +170,7 @@ class Path:
         if isinstance(before, Equilibrium) and isinstance(after, Equilibrium):
             return None if after.stretch is None else self.loads.on_stretch(after.stretch, load)
         beside = [point for point in (before, after) if isinstance(point, Equilibrium)]
-        return self.loads.in_last_gap(beside[0], load, self.increments.coarse.tolerance) if beside else None
+        return self.loads.in_last_gap(beside[0], load, self.increments.fine.tolerance) if beside else None
 
     def _stable(self, start: Start, on: Condition | None = None) -> Equilibrium | Failed:
         """The stable state next to edges that meets a condition, or at their value of the control."""
@@ -191,7 +193,7 @@ class Path:
         direction, closing, end = self.direction(point, goal), self.bare.closing_value, goal
         if direction > 0 and goal >= closing:
             end = closing - self.last_increment(point.value, point.patches.count, closing)
-            if point.value >= end - SAME_VALUE * self.increments.smallest:
+            if point.value >= end - LOCATED * self.increments.smallest:
                 yield self.bare.closed(point.state.patches, goal)
                 return
         way = self._way(point, direction, end)
@@ -221,7 +223,7 @@ class Path:
             if found is not None:
                 yield from self._ended(piece, found, way, load)
                 return
-            yield from self._stretches(piece, 1.0, _on_curve(piece.last), load)
+            yield from self._stretches(piece, 1.0, Equilibrium.beside(piece.last), load)
             at, length, again = piece.last, min(way.longest, tried * growth(piece)), True
             load = at.numbers.load
 
@@ -229,13 +231,13 @@ class Path:
         """The increment before complete contact: the smallest; half the way, where several gaps are left."""
         if patches == 1:
             return self.increments.smallest
-        return max((closing - value) / 2, CLOSED)
+        return max((closing - value) / 2, LOCATED)
 
     def _stretches(self, piece: Piece, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
         """A point on a piece with the stretch that leads there from a load, after one where the load turns before."""
         start = 0.0
         for s, top in self.loads.turns(piece, reach) if self.asked_loads else ():
-            yield replace(_on_curve(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
+            yield replace(Equilibrium.beside(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
             start, load = s, top.numbers.load
         yield replace(point, stretch=Stretch(piece, (start, reach), (load, point.load)))
 
@@ -245,8 +247,7 @@ class Path:
             yield from self._stretches(piece, end.place, Equilibrium.of(way.end, end.balance, settled=True), load)
             return
         at = end.at
-        last = Equilibrium(at.exact.value, at.balance, at.patches, at.exact.load, last=True)
-        yield from self._stretches(piece, end.place, last, load)
+        yield from self._stretches(piece, end.place, Equilibrium.beside(at, last=True), load)
         if isinstance(end, Touch):
             yield self.jumps.from_touch(end)
         elif end.kind == "fold":
@@ -255,7 +256,7 @@ class Path:
             yield self._behind_broken_symmetry(piece, end, way)
         else:
             beyond = symmetric_branch(self.system, end, way)
-            yield self._by_control(piece.first, way) if isinstance(beyond, Refused) else _located(beyond)
+            yield self._by_control(piece.first, way) if isinstance(beyond, Refused) else Equilibrium.beside(beyond)
 
     def _behind_broken_symmetry(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
         """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead."""
@@ -263,29 +264,30 @@ class Path:
         other = other_branch(self.system, limit, motion, way)
         if isinstance(other, Refused):
             edges = None
-        elif other.balance.factor is None or (other.value - at.exact.value) * way.direction <= 0:
+        elif other.balance.factor is None or (other.value - at.numbers.value) * way.direction <= 0:
             edges = other.patches
         else:
             edges = None
-            events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.exact, at.error, 0.0, 0.0)
+            events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.numbers, at.error, 0.0, 0.0)
             if way.beyond(other.value) <= 0:
-                return replace(_on_curve(other), events=events)
-            part = np.sqrt(max(-way.beyond(at.exact.value), 0.0) / abs(other.value - at.exact.value))
+                return replace(Equilibrium.beside(other), events=events)
+            part = np.sqrt(max(-way.beyond(at.numbers.value), 0.0) / abs(other.value - at.numbers.value))
             outward = part * outward_motion(at.patches, other.patches)
-            settled = self._stable(Start(at.patches.moved(outward), at.exact.penetration, way.end))
+            settled = self._stable(Start(at.patches.moved(outward), at.numbers.penetration, way.end))
             return replace(settled, events=events)
         return self.jumps.from_broken_symmetry(at, motion, edges) or self._by_control(piece.first, way)
 
     def _around(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
-        """The state behind a snap too small for a force to be felt: where the curve has turned twice."""
-        at, length, value = piece.last, piece.size, limit.at.exact.value
+        """The state behind a snap too small for a force to be felt: less than a unit on, the curve has turned twice."""
+        at, length, value = piece.last, piece.size, limit.at.numbers.value
         beyond = replace(way, end=way.direction * np.inf)
-        for _ in range(AROUND):
+        for _ in range(MAXIMUM_ITERATIONS):
+            moved = outward_motion(limit.at.patches, at.patches) / at.unit
+            if length < SHORTEST or np.max(np.abs(moved)) > 1:
+                break
             step = step_from(self.system, at, predicted(at, length, beyond), beyond)
             if isinstance(step, Refused):
                 length /= SHORTER
-                if length < SHORTEST:
-                    break
                 continue
             at, length = step.last, min(way.longest, length * growth(step))
             if at.balance.factor is not None and (at.value - value) * way.direction > 0:
@@ -307,19 +309,7 @@ class Path:
             found = self._stable(Start(at.patches, at.numbers.penetration, value))
             if isinstance(found, Failed):
                 continue
-            moved = outward_motion(at.patches, found.patches) / at.unit
-            closed = interpenetration(self.system, found.state, self.increments.fine.allowed)
-            if np.max(np.abs(moved)) < MOVED and closed.position.size == 0:
+            if interpenetration(self.system, found.state, self.increments.fine.allowed).position.size == 0:
                 return found
         self.effort.unlocated += 1
         return self.jumps.unlocated(at.balance, at.value, value)
-
-
-def _on_curve(at: CurvePoint) -> Equilibrium:
-    """A point of a curve as one of the path."""
-    return Equilibrium(at.value, at.balance, at.patches, at.numbers.load)
-
-
-def _located(at: Located) -> Equilibrium:
-    """A located state as a point of the path."""
-    return Equilibrium(at.exact.value, at.balance, at.patches, at.exact.load)

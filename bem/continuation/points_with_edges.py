@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from bem.adhesive.equilibrium import Balance
-from bem.continuation.curve import Piece
+from bem.continuation.curve import CurvePoint, Piece
+from bem.continuation.locating import Located
 from bem.elastic.collocation import Evaluation
 from bem.geometry.patches import Patches
 from bem.loading.path_events import PathStatus
@@ -58,6 +59,11 @@ class Equilibrium(PathPoint):
     def of(cls, value: float, balance: Balance, settled: bool = False) -> Equilibrium:
         """The point of a balance in equilibrium."""
         return cls(value, balance, balance.state.patches, balance.state.load, settled=settled)
+
+    @classmethod
+    def beside(cls, at: CurvePoint | Located, last: bool = False) -> Equilibrium:
+        """The point of a curve, or that which is located, beside its balance."""
+        return cls(at.numbers.value, at.balance, at.patches, at.numbers.load, last=last)
 
 
 Point = Separated | Complete | Failed | Equilibrium

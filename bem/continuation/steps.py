@@ -11,23 +11,25 @@ iterations).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.third_derivatives import with_slopes
-from bem.continuation.curve import CurvePoint, Piece, curve_point, first_point
+from bem.continuation.curve import NEAR, CurvePoint, Piece, curve_point, first_point
 from bem.continuation.locating import Refused, Start, evaluated_anywhere, evaluated_finely
 from bem.continuation.points_with_edges import Equilibrium
 from bem.geometry.arrays import FloatArray
 
-GOOD, LARGEST = 0.01, 0.05  # units: the Newton step that a prediction should leave, and the longest that it may
-PART = 0.3  # of the step: the same
 MISFIT = 0.02  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
-GROWTH = 0.5, 2.0  # of the length of a step from one to the next
-PAST = 0.01  # units: how far a step may go past where the control turns
-BEYOND = 1.05  # times the way to where the control turns, or to its last value: how far a step goes
+GOOD = MISFIT / 2  # units: the Newton step that a prediction should leave
+SHORTER = 3.0  # times: a step that is refused is repeated
+LONGER = SHORTER**0.5  # times the last step: the next, at most
+SHORTEST = 1e-6  # limit: units: a step that is not tried is shorter
+PAST = GOOD  # units: how far a step may go past where the control turns
+BEYOND = 1 + NEAR  # times the way to where the control turns, or to its last value: what lies there is on the piece
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +77,7 @@ def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], w
     there = _point_of(system, here, start.value, normal, float(normal @ motion))
     if isinstance(there, Refused):
         return there
-    if there.off > min(LARGEST, PART * tried):
+    if there.off > tried / SHORTER:
         return Refused.DIVERGED
     piece = Piece.between(at, there)
     fits = piece is not None and piece.misfit <= MISFIT
@@ -87,9 +89,16 @@ def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], w
     return piece if piece is not None and piece.misfit <= MISFIT else Refused.MISFIT
 
 
+def shorter_steps(length: float) -> Iterator[float]:
+    """A length, and shorter ones."""
+    while length >= SHORTEST:
+        yield length
+        length /= SHORTER
+
+
 def growth(piece: Piece) -> float:
     """How much longer the next step may be."""
-    return float(np.clip((GOOD / max(piece.last.off, 1e-12)) ** (1 / 3), *GROWTH))
+    return float(np.cbrt(GOOD / max(piece.last.off, GOOD / LONGER**3)))
 
 
 def evaluated_at_itself(system: System, at: CurvePoint, way: Way) -> CurvePoint | Refused:

@@ -14,14 +14,12 @@ import numpy as np
 
 from bem.adhesive.branch import outward_motion
 from bem.adhesive.equilibrium import System, symmetric_part
-from bem.continuation.curve import CurvePoint, curve_point, unit_of
+from bem.continuation.curve import LONGEST, CurvePoint, curve_point, unit_of
+from bem.continuation.limit_points import LimitPoint
 from bem.continuation.locating import AtControl, InPlane, Located, Refused, Start, locate
-from bem.continuation.steps import Way
-from bem.continuation.turns import LimitPoint
+from bem.continuation.steps import SHORTER, Way, shorter_steps
 from bem.geometry.arrays import FloatArray
 
-ASIDE = 0.05, 0.0125, 0.003, 8e-4, 2e-4  # units: the motion along the mode; shorter where more is going on
-AHEAD = 0.03, 0.01, 0.1  # units: the motion along the symmetric branch
 TIED = 1e-6  # relative difference of patches that are equal
 
 
@@ -47,16 +45,16 @@ def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way
     at = limit.at
     unit, refused = unit_of(system, at.balance), Refused.UNCLEAR
     motion = motion / np.max(np.abs(motion / unit))
-    for part in ASIDE:
+    for part in shorter_steps(LONGEST / SHORTER):
         patches = at.patches.moved(part * motion)
         normal = motion / unit**2
-        start = Start(patches, at.exact.penetration, at.exact.value)
+        start = Start(patches, at.numbers.penetration, at.numbers.value)
         found = locate(system, start, InPlane(patches, normal), way.tolerance)
         if isinstance(found, Refused):
             refused = found
             continue
         moved = outward_motion(at.patches, found.patches)
-        point = curve_point(system, found.balance, found.exact.value, normal, float(normal @ moved))
+        point = curve_point(system, found.balance, found.numbers.value, normal, float(normal @ moved))
         if point is not None and point.lowest[0].size <= limit.modes.shape[1]:
             return point
     return refused
@@ -73,12 +71,12 @@ def symmetric_branch(system: System, limit: LimitPoint, way: Way) -> Located | R
     matrix = np.block([[symmetric_part(here.hessian, scale), modes], [modes.T, np.zeros((count, count))]])
     side = np.append(-way.direction * pull, np.zeros(count))
     along = np.linalg.solve(matrix, side)[:size] * scale
-    for part in AHEAD:
+    for part in shorter_steps(LONGEST / SHORTER):
         step = part / float(np.max(np.abs(along / unit)))
-        value = limit.at.exact.value + way.direction * step
+        value = limit.at.numbers.value + way.direction * step
         if way.beyond(value) > 0:
-            step, value = abs(way.end - limit.at.exact.value), way.end
-        start = Start(limit.at.patches.moved(step * along), limit.at.exact.penetration, value)
+            step, value = abs(way.end - limit.at.numbers.value), way.end
+        start = Start(limit.at.patches.moved(step * along), limit.at.numbers.penetration, value)
         found = locate(system, start, AtControl(value), way.tolerance)
         if isinstance(found, Located) and found.balance.factor is not None:
             return found

@@ -9,23 +9,18 @@ Source of the derivative: Rice, Int. J. Solids Struct. 21 (1985) 781.  Dimension
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.relaxation import interpenetration
-from bem.continuation.curve import Piece, Row
-from bem.continuation.locating import Located, Refused, Start, locate
+from bem.continuation.curve import SHORT, Piece, Row
+from bem.continuation.locating import LOCATED, Condition, Located, Refused, Start, locate
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.geometry.arrays import FloatArray
-
-BESIDE = 1e-3  # of the gap that closes: distance of the second charge
-TOGETHER = 1e-9  # rms heights: gaps that close within this of each other touch together
-CLOSED = 1e-10  # the same: how deep a crest in contact lies
-EARLIER = 1e-8  # the same: a gap this much below that which is located closes before it
-SEARCHES = 6  # of an earlier one
+from bem.loading.increments import MAXIMUM_ITERATIONS
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +33,7 @@ class Touch:
 
 
 @dataclass(eq=False)
-class GapCloses:
+class GapCloses(Condition):
     """The lowest of some gaps vanishes.
 
     Attributes
@@ -52,8 +47,7 @@ class GapCloses:
     system: System
     lowest: GapMinima
     width: FloatArray
-    places: tuple[FloatArray, FloatArray] = (np.zeros(0), np.zeros(0))
-    accuracy: float = np.inf
+    places: tuple[FloatArray, FloatArray] = field(init=False)
 
     def asked(self, system: System) -> System:
         """Evaluations know what charges at the places do, and at others beside them."""
@@ -101,25 +95,24 @@ def locate_touch(
     """
     first = piece.first.balance.state
     last, reach = end
-    for _ in range(SEARCHES):
+    for _ in range(MAXIMUM_ITERATIONS):
         behind = first.patches.right[found.gap]
         if not np.all((found.position > behind) & (found.position < behind + first.patches.gap_after[found.gap])):
             return Refused.UNCLEAR
         open_gap, closed = (gap_field(system.elastic, state)(found.position, found.gap) for state in (first, last))
         share = np.min(np.where(closed < 0, open_gap / np.where(closed < 0, open_gap - closed, 1.0), 1.0))
         patches, value = piece.at(reach * float(np.clip(share, 0.0, 1.0)))
-        closes = GapCloses(system, found, BESIDE * first.patches.gap_after[found.gap])
+        closes = GapCloses(system, found, SHORT * first.patches.gap_after[found.gap])
         at = locate(system, Start(patches, first.penetration, value), closes, tolerance)
         if isinstance(at, Refused):
             return at
-        if not piece.holds(at.patches, at.exact.value) or at.balance.factor is None:
+        if not piece.holds(at.patches, at.numbers.value) or at.balance.factor is None:
             return Refused.FAR
         state, left = at.balance.state, float(closes.lowest.depth.min())
-        earlier = interpenetration(system, state, EARLIER - min(left, 0.0))
+        earlier = interpenetration(system, state, LOCATED - min(left, 0.0))
         if earlier.position.size == 0:
-            tied = closes.lowest.depth <= left + TOGETHER
-            depth = np.full(int(tied.sum()), -CLOSED)
-            touching = GapMinima(closes.lowest.position[tied], depth, closes.lowest.gap[tied])
+            tied = closes.lowest.depth <= left + LOCATED
+            touching = GapMinima(closes.lowest.position[tied], np.zeros(int(tied.sum())), closes.lowest.gap[tied])
             return Touch(at, touching, piece.parameter(at.patches))
         found, last, reach = earlier, state, piece.parameter(state.patches)
     return Refused.UNCLEAR

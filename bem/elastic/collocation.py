@@ -40,11 +40,12 @@ if TYPE_CHECKING:
 
 Field = Callable[[FloatArray], FloatArray]
 
-MODES_RATIO, NODES_RATIO = 1.15, 1.4  # steps of the lists of sizes
-MOST_UNKNOWNS = 12_000  # of one factorisation: 2.3 GB for matrix and factor
-MOST_MODES = 8000  # of one patch: a gap of 1e-5 periods beside it, or a layer of 3e-4; seconds an evaluation
-FEW_WAVES = 0.3  # of the unknowns: more of a layer are added to the matrix instead
-FAR_SHARE, FINEST_FAR = 1e-5, 1e-14  # accuracy of the kernel between clusters over the tolerance, and at least
+MODES_RATIO, NODES_RATIO = 1.15, 1.4  # speed: steps of the lists of sizes
+MOST_UNKNOWNS = 12_000  # limit: of one factorisation: 2.3 GB for matrix and factor
+MOST_MODES = 8000  # limit: of one patch: a gap of 1e-5 periods beside it, or a layer of 3e-4; seconds an evaluation
+FEW_WAVES = 0.3  # speed: of the unknowns: more of a layer are added to the matrix instead
+FAR_SHARE = 1e-5  # accuracy of the kernel between clusters over the tolerance
+FINEST_FAR = 1e-14  # derived: the same, at least: rounding
 
 ROUNDING = 1e-14  # absolute accuracy of charges of order 1, per node; measured up to 4e-15, at 500 harmonics
 HEIGHT_ROUNDING = 1e-14  # measured absolute accuracy of heights

@@ -24,7 +24,7 @@ from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.kernel_series import ElasticEffect, KernelSeries, kernel_series
 from bem.geometry.arrays import FloatArray
 
-TRUNCATION = 1e-14  # of the series of a kernel; its terms are cheap
+TRUNCATION = 1e-14  # derived: of the series of a kernel; its terms are cheap
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,15 +33,15 @@ from bem.geometry.profile import Profile
 SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
 POINTS_PER_WAVELENGTH = 10
 # Of the grids, as in compiled/gap.c: larger ones are looked at in stretches of some points, at the ends in any case.
-WHOLE = 128
-STRETCH, ENDS = 8, 4
+WHOLE = 128  # speed: points: larger grids are looked at in stretches
+STRETCH, ENDS = 8, 4  # speed: points of a stretch; stretches at each end that are always looked at
 REFINEMENTS, REFINEMENT_RATIO = 3, 5.0  # of a minimum: parabolas on ever shorter bases; the first is a tenth off
-DOWNHILL = 10  # grid cells to a minimum that has moved
+DOWNHILL = 10  # limit: grid cells to a minimum that has moved
 BESIDE = np.array([[-1.0], [0.0], [1.0]])  # of three points
-NEGLIGIBLE = -39.0  # logarithm of what a decaying power may lose
-GRID_RATIO = 1.2  # steps of the list of grid sizes, so that equal ones are treated together
-NOT_SEARCHED, WIDE_OPEN = (32, 10), 1e3  # points and samples in a gap that is not searched, and u there, in rms heights
-LEAST_TERMS, FEW_POWERS = 8, 4096  # of power series, summed at a time: terms, or terms times points
+NEGLIGIBLE = -39.0  # derived: logarithm of what a decaying power may lose
+GRID_RATIO = 1.2  # speed: steps of the list of grid sizes, so that equal ones are treated together
+NOT_SEARCHED, WIDE_OPEN = (32, 10), 1e3  # format: points and samples of a gap that is not searched, and u there
+LEAST_TERMS, FEW_POWERS = 8, 4096  # speed: of power series, summed at a time: terms, or terms times points
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ import numpy as np
 from bem.geometry.arrays import FloatArray
 from bem.geometry.chebyshev import Basis, basis_nodes
 
-TERMS, WIDEST_SERIES = 8, 0.4  # of log sinc; (0.4 / pi)^18 / 9 = 1e-17
-LARGEST_SERIES = 96  # nodes; tables of more are not kept
+TERMS, WIDEST_SERIES = 8, 0.4  # derived: of log sinc; (0.4 / pi)^18 / 9 = 1e-17
+LARGEST_SERIES = 96  # speed: nodes; tables of more are not kept
 
 
 def log_chord(x: FloatArray, sources: FloatArray) -> FloatArray:

@@ -53,10 +53,10 @@ Inputs = ParamSpec("Inputs")
 Output = TypeVar("Output")
 
 UNIFORM = 0.03  # alpha; the kernel of a whole period has the eigenvalues 0 and 1 / (2 n)
-LARGEST_LEAF = 130  # unknowns, above which a cluster of several patches is split (measured)
-CENTRED = 10.0  # a cluster is split in a gap e times wider, if that is off its middle by less than one part in these
-MOST_OFF = 0.25  # and by no more than this, unless all are: clusters of clusters stay few
-FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # forward substitution by blocks of rows (measured)
+LARGEST_LEAF = 130  # speed: unknowns, above which a cluster of several patches is split (measured)
+CENTRED = 10.0  # speed: a cluster is split in a gap e times wider, if that is off its middle by less than a tenth
+MOST_OFF = 0.25  # limit: and by no more than this, unless all are: clusters of clusters stay few
+FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # speed: forward substitution by blocks of rows (measured)
 
 
 class IllConditionedSystemError(ArithmeticError):

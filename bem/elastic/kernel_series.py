@@ -22,7 +22,7 @@ from bem.elastic.hierarchical import Waves
 from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.profile import Profile
 
-_BLOCK = 2_000_000  # complex numbers held at a time
+_BLOCK = 2_000_000  # speed: complex numbers held at a time
 
 
 class ElasticEffect(Protocol):

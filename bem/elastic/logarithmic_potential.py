@@ -27,9 +27,9 @@ from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
 
 TWO_PI = 2 * np.pi
-LARGEST_BLOCK = 1 << 16  # chords at a time, half a megabyte
-DIRECT, PER_BOX = 200_000, 18  # pairs up to which boxes do not pay, and root of the pairs per box (measured)
-BOX_TERMS = 20  # of a polynomial in a box; (3 + sqrt 8)^-20 = 5e-16
+LARGEST_BLOCK = 1 << 16  # speed: chords at a time, half a megabyte
+DIRECT, PER_BOX = 200_000, 18  # speed: pairs up to which boxes do not pay, and root of the pairs per box (measured)
+BOX_TERMS = 20  # derived: of a polynomial in a box; (3 + sqrt 8)^-20 = 5e-16
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ from bem.geometry.chebyshev import basis_nodes, coefficients
 
 FloatArray = NDArray[np.float64]
 
-RANGE_STEP = 1.15  # ratio of the half ranges U for which there are tables
+RANGE_STEP = 1.15  # speed: ratio of the half ranges U for which there are tables
 
 
 @dataclass(frozen=True, eq=False)

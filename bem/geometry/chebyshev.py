@@ -20,7 +20,7 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
 
-SMALL_TRANSFORM = 256  # nodes up to which a matrix is the faster transform (measured)
+SMALL_TRANSFORM = 256  # speed: nodes up to which a matrix is the faster transform (measured)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,10 +23,11 @@ from bem.geometry.ranges import check, check_harmonics
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-_POINTS_PER_WAVELENGTH = 16
-_TAYLOR_TERMS = 14
-_MANY_POINTS = 256  # above, Horner's rule over all points beats one sum per point (measured)
-_BISECTIONS = 55  # of a crest between its neighbours on the grid: also flat crests, where Newton is slow
+EQUAL_HEIGHTS = 1e-12  # derived: of the rms height: crests as high as each other, to rounding
+_POINTS_PER_WAVELENGTH = 16  # derived: of the table of heights: with `_TAYLOR_TERMS` its truncation is 1e-15 of h
+_TAYLOR_TERMS = 14  # derived: terms about a point of the table
+_MANY_POINTS = 256  # speed: above, Horner's rule over all points beats one sum per point (measured)
+_BISECTIONS = 55  # derived: of a crest between its neighbours on the grid: also flat crests, where Newton is slow
 _DERIVATIVE_FACTORS = np.array([[math.perm(k, order) for k in range(_TAYLOR_TERMS)] for order in range(4)], dtype=float)
 
 
@@ -227,6 +228,12 @@ class Profile:
     def crests(self) -> tuple[FloatArray, FloatArray]:
         """Positions in [0, period), ascending, and heights of all local maxima, (n_crests,) each."""
         return self._extrema(1.0)
+
+    @property
+    def highest_crests(self) -> FloatArray:
+        """Positions of the highest crests, ascending; more than one where they are equally high, to rounding."""
+        positions, heights = self.crests
+        return np.asarray(positions[heights >= heights.max() - EQUAL_HEIGHTS])
 
     @cached_property
     def valleys(self) -> tuple[FloatArray, FloatArray]:

@@ -18,7 +18,7 @@ import numpy as np
 
 from bem.geometry.ranges import check
 
-ATOMIC = 3e-10  # m: distance of atoms in a solid, and range of the forces between surfaces
+ATOMIC = 3e-10  # format: m: distance of atoms in a solid, and range of the forces between surfaces
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from __future__ import annotations
 from bem.adhesive.branch import after_step, tangent
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.relaxation import Relaxed
-from bem.continuation.jumps import DOUBT
 from bem.leaps.leap import Leapt
+from bem.loading.increments import SAFETY
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 
 
@@ -27,7 +27,7 @@ def brackets(system: System, landed: Leapt, value: float, width: float) -> tuple
     lag = (end.load - relaxed.balance.state.load) * width / 2
     released, doubt = end.potential - relaxed.balance.potential - lag, abs(lag)
     surely = any(kind != "bifurcation" for kind, _ in relaxed.changes)
-    return path_events(relaxed.changes, middle, error, released, doubt) if surely or released > DOUBT * doubt else ()
+    return path_events(relaxed.changes, middle, error, released, doubt) if surely or released > SAFETY * doubt else ()
 
 
 def unbracketed(

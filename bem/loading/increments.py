@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+SAFETY = 3.0  # errors stated over what a finer evaluation still changes
+MAXIMUM_ITERATIONS = 400  # limit: of a loop that should end by itself; then it is a named failure
+
 
 @dataclass(frozen=True)
 class Accuracy:

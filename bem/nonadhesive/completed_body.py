@@ -17,10 +17,10 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact
 
-EXACT_PHASE = float(1 << 24)  # positions are multiples of its inverse and a rest: order times the first is exact
-STIFFENING, MOST_TERMS = 1e-16, 1 << 16  # of a layer: relative size of the terms left out, and number of the others
-LOWEST = 0.99  # of the lowest value of q: deeper minima open first, and their tension may be a tiny difference
-ROUNDING = 4e-16  # of q at a point, over its lowest value and the root of the sum of squares of its amplitudes
+EXACT_PHASE = float(1 << 24)  # derived: positions are multiples of its inverse and a rest; order times these is exact
+STIFFENING, MOST_TERMS = 1e-16, 1 << 16  # derived: of a layer: size of the terms left out, and number of the others
+LOWEST = 0.99  # derived: of the lowest value of q: deeper minima open first, and their tension may be a tiny difference
+ROUNDING = 4e-16  # derived: of q at a point, over its lowest value and the root of the sum of squares of its amplitudes
 
 
 @dataclass(frozen=True, eq=False)

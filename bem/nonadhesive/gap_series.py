@@ -36,10 +36,10 @@ from bem.geometry.patches import TWO_PI, Patches, PatchPressure
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gaps import Gaps
 
-COUPLING = 1e-15  # accuracy of the coupling of gaps
-MOST_UNKNOWNS = 6000
-SERIES_REACH, SERIES_TERMS = 1.0, 14  # of the periodic rest of the kernel; (1 / (2 pi))^28 = 5e-23
-DECAYED, LONGEST_SERIES = 1e-14, 1 << 16  # of the series of the pressure on a patch
+COUPLING = 1e-15  # derived: accuracy of the coupling of gaps
+MOST_UNKNOWNS = 6000  # limit: of all gaps
+SERIES_REACH, SERIES_TERMS = 1.0, 14  # derived: of the periodic rest of the kernel; (1 / (2 pi))^28 = 5e-23
+DECAYED, LONGEST_SERIES = 1e-14, 1 << 16  # derived: of the series of the pressure on a patch
 
 
 @dataclass(frozen=True, eq=False)

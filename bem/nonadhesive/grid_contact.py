@@ -24,14 +24,15 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import Control
 
-ITERATIONS = 40  # more take longer than the steps of Newton that they save (measured)
+ITERATIONS = 40  # speed: more take longer than the steps of Newton that they save (measured)
 CONVERGED = 5e-3  # what the preconditioner would still change of the unknown, relative: four times its error (measured)
-FINE = 4096  # points of the grid of a profile above which every second one is enough: Newton sorts out the rest
-NESTED, COARSER = 1024, 4  # points of grids on which the start is found on every fourth point
-DENSE = 0.5  # contact fraction above which gaps are the unknown
-SOFTEST = 1e-12  # least compliance of a mode over that of the first: below is rounding of a layer's series
+FINE = 4096  # speed: points of the grid of a profile above which every second one is enough: Newton sorts out the rest
+NESTED, COARSER = 1024, 4  # speed: points of grids on which the start is found on every fourth point
+DENSE = 0.5  # speed: contact fraction above which gaps are the unknown
+SOFTEST = 1e-12  # derived: least compliance of a mode over that of the first: below is rounding of a layer's series
 LAYER = 1e-4  # accuracy to which the series of a layer is sampled
-POINTS_PER_MODE, MOST_POINTS = 2, 1 << 17
+POINTS_PER_MODE = 2
+MOST_POINTS = 1 << 17  # limit: of a grid
 OFF_POINT = 0.45  # cells between a point and the highest place about it, at most
 WITHIN_CELL = 0.05, 0.95  # where an edge may lie between the last grid point inside and the first one outside
 

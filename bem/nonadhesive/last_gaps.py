@@ -29,9 +29,9 @@ from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gap_series import GapEvaluation, end_values, evaluate_gaps
 from bem.nonadhesive.gaps import Gaps
 
-ITERATIONS = 100
+ITERATIONS = 100  # limit: evaluations
 FINER, EPS = 1.5, float(np.finfo(float).eps)  # nodes of the evaluation that assesses; double precision
-UNDERFLOW = 1e-70  # of the lowest pressure of complete contact: tension on gaps whose volume underflows
+UNDERFLOW = 1e-70  # derived: of the lowest pressure of complete contact: tension on gaps whose volume underflows
 RESIDUAL = 1e-10  # of |k| over g_0, where rounding does not limit it; Newton's last step leaves 1e-13
 UNCERTAIN = 20.0  # roundings of the pressure times the half width, below which k is noise; measured 4
 STEP, INTO_CONTACT = 0.5, 0.35  # largest steps of an end, in half widths of its gap and in patches

@@ -28,7 +28,7 @@ from bem.loading.control import Control
 from bem.loading.increments import Accuracy
 from bem.nonadhesive.tension import dips, minimum, nodes, under_tension
 
-ITERATIONS = 400
+ITERATIONS = 400  # limit: evaluations
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
 COARSEST, COARSE = 1e-2, 1e-4  # accuracies of the evaluation until the edges are near, and until they are close
 NEAR, CLOSE = 0.3, 4e-3  # residuals that mean near and close
@@ -42,7 +42,7 @@ ROUNDINGS = 3.0  # of K, as the certificate allows; measured 1.8
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
-CLOSING_MODES = 4000  # of a patch: a gap beside it that asks for more at the accuracy of targets counts as closed
+CLOSING_MODES = 4000  # limit: of a patch: a gap beside it that asks for more counts as closed
 DOUBTFUL = 1e-9  # of the mean pressure of a patch: the accuracy at which a dip may be a gap too narrow to be seen here
 
 ContactStatus = Literal["converged", "separated", "complete_contact", "narrow_gaps", "not_converged", "ill_conditioned"]

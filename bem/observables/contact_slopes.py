@@ -24,7 +24,7 @@ from scipy.fft import irfft, rfft
 from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.profile import Profile
 
-BLOCK = 256  # edges at a time
+BLOCK = 256  # speed: edges at a time
 
 
 @dataclass(frozen=True, eq=False)

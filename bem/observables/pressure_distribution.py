@@ -29,12 +29,12 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
-SAMPLES_PER_COEFFICIENT = 16
-LEAST_SAMPLES = 128
-SAMPLES_PER_WAVELENGTH = 64  # complete contact
-TAIL_REACH = 100.0  # lowest level with adhesion, in units of the largest |extremum|
-NEGLIGIBLE_SHARE = 1e-12  # of the period below minus that pressure: edges close to rounding only
-LINEAR_SHARE = 0.1  # levels are equidistant up to this share of the highest pressure, geometric beyond
+SAMPLES_PER_COEFFICIENT = 16  # derived: quintic between samples: 1e-9 of the highest coefficients
+LEAST_SAMPLES = 128  # derived: the same on short series
+SAMPLES_PER_WAVELENGTH = 64  # derived: complete contact
+TAIL_REACH = 100.0  # format: lowest level with adhesion, in units of the largest |extremum|
+NEGLIGIBLE_SHARE = 1e-12  # derived: of the period below minus that pressure: edges close to rounding only
+LINEAR_SHARE = 0.1  # format: levels are equidistant up to this share of the highest pressure, geometric beyond
 
 
 @dataclass(frozen=True, eq=False)

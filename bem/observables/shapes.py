@@ -21,9 +21,9 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
-POINTS_PER_WAVELENGTH = 16
-LEAST_POINTS = 24
-OUTSIDE = -1
+POINTS_PER_WAVELENGTH = 16  # format: of stored shapes
+LEAST_POINTS = 24  # format: on a patch or gap
+OUTSIDE = -1  # format: mark of points outside contact
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ from bem.geometry.profile import Profile
 
 ComplianceRatio = Callable[[FloatArray], FloatArray]
 
-LEAST_ORDERS = 128
+LEAST_ORDERS = 128  # format: of stored spectra
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,12 +32,12 @@ import numpy as np
 from bem.geometry.arrays import FloatArray
 from bem.scans.gaussian_filter import GaussianFilter
 
-BANDS = 12  # to the octave
-FLAT = 0.5  # exponent of a tail: half way from noise to f^-1
-LARGEST_ERROR = 1 / 3  # of that exponent: 0 and 1 are three errors apart
-ABOVE = 10.0  # floors
-FITTED = 3  # octaves
-FEWEST_BANDS = 3  # of a power law
+BANDS = 12  # format: to the octave
+FLAT = 0.5  # derived: exponent of a tail: half way from noise to f^-1
+LARGEST_ERROR = 1 / 3  # derived: of that exponent: 0 and 1 are three errors apart
+ABOVE = 10.0  # format: floors
+FITTED = 3  # format: octaves
+FEWEST_BANDS = 3  # format: of a power law
 
 
 @dataclass(frozen=True)

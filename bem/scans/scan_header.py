@@ -29,7 +29,7 @@ from bem.scans.scan_text import SHAPE, Reading, TextTable
 from bem.scans.scan_units import Statement, is_unit, stated_unit, unit_of
 from bem.scans.scan_words import folded, label, table, words_of
 
-LONGEST = 1000  # characters of a line that states something
+LONGEST = 1000  # format: characters of a line that states something
 SIGNS = " \t\"'#%!;/\\*"
 SETTING = re.compile(r"([^:=]*)[:=](.*)")
 BRACKETS = re.compile(r"([^\[\](){}<>]*)[\[({<]([^\[\](){}<>]*)[\])}>]")

@@ -16,7 +16,7 @@ from bem.geometry.arrays import FloatArray
 from bem.scans.scan_file import RawScan
 from bem.scans.scan_refusal import Refusal, ScanFileError
 
-UNIFORMITY = 1e-3  # admitted deviation of a position, in sample distances
+UNIFORMITY = 1e-3  # format: admitted deviation of a position, in sample distances
 
 
 def refuse_disorder(raw: RawScan) -> None:

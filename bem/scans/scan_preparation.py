@@ -47,12 +47,12 @@ from bem.scans.scan_refusal import Refusal, ScanFileError
 from bem.scans.scan_text import FEWEST, SHOWN
 
 OUTLIER = 15.0  # median steps; of a normal distribution of steps, ten standard deviations
-FEWEST_DROPOUTS = 3  # samples of one value: of fewer the running median sees that they are spikes
-WIDTH = 5  # samples of the running median: spikes of one or two
-TAPER = 0.1  # of the line, at either end
-DRAWN = 4000  # samples kept for figures
-MOST_MISSING = 0.5  # of the samples
-CARRIED = 1e-6  # of the rms slope: contact areas go as its inverse, and the default tolerance is this
+FEWEST_DROPOUTS = 3  # derived: samples of one value: of fewer the running median sees that they are spikes
+WIDTH = 5  # derived: samples of the running median: spikes of one or two
+TAPER = 0.1  # format: of the line, at either end
+DRAWN = 4000  # format: samples kept for figures
+MOST_MISSING = 0.5  # format: of the samples
+CARRIED = 1e-6  # derived: of the rms slope: contact areas go as its inverse, and the default tolerance is this
 DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
 
 Line = tuple[FloatArray, FloatArray]

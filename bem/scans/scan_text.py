@@ -27,9 +27,9 @@ from bem.scans.scan_units import is_unit
 
 Row = tuple[float | None, ...]
 
-SHOWN = 3  # mistakes of one sort that are spelt out
-JUDGED = 2000  # lines at either end of a file that tell how it is to be read
-FEWEST = 3  # samples that carry one harmonic
+SHOWN = 3  # format: mistakes of one sort that are spelt out
+JUDGED = 2000  # format: lines at either end of a file that tell how it is to be read
+FEWEST = 3  # derived: samples that carry one harmonic
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
 MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none", "missing", "bad", "invalid", "void"}
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}

@@ -27,24 +27,24 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.profile import Profile
 from bem.scene.scene import Scene
 
-PER_INCREMENT, PER_CREST, PER_TARGET = 3.8, 16.1, 5.7  # evaluations with adhesion
-LEAPING_SHARE = 0.2  # of the evaluations of a path event by event, where it goes by leaps: so much less time
-DIGITS = 1e-2, 1e-3, 1e-4, 1e-6, 1e-9  # accuracies that are priced
-LOADED = 0.5  # increments under a given load count so much: fewer states are stored on the way
-BEGINNING = 5.0  # increments of a leg under load, at most, though the contact hardly moves: the first ones are short
-PER_BARE_TARGET = 6.0  # without, of few crests
-FEW_CRESTS, MORE_BY_CREST = 40, 0.35  # these, and the power with which more of them take more evaluations
-AREA = 2.5  # geometric overlap over the area of contact
-LEAST_AREA = 1e-3
-FINE = 6.5  # rms slope over rms height and least wavenumber, from which the area at a separation falls like its inverse
-OPENS = 0.2  # of E* h'_rms: complete contact has opened before its mean pressure falls to this
-LAYER_UNKNOWNS = 10.0  # for each thickness of contact
-EQUAL = 9  # digits to which crests that touch at once are of one height
-LAYER_GIGABYTES = 0.25  # by square of thousands of unknowns
-HARMONIC_GIGABYTES = 1.4e-5
-LONG_SECONDS, MANY_GIGABYTES = 3600.0, 8.0  # of which a run warns before it begins
+PER_INCREMENT, PER_CREST, PER_TARGET = 3.8, 16.1, 5.7  # prediction: evaluations with adhesion
+LEAPING_SHARE = 0.2  # prediction: of the time of a path event by event, where it goes by leaps
+DIGITS = 1e-2, 1e-3, 1e-4, 1e-6, 1e-9  # prediction: accuracies that are priced
+LOADED = 0.5  # prediction: increments under a given load count so much: fewer states are stored on the way
+BEGINNING = 5.0  # prediction: increments of a leg under load though the contact hardly moves: the first ones are short
+PER_BARE_TARGET = 6.0  # prediction: without, of few crests
+FEW_CRESTS, MORE_BY_CREST = 40, 0.35  # prediction: these, and the power with which more of them take more evaluations
+AREA = 2.5  # prediction: geometric overlap over the area of contact
+LEAST_AREA = 1e-3  # prediction: at which a load is first felt
+FINE = 6.5  # prediction: rms slope over rms height and least wavenumber, from which the area falls like its inverse
+OPENS = 0.2  # prediction: of E* h'_rms: complete contact has opened before its mean pressure falls to this
+LAYER_UNKNOWNS = 10.0  # prediction: for each thickness of contact
+EQUAL = 9  # prediction: digits to which crests that touch at once are of one height
+LAYER_GIGABYTES = 0.25  # prediction: by square of thousands of unknowns
+HARMONIC_GIGABYTES = 1.4e-5  # prediction: GB by harmonic: tables; 1.49 GB at 100,000
+LONG_SECONDS, MANY_GIGABYTES = 3600.0, 8.0  # prediction: of which a run warns before it begins
 CLOCKS = (("years", 3.156e7), ("days", 86400.0), ("hours", 3600.0))
-KERNEL_SECONDS, KERNEL_RUNS = 0.7e-3, 7  # of the reference kernel; the least of so many runs counts
+KERNEL_SECONDS, KERNEL_RUNS = 0.7e-3, 7  # prediction: of the reference kernel; the least of so many runs counts
 MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cube of thousands of unknowns; bare: three
     "compiled": ((0.89, 0.012, 4e-5, 0.31, 91.0), (1.5, 0.06, 0.006)),
     "NumPy": ((1.6, 0.051, 5.4e-4, 0.43, 260.0), (3.0, 0.12, 0.008)),

@@ -22,7 +22,7 @@ EFFECTS = (
     *OUTPUTS,
 )
 
-OUTPUT = 1e-4  # s for each harmonic: fields, spectra or a distribution at one target
+OUTPUT = 1e-4  # prediction: s for each harmonic: fields, spectra or a distribution at one target
 
 
 def effects_of(scene: Scene) -> tuple[Effect, ...]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bem.elastic.kernel_series import ElasticEffect
 
 ELASTIC = {"layer": "thickness = {thickness:g} m"}  # tables, and what is said of them
-NEGLIGIBLE = 0.1  # of accuracy.tolerance: elastic effects that change no mode by more are left out
+NEGLIGIBLE = 0.1  # derived: of accuracy.tolerance: elastic effects that change no mode by more are left out
 
 
 def elastic_effects(scene: Scene) -> dict[str, ElasticEffect]:

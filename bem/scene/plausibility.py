@@ -39,24 +39,24 @@ MEANINGS = {
     "least_mean_pressure": "of the states found, over pressure_scale",
     "largest_mean_pressure": "of the states found, over pressure_scale",
 }
-SMALL_SLOPE = 0.5  # rms slope beyond which heights are not small to first order
-LARGEST_SLOPE = 1.0  # which surfaces hardly have
-LEAST_SLOPE = 1e-7  # smoother than a silicon wafer
-PERIODS = (1e-9, 1.0)  # m
-SCANS = (0.1, 1e-4)  # m: longest period, largest rms height of a profilometer's line in m, not in mm
-MODULI = (1e2, 1e13)  # Pa: weakest gel to beyond diamond
-LARGEST_WORK = 10.0  # J/m^2
-LEAST_SHARE = 0.9  # of the rms slope that the cut keeps
-MOST_NOISE = 0.5  # of the mean square slope
-LARGEST_JUMP = 3.0  # rms steps
-TILTED = 2.0  # rms heights without the tilt; a wave of one period has 1.6
-HEIGHTS = (0.01, 20.0)  # rms heights: separations at which surfaces touch, but not all over
-PRESSURES = (1e-7, 10.0)  # of E* h'_rms
-LARGEST_ADHESION = 10.0  # of the elastic energy of complete contact
-LEAST_TABOR = 5.0  # below which the forces reach beyond the edge of the contact
-MUCH_MISSING = 0.1  # of the samples
-LARGEST_TABLE = 1e9  # bytes
-BYTES = 16 * 14 * 8 * 2 * 1.5  # of the tables of a profile for each harmonic, at most twice this
+SMALL_SLOPE = 0.5  # format: rms slope beyond which heights are not small to first order
+LARGEST_SLOPE = 1.0  # format: which surfaces hardly have
+LEAST_SLOPE = 1e-7  # format: smoother than a silicon wafer
+PERIODS = (1e-9, 1.0)  # format: m
+SCANS = (0.1, 1e-4)  # format: m: longest period, largest rms height of a profilometer's line in m, not in mm
+MODULI = (1e2, 1e13)  # format: Pa: weakest gel to beyond diamond
+LARGEST_WORK = 10.0  # format: J/m^2
+LEAST_SHARE = 0.9  # format: of the rms slope that the cut keeps
+MOST_NOISE = 0.5  # format: of the mean square slope
+LARGEST_JUMP = 3.0  # format: rms steps
+TILTED = 2.0  # format: rms heights without the tilt; a wave of one period has 1.6
+HEIGHTS = (0.01, 20.0)  # format: rms heights: separations at which surfaces touch, but not all over
+PRESSURES = (1e-7, 10.0)  # format: of E* h'_rms
+LARGEST_ADHESION = 10.0  # format: of the elastic energy of complete contact
+LEAST_TABOR = 5.0  # format: below which the forces reach beyond the edge of the contact
+MUCH_MISSING = 0.1  # format: of the samples
+LARGEST_TABLE = 1e9  # format: bytes
+BYTES = 16 * 14 * 8 * 2 * 1.5  # derived: of the tables of a profile for each harmonic, at most twice this
 
 
 def groups_of(scene: Scene) -> dict[str, float]:

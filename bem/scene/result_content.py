@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from bem.scene.result import NotFiniteError
 
 Kind = TypeVar("Kind")
-LONGEST_NAME = 64  # characters of the name of an array
+LONGEST_NAME = 64  # format: characters of the name of an array
 NUMBERS = "biuf"  # kinds of arrays that a result holds
 
 

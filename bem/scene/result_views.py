@@ -46,7 +46,7 @@ SAMPLED = {  # fields of fields.npz on points of their own, by the name of these
     **dict.fromkeys(("scan_x", "scan_h"), "scan_point"),
     **dict.fromkeys(("profile_x", "profile_h"), "profile_point"),
 }
-SHOWN = 10  # states of a view in a notebook
+SHOWN = 10  # format: states of a view in a notebook
 
 
 @dataclass(frozen=True)

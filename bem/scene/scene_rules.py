@@ -21,7 +21,7 @@ from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 if TYPE_CHECKING:
     from bem.scans.scan_preparation import Scan
 
-SAMPLED_HARMONICS = 1000  # default cut of a scan that is not filtered
+SAMPLED_HARMONICS = 1000  # format: default cut of a scan that is not filtered
 REQUIRED = {
     "self_affine": ("period", "hurst", "rms_height", "harmonics"),
     "harmonics": ("period", "orders", "amplitudes", "phases"),
@@ -32,10 +32,10 @@ OPTIONAL = {
     "harmonics": (),
     "samples": ("period", "harmonics", *SCAN_KEYS, *DEFAULTS, *CUTOFFS),
 }
-FLAWS = (1e-12, 0.95)  # loading.flaw over the period: what is left in contact beside a wider one is no flaw
-THICKNESSES = (6e-5, 1e12)  # layer.thickness over the period: the audit of a state takes 65,536 modes; half-space
-MOST_TARGET_HARMONICS = 1e9  # targets times harmonics: weeks on one core
-LARGEST_RATIO = 1e50  # of lengths, pressures and energies to the scales of the profile, and its inverse the least
+FLAWS = (1e-12, 0.95)  # limit: loading.flaw over the period: what is left in contact beside a wider one is no flaw
+THICKNESSES = (6e-5, 1e12)  # limit: layer.thickness over the period: an audit takes 65,536 modes; half-space
+MOST_TARGET_HARMONICS = 1e9  # limit: targets times harmonics: weeks on one core
+LARGEST_RATIO = 1e50  # derived: of lengths, pressures and energies to the scales of the profile, or its inverse
 RANGE = ("start", "stop", "count")
 QUESTIONS = ("title", "loading", "accuracy", "output")  # of a scene; all other tables say what is in contact
 

@@ -1,4 +1,8 @@
-"""bem/THRESHOLDS.md lists the numerical constants of every module of bem, with the values that they have."""
+"""bem/THRESHOLDS.md lists the numerical constants of bem on which a result may depend, with the values that they have.
+
+Constants that are computed from others, or from the precision of numbers, need no row; nor do those whose comment
+begins with a word that says why no result depends on them.
+"""
 
 import ast
 import re
@@ -10,6 +14,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "bem" / "THRESHOLDS.md").read_text("utf-8")
 MODULES = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "bem").rglob("*.py"))
 UNNAMED = "Numbers in functions"
+REASONS = re.findall(r"^\| (\w+) \|", PAGE.partition("| word |")[2].partition("\n\n")[0], flags=re.MULTILINE)
 NUMERIC = (ast.Constant, ast.Tuple, ast.UnaryOp, ast.BinOp, ast.operator, ast.unaryop, ast.Name, ast.Attribute)
 ARITHMETIC = {"float", "linspace", "finfo"}
 
@@ -27,17 +32,29 @@ def is_numeric(value: ast.expr) -> bool:
     )
 
 
+def is_derived(value: ast.expr) -> bool:
+    """Whether an expression contains another constant, or what NumPy says of the precision of numbers."""
+    names = {getattr(part, "id", "") for part in ast.walk(value)} - {"TWO_PI"}
+    return any(name.isupper() for name in names) or "finfo" in ast.unparse(value)
+
+
 def constants_of(source: str) -> dict[str, str]:
     """Numerical constants in capitals at the top level of a module, but 2 pi; values in normal form."""
     found: dict[str, str] = {}
     for node in ast.parse(source).body:
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
             continue
+        if source.splitlines()[(node.end_lineno or 1) - 1].partition("  # ")[2].partition(":")[0] in REASONS:
+            continue
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
         for target in targets:
             several = isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple)
             pairs = zip(target.elts, node.value.elts, strict=True) if several else [(target, node.value)]
-            found |= {name.id: ast.unparse(value) for name, value in pairs if name.id.isupper() and is_numeric(value)}
+            found |= {
+                name.id: ast.unparse(value)
+                for name, value in pairs
+                if name.id.isupper() and is_numeric(value) and not is_derived(value)
+            }
     found.pop("TWO_PI", None)
     return found
 
@@ -66,4 +83,15 @@ def test_modules_on_the_page_exist():
 
 def test_constants_are_recognised():
     source = "A, B = 1e-3, 1 << 4\n_C = (0.1, -2)\nD = 4 * float(np.eps)\nE = Exact(0.0)\nF = ('x', 1)\nG = h\nh = 1.0"
-    assert constants_of(source) == {"A": "0.001", "B": "1 << 4", "_C": "(0.1, -2)", "D": "4 * float(np.eps)"}
+    derived = "H, I = 2 * A, 4 * np.finfo(float).eps\nJ = 2  # derived: a pair\nK = 3  # limit: of pairs"
+    assert constants_of(f"{source}\n{derived}") == {
+        "A": "0.001",
+        "B": "1 << 4",
+        "_C": "(0.1, -2)",
+        "D": "4 * float(np.eps)",
+    }
+
+
+def test_reasons_are_those_of_the_page():
+    assert REASONS == ["derived", "speed", "limit", "format", "prediction"]
+    assert constants_of("A = 1  # speedy: no reason") == {"A": "1"}

@@ -39,7 +39,7 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.adhesive.relaxation", "relax", "events, rest"),
     ("bem.continuation.locating", "locate", "events, rest"),
     ("bem.continuation.symmetry", "other_branch", "events, rest"),
-    ("bem.continuation.jumps", "Jumps._at_rest", "events, rest"),
+    ("bem.continuation.jumps", "Jumps._minimum", "events, rest"),
     ("bem.continuation.touches", "locate_touch", "events, rest"),
     ("bem.states", "equilibrium_state", "states kept, rest"),
     ("bem.audit.certificate", "certify", "certificate"),

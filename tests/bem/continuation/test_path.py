@@ -359,7 +359,7 @@ def test_steps_are_counted(rough_points):
 
 def test_jumps_that_lead_back_for_ever_are_a_named_failure(monkeypatch):
     monkeypatch.setattr(
-        Jumps, "from_touch", lambda jumps, touch: Equilibrium.of(touch.at.exact.value, touch.at.balance)
+        Jumps, "from_touch", lambda jumps, touch: Equilibrium.of(touch.at.numbers.value, touch.at.balance)
     )
     result = solve(rough_scene([60e-6, 5e-6], 12, 1, 0.03))
     assert result.status == "not_converged"

@@ -93,10 +93,10 @@ def test_a_touch_is_where_the_gap_of_an_equilibrium_vanishes(control, compliance
     touch = locate_touch(system, piece, (piece.last.balance.state, 1.0), found, TOLERANCE)
     assert system.effort.evaluations - counted <= 4
     assert 0 < touch.place < 1
-    at = resting(system, touch.at.patches, touch.at.exact.value)
+    at = resting(system, touch.at.patches, touch.at.numbers.value)
     assert abs(gap_beside(system, at).depth[0]) <= 1e-11
     reached = (at.state.penetration, at.state.load, at.potential)
-    exact = touch.at.exact.penetration, touch.at.exact.load, touch.at.exact.potential
+    exact = touch.at.numbers.penetration, touch.at.numbers.load, touch.at.numbers.potential
     np.testing.assert_allclose(exact, reached, rtol=0, atol=1e-11)
 
 

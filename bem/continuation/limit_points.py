@@ -13,7 +13,7 @@ others              a shorter step tells
 =========  =======  ==============================================================================================
 
 All are located as equilibria with a neutral mode (locating.py), whose error comes with them.  Modes that break a
-symmetry are held at rest meanwhile; if that takes a force, the profile has not quite the symmetry, and shorter steps
+symmetry are held meanwhile; if that takes a force, the profile has not quite the symmetry, and shorter steps
 lead to the fold beside the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge scale over
 work of adhesion, of order 1.  Dimensionless.
 """
@@ -28,15 +28,11 @@ from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.continuation.curve import Piece
-from bem.continuation.locating import AtRest, Located, NeutralMode, Refused, Start, locate
+from bem.continuation.locating import LOCATED, MODES, HeldModes, Located, NeutralMode, Refused, Start, locate
 from bem.geometry.arrays import FloatArray
 
-IDLE = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
-NEARLY_IDLE = 0.03  # the same: of the mode of a fold, which may then be where a symmetry is restored
-FELT = 1e-9  # of the work of adhesion: a force that holds a mode at rest
-NEUTRAL, SOFT = 1e-4, 1e-2  # eigenvalues: of a neutral mode, and of modes that turn unstable together
-FIRST = 1e-7  # the same: what another mode may be below the neutral one by rounding
-ATTEMPTS = 4  # at the modes that turn unstable first
+NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
+NEUTRAL = 1e-2  # eigenvalues of modes that are neutral together
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +61,11 @@ class LimitPoint:
 def does_no_work(here: Balance, scale: FloatArray, modes: FloatArray) -> NDArray[np.bool_]:
     """On which modes, (2 L, n) in units `scale`, the control does no work."""
     pull = here.load_gradient * scale
-    return np.asarray(np.abs(modes.T @ pull) < IDLE * np.linalg.norm(pull))
+    return np.asarray(np.abs(modes.T @ pull) < NO_WORK * np.linalg.norm(pull))
 
 
 @dataclass(frozen=True, eq=False)
-class Turns:
+class LimitPoints:
     """Finds limit points on pieces.
 
     Parameters
@@ -98,20 +94,16 @@ class Turns:
         if onward or values.size > 1 or turns.size == 0:
             return Refused.UNCLEAR
         if values.size == 0:
-            mode = last.rate / last.balance.scale
-            return self._restored(piece, float(turns[0]), mode / np.linalg.norm(mode))
+            return self._restored(piece, float(turns[0]), last.rate / last.balance.scale)
         return self._fold(piece, float(turns[0]))
 
     def _fold(self, piece: Piece, place: float) -> LimitPoint | Refused:
         """The fold at about a parameter, unless a symmetry breaks before it."""
         scale = piece.first.balance.scale
-        along = piece.last.rate / scale
-        neutral = NeutralMode(self.system, scale, along / np.linalg.norm(along), NEUTRAL)
-        at = locate(self.system, self._start(piece, place), neutral, self.tolerance)
+        neutral = self._neutral(scale, piece.last.rate / scale)
+        at = self._on_piece(piece, place, neutral)
         if isinstance(at, Refused):
             return at
-        if not piece.holds(at.patches, at.exact.value):
-            return Refused.FAR
         pull, mode = at.balance.load_gradient * scale, neutral.last
         pull = pull * self.system.control.rate(at.balance.state)
         before = (neutral.values <= 0) & (np.arange(neutral.values.size) != neutral.index)
@@ -119,10 +111,6 @@ class Turns:
             before &= does_no_work(at.balance, scale, neutral.modes)
             return self._broken(piece, at.balance, neutral.modes[:, before], scale) if before.any() else Refused.UNCLEAR
         work = float(pull @ mode)
-        if abs(work) < NEARLY_IDLE * np.linalg.norm(pull):
-            restored = self._restored(piece, piece.parameter(at.patches), mode)
-            if isinstance(restored, LimitPoint):
-                return restored
         cubic = float(neutral.by_edges @ neutral.motion)
         if cubic * work * self.direction <= 0:
             return Refused.UNCLEAR
@@ -132,14 +120,11 @@ class Turns:
     def _restored(self, piece: Piece, place: float, mode: FloatArray) -> LimitPoint | Refused:
         """Where a broken symmetry is restored, at about a parameter; `mode` is that of the symmetry."""
         scale = piece.first.balance.scale
-        neutral = NeutralMode(self.system, scale, mode, NEUTRAL / 10)
-        rest = AtRest((mode * scale)[:, None], restored=True)
-        at = locate(self.system, self._start(piece, place), neutral, self.tolerance, rest)
+        neutral = self._neutral(scale, mode)
+        at = self._on_piece(piece, place, neutral, HeldModes(neutral.motion[:, None], restored=True))
         if isinstance(at, Refused):
             return at
-        if not piece.holds(at.patches, at.exact.value):
-            return Refused.FAR
-        soft = does_no_work(at.balance, scale, neutral.modes) & (neutral.values < SOFT)
+        soft = does_no_work(at.balance, scale, neutral.modes) & (neutral.values < NEUTRAL)
         if not soft[neutral.index] or np.any(neutral.values[~soft] <= 0):
             return Refused.UNCLEAR
         modes = neutral.modes[:, soft] * scale[:, None]
@@ -148,7 +133,7 @@ class Turns:
     def _broken(
         self, piece: Piece, here: Balance, modes: FloatArray, scale: FloatArray | None = None
     ) -> LimitPoint | Refused:
-        """Where the first of some modes turns unstable on which the control does no work, these held at rest.
+        """Where the first of some modes turns unstable on which the control does no work, these held.
 
         `scale` has the units of the modes, found in the state `here`: its own, if not given.
         """
@@ -157,31 +142,42 @@ class Turns:
         stiff, soft = (np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (piece.first.balance, here))
         shares = np.where((stiff > 0) & (soft < 0), stiff / np.where(soft < stiff, stiff - soft, 1.0), 1.0)
         start, along = self._start(piece, float(shares.min())), held[:, int(np.argmin(shares))] / scale
-        for _ in range(ATTEMPTS):
-            neutral = NeutralMode(self.system, scale, along / np.linalg.norm(along), NEUTRAL / 10)
-            at = locate(self.system, start, neutral, self.tolerance, AtRest(held))
+        for _ in range(MODES):
+            neutral = self._neutral(scale, along)
+            at = locate(self.system, start, neutral, self.tolerance, HeldModes(held))
             if isinstance(at, Refused):
                 return at
-            start = Start(at.patches, at.exact.penetration, at.exact.value)
-            felt = _forces(at.balance, held) > FELT
+            start = Start(at.patches, at.numbers.penetration, at.numbers.value)
+            felt = _forces(at.balance, held) > LOCATED
             if felt.any() and not felt.all():  # those are held by forces: the profile has not their symmetry
                 held = held[:, ~felt]
                 continue
             lowest = int(np.argmin(neutral.values))
-            if neutral.values[lowest] > neutral.values[neutral.index] - FIRST:
+            if neutral.values[lowest] > neutral.values[neutral.index] - LOCATED:
                 return self._breaking(piece, at, neutral)
             along = neutral.modes[:, lowest]
         return Refused.UNCLEAR
 
     def _breaking(self, piece: Piece, at: Located, neutral: NeutralMode) -> LimitPoint | Refused:
         """The point where a symmetry breaks, if the profile has it and nothing else turned unstable before."""
-        soft = does_no_work(at.balance, neutral.scale, neutral.modes) & (neutral.values < SOFT)
+        soft = does_no_work(at.balance, neutral.scale, neutral.modes) & (neutral.values < NEUTRAL)
         modes = neutral.modes * neutral.scale[:, None]
-        pushed = np.any(_forces(at.balance, modes[:, soft & (neutral.values < NEUTRAL)]) > FELT)
-        behind = (at.exact.value - piece.first.value) * self.direction < -FELT
+        pushed = np.any(_forces(at.balance, modes[:, soft & (neutral.values < NEUTRAL)]) > LOCATED)
+        behind = (at.numbers.value - piece.first.value) * self.direction < -LOCATED
         if not soft[0] or np.any(neutral.values[~soft] <= 0) or pushed or behind:
             return Refused.UNCLEAR
         return LimitPoint("broken_symmetry", at, modes[:, soft], 0.0, piece.parameter(at.patches))
+
+    def _neutral(self, scale: FloatArray, mode: FloatArray) -> NeutralMode:
+        """The condition of a neutral mode, at first along one in units `scale`."""
+        return NeutralMode(self.system, scale, mode / np.linalg.norm(mode))
+
+    def _on_piece(
+        self, piece: Piece, place: float, on: NeutralMode, held: HeldModes | None = None
+    ) -> Located | Refused:
+        """What is located from about a parameter, if it lies on the piece."""
+        at = locate(self.system, self._start(piece, place), on, self.tolerance, held)
+        return at if isinstance(at, Refused) or piece.holds(at.patches, at.numbers.value) else Refused.FAR
 
     def _start(self, piece: Piece, place: float) -> Start:
         """Where Newton begins on a piece."""
