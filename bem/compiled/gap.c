@@ -1,8 +1,7 @@
 /* What the gap search evaluates: gap.py. */
 
-#include "core.h"
+#include "descent.h"
 #include "kernels.h"
-#include "lanes.h"
 
 #define NEGLIGIBLE (-39.0) /* gap.NEGLIGIBLE */
 #define SINE_TERMS 11      /* of its series up to pi/2: (pi/2)^23 / 23! = 1e-18 */
@@ -37,12 +36,32 @@ VECTORISED static void beside_patch(const double *RESTRICT t, Size terms, const 
         values[k] = -PI * (log_of_size(2 * zeta[k]) * charges[0] + sum[k]) - coarse[k];
 }
 
+void add_near_patches(Size patches, const double *center, const double *half_width, const int64_t *nodes,
+                      const Table *tables, Size terms, const double *charges, const double *skeleton, Size n,
+                      const int64_t *gap, const double *x, double *values)
+{
+    Size side, i, k, next;
+    for (side = 0; side < 2; side++)
+        for (i = 0; i < n; i = next) {
+            Size which = ((Size)gap[i] + side) % patches;
+            double turn = side == 1 && which <= gap[i] ? 2 * PI : 0.0, t[LANES], beside[LANES];
+            for (next = i; next < n && next < i + LANES && gap[next] == gap[i]; next++)
+                t[next - i] = (x[next] - turn - center[which]) / half_width[which];
+            for (k = next - i; k < LANES; k++)
+                t[k] = t[0];
+            beside_patch(t, (Size)nodes[which], charges + which * terms, tables[which].n, tables[which].nodes,
+                         skeleton + tables[which].start, beside);
+            for (k = i; k < next; k++)
+                values[k] += beside[k - i];
+        }
+}
+
 /* gap.near_patches(patches, resolution, charges, skeleton, gap, x): the exact logarithmic part of the two patches
    beside a gap less that of their skeletons. */
 DECLARED(near_patches)
 {
     Call call;
-    Size patches[1], of_width[1], of_charges[2], of_skeleton[1], n[1], n_modes, n_nodes, n_gap, side, i, k, next;
+    Size patches[1], of_width[1], of_charges[2], of_skeleton[1], n[1], n_modes, n_nodes, n_gap, i;
     double *center, *half_width, *charges, *skeleton, *x, *values;
     int64_t *modes, *nodes, *gap;
     Table *tables;
@@ -60,7 +79,7 @@ DECLARED(near_patches)
     expect(&call, of_width[0] == patches[0] && n_modes == patches[0] && n_nodes == patches[0] &&
                       of_charges[0] == patches[0] && n_gap == n[0],
            "arrays of the patches differ in size");
-    tables = tables_of(&call, "packed_basis", modes, n_modes);
+    tables = tables_of(&call, OF_MODES, modes, n_modes);
     expect(&call, call.failed || tables[n_modes].start == of_skeleton[0], "charges and modes differ");
     result = new_reals(&call, 1, n[0], 0, &values);
     for (i = 0; !call.failed && i < patches[0]; i++)
@@ -69,19 +88,9 @@ DECLARED(near_patches)
         expect(&call, 0 <= gap[i] && gap[i] < patches[0], "no such gap");
         values[i] = 0.0;
     }
-    for (side = 0; side < 2; side++)
-        for (i = 0; !call.failed && i < n[0]; i = next) {
-            Size which = ((Size)gap[i] + side) % patches[0];
-            double turn = side == 1 && which <= gap[i] ? 2 * PI : 0.0, t[LANES], beside[LANES];
-            for (next = i; next < n[0] && next < i + LANES && gap[next] == gap[i]; next++)
-                t[next - i] = (x[next] - turn - center[which]) / half_width[which];
-            for (k = next - i; k < LANES; k++)
-                t[k] = t[0];
-            beside_patch(t, (Size)nodes[which], charges + which * of_charges[1], tables[which].n, tables[which].nodes,
-                         skeleton + tables[which].start, beside);
-            for (k = i; k < next; k++)
-                values[k] += beside[k - i];
-        }
+    if (!call.failed)
+        add_near_patches(patches[0], center, half_width, nodes, tables, of_charges[1], charges, skeleton, n[0], gap, x,
+                         values);
     if (call.failed)
         Py_CLEAR(result);
     PyMem_Free(tables);
