@@ -47,7 +47,7 @@ NARROW_GAP, CLOSING_STEP = 0.25, 0.4  # of the shortest wavelength; part of its 
 
 
 DescentStatus = Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
-Verdict = DescentStatus | Literal["again", "closing", "vanishing"]
+Verdict = DescentStatus | Literal["closing", "vanishing"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +130,13 @@ def descend(
         system.effort.evaluations += end.evaluations
         standing = Patches(end.left, end.right)
         state = None if end.numbers is None else _evaluation(system, standing, *end.numbers)
-        if end.verdict not in ("closing", "vanishing"):
+        if end.verdict == "closing":
+            gone, remaining = without_gaps(standing, end.gone)
+        elif end.verdict == "vanishing":
+            gone, remaining = without_patches(standing, end.gone)
+        else:
             touching = None if end.verdict != "touched" else GapMinima(end.crests, end.depth, end.gap)
             return Descent(end.verdict, standing, changes, system, target, state, touching)
-        vanish = without_gaps if end.verdict == "closing" else without_patches
-        gone, remaining = vanish(standing, end.gone)
         changes += gone
         if remaining is None:
             status: DescentStatus = "complete_contact" if end.verdict == "closing" else "separated"
@@ -232,7 +234,7 @@ def strides(walk: Walk) -> tuple[Any, ...]:
     """
     going = _Going(walk.system, walk.target, walk.accuracy, walk.steps, walk.patches, walk.penetration, walk.seen,
                    walk.radius)  # fmt: skip
-    verdict: Verdict = "again"
+    verdict: Verdict | Literal["again"] = "again"
     rounds = walk.rounds
     while verdict == "again":
         verdict = going.round() if rounds > 0 and going.radius >= SMALLEST_RADIUS else "not_converged"
@@ -329,7 +331,7 @@ class _Going:
     gone: IntArray | None = None
     touching: GapMinima | None = None
 
-    def round(self) -> Verdict:
+    def round(self) -> Verdict | Literal["again"]:
         """Evaluate, and take a step or say why none is taken."""
         here = self.evaluated()
         if here is None:
@@ -350,7 +352,7 @@ class _Going:
             self.here = self._balance(self.patches, self.penetration, self.resolution)
         return self.here
 
-    def reshaped(self, here: Balance) -> Verdict | None:
+    def reshaped(self, here: Balance) -> Verdict | Literal["again"] | None:
         """Gaps close, edges move out of interpenetration, or patches vanish; None where nothing of that is due."""
         self.gone = closing_gaps(self.system, here)
         if self.gone.size:
@@ -372,7 +374,7 @@ class _Going:
         parts = trust_region_step(gradient, hessian, self.radius)
         return _Step(scale, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
 
-    def tried(self, here: Balance, step: _Step) -> Verdict:
+    def tried(self, here: Balance, step: _Step) -> Verdict | Literal["again"]:
         """Try a step: take it where the potential falls about as far as predicted, else shrink the radius."""
         trial = self.patches.moved(step.parts * step.scale)
         if not self._is_free(trial):

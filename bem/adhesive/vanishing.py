@@ -50,7 +50,7 @@ def closing_gaps(system: System, here: Balance) -> IntArray:
     closing = np.flatnonzero((doomed & pulled_shut(here)) | closed if doomed.any() else closed)
     closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min(initial=np.inf)]
     stays = closing.size == gaps.size and system.control.load_weight == 0
-    return closing[:0] if stays else closing
+    return np.asarray(closing[:0] if stays else closing)
 
 
 def without_gaps(patches: Patches, closing: IntArray) -> Remaining:
@@ -73,9 +73,9 @@ def vanishing_patches(system: System, here: Balance) -> IntArray:
     narrow = patches.half_width < VANISHED_WIDTH / system.elastic.profile.max_order  # the widest at pull-off
     shrinking = np.flatnonzero(inward[:count] & inward[count:])
     if not narrow[shrinking].any():
-        return shrinking[:0]
+        return np.asarray(shrinking[:0])
     relative = patches.half_width[shrinking] / pull_off_half_width(system, patches.center[shrinking])
-    return shrinking[(relative <= (1 + TIED) * relative.min()) & (relative.min() < VANISHED_WIDTH)]
+    return np.asarray(shrinking[(relative <= (1 + TIED) * relative.min()) & (relative.min() < VANISHED_WIDTH)])
 
 
 def without_patches(patches: Patches, gone: IntArray) -> Remaining:
