@@ -4,24 +4,36 @@ Small trust-region steps minimise the potential at a fixed target.  Each edge mo
 scale, at most half the shortest wavelength.  Larger steps would end in another basin: barriers between basins are as
 narrow as the shortest wavelength, and no edge moves by more than a fifth of it at once.  On the way patches vanish and
 gaps close (vanishing.py), and crests touch (touching.py).  Dimensionless.
+
+The steps from one of these to the next are one function, `strides`.  On the half-space and at fixed penetration its
+kernel in C takes them in one call; elsewhere its reference in NumPy does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 
-from bem.adhesive.equilibrium import Balance, System, balance, energy_noise, symmetric_part
+from bem.adhesive.adhesion import UniformLaw
+from bem.adhesive.equilibrium import Balance, System, balance, energy_noise, forces, symmetric_part
 from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.trust_region import trust_region_step
-from bem.adhesive.vanishing import Change, closing_gaps, vanishing_patches
-from bem.elastic.collocation import Resolution, resolve
+from bem.adhesive.vanishing import (
+    Change,
+    closing_gaps,
+    vanishing_patches,
+    without_gaps,
+    without_patches,
+)
+from bem.compiled.kernels import REFERENCES, mirrored
+from bem.elastic.collocation import Evaluation, Resolution, resolve
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
-from bem.geometry.arrays import FloatArray
+from bem.elastic.logarithmic_potential import LogarithmicPotential
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.geometry.profile import EQUAL_HEIGHTS
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
@@ -31,6 +43,7 @@ LEAST_INTENSITY = 0.3  # of the critical K: edges below move outward by so much 
 
 
 DescentStatus = Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
+Verdict = DescentStatus | Literal["closing", "vanishing"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,19 +58,28 @@ class Descent:
         not its own) or `ill_conditioned`.
     patches : Patches
         Where it ended.
-    balance : Balance or None
-        Forces there; None without patches or gaps.
     changes : tuple of Change
         Patches and gaps that vanished, in order.
+    system, target
+        What `descend` was asked.
+    state : Evaluation or None
+        Of the patches; None without patches or gaps, or where they cannot be solved for.
     touching : GapMinima or None
         Crests that touched, dimensionless; their gaps are those of `patches`.
     """
 
     status: DescentStatus
     patches: Patches
-    balance: Balance | None
     changes: tuple[Change, ...]
+    system: System
+    target: float
+    state: Evaluation | None = None
     touching: GapMinima | None = None
+
+    @cached_property
+    def balance(self) -> Balance | None:
+        """Forces there; None without a state."""
+        return None if self.state is None else forces(self.system, self.state, self.target)
 
 
 @dataclass(frozen=True)
@@ -68,15 +90,15 @@ class Steps:
     ----------
     largest : float
         Trust radius in units of the step scale; small values follow the descent path closely.
-    least_resolution : callable or None
-        Least resolution of given patches, where others than these are near.
+    least : Resolution or None
+        Least resolution of as many patches as it has, where others than these are near.
     ahead : CrestsAhead or None
         Finds the crests that touch after a step; the descent ends there, or before edges reach the patches beside them.
         Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
     """
 
     largest: float
-    least_resolution: Callable[[Patches], Resolution] | None = None
+    least: Resolution | None = None
     ahead: CrestsAhead | None = None
 
 
@@ -84,13 +106,6 @@ def descend(
     system: System, patches: Patches, penetration: float, target: float, accuracy: Accuracy, steps: Steps
 ) -> Descent:
     """Minimise the potential from the given edges, letting patches vanish and gaps close.
-
-    1. Evaluate the forces on the edges.
-    2. Take out gaps about to close and patches about to vanish, and move edges out of interpenetration where one has
-       K <= 0; then evaluate again.
-    3. Choose the step that minimises the quadratic model within the trust radius.  Where the residual is small and the
-       step inside the radius, the descent has converged.
-    4. Try it, and take it where the potential falls about as far as predicted, else shrink the radius.
 
     Parameters
     ----------
@@ -103,21 +118,173 @@ def descend(
         Of the evaluation, and of the equilibrium.
     steps : Steps
     """
-    walk = _Walk(system, target, accuracy, steps, patches, penetration, seen=patches, radius=steps.largest / 2)
-    for _ in range(MAXIMUM_ITERATIONS * system.elastic.profile.max_order):  # edges move on from wave to wave
-        if walk.radius < EQUAL_HEIGHTS:
-            break
-        here = walk.evaluated()
-        if here is None:
-            return walk.ended("ill_conditioned")
-        verdict = walk.reshaped(here)
-        if verdict is None:
-            step = walk.step(here)
-            inside = step.size < 0.9 * walk.radius and here.is_equilibrium(accuracy.residual)
-            verdict = "converged" if inside else walk.tried(here, step)
-        if verdict != "again":
-            return walk.ended(verdict)
-    return walk.ended("not_converged")
+    rounds = MAXIMUM_ITERATIONS * system.elastic.profile.max_order  # edges move on from wave to wave
+    walk = Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2, rounds)
+    taken = strides if _is_plain(system) else REFERENCES[strides.__name__]
+    changes: tuple[Change, ...] = ()
+    while True:
+        end = Strides(*taken(walk))
+        system.effort.evaluations += end.evaluations
+        standing = Patches(end.left, end.right)
+        state = None if end.numbers is None else _evaluation(system, standing, *end.numbers)
+        if end.verdict == "closing":
+            gone, remaining = without_gaps(standing, end.gone)
+        elif end.verdict == "vanishing":
+            gone, remaining = without_patches(standing, end.gone)
+        else:
+            touching = None if end.verdict != "touched" else GapMinima(end.crests, end.depth, end.gap)
+            return Descent(end.verdict, standing, changes, system, target, state, touching)
+        changes += gone
+        if remaining is None:
+            status: DescentStatus = "complete_contact" if end.verdict == "closing" else "separated"
+            return Descent(status, standing, changes, system, target)
+        penetration = walk.penetration if state is None else state.penetration
+        walk = replace(
+            walk, patches=remaining, penetration=penetration, seen=remaining, radius=steps.largest / 2,
+            rounds=end.rounds,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """Where a descent stands before the next steps.
+
+    Attributes
+    ----------
+    system, target, accuracy, steps
+        What `descend` was asked.
+    patches, penetration
+        The edges now, and where load control starts from.
+    seen : Patches
+        Where each edge was when crests ahead of it were last looked at.
+    radius : float
+        Of the trust region.
+    rounds : int
+        That are left.
+    """
+
+    system: System
+    target: float
+    accuracy: Accuracy
+    steps: Steps
+    patches: Patches
+    penetration: float
+    seen: Patches
+    radius: float
+    rounds: int
+
+
+Numbers = tuple[
+    float, FloatArray, FloatArray, float, float, float, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray,
+    FloatArray, IntArray, IntArray,
+]  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Strides:
+    """Where steps led.
+
+    Attributes
+    ----------
+    verdict : str
+        Status of the descent; or `closing` or `vanishing`: gaps or patches are `gone`, their indices.
+    left, right, seen_left, seen_right : (L,) arrays
+        Edges of the patches, and where they were when crests were last looked at.
+    radius : float
+        Of the trust region.
+    rounds : int
+        That are left.
+    evaluations : int
+        That are not yet booked.
+    numbers : Numbers or None
+        Of the state there, if there is one: penetration, K and dK/dDelta, load and dload/dDelta, elastic energy, edge
+        compliance, edge slope and its derivative, series, skeleton and its derivative, nodes and modes.
+    crests, depth, gap : (n,) arrays or None
+        Of crests that touched.
+    """
+
+    verdict: Verdict
+    left: FloatArray
+    right: FloatArray
+    seen_left: FloatArray
+    seen_right: FloatArray
+    radius: float
+    rounds: int
+    evaluations: int
+    numbers: Numbers | None
+    gone: IntArray
+    crests: FloatArray
+    depth: FloatArray
+    gap: IntArray
+
+
+@mirrored
+def strides(walk: Walk) -> tuple[Any, ...]:
+    """Step until something vanishes, a crest touches, or the descent is at an end: what `Strides` holds.
+
+    1. Evaluate the forces on the edges.
+    2. Where gaps are about to close or patches about to vanish, end.  Where an edge has K <= 0, move edges outward;
+       then evaluate again.
+    3. Choose the step that minimises the quadratic model within the trust radius.  Where the residual is small and the
+       step inside the radius, the descent has converged.
+    4. Try it, and take it where the potential falls about as far as predicted, else shrink the radius.
+    """
+    going = _Going(walk.system, walk.target, walk.accuracy, walk.steps, walk.patches, walk.penetration, walk.seen,
+                   walk.radius)  # fmt: skip
+    verdict: Verdict | Literal["again"] = "again"
+    rounds = walk.rounds
+    while verdict == "again":
+        verdict = going.round() if rounds > 0 and going.radius >= EQUAL_HEIGHTS else "not_converged"
+        rounds -= 1
+    here, edges, low = going.here, (going.patches, going.seen), going.touching
+    numbers = None if here is None else _numbers(here.state)
+    crests = (None, None, None) if low is None else (low.position, low.depth, low.gap)
+    places = [side for patches in edges for side in (patches.left, patches.right)]
+    return verdict, *places, going.radius, rounds, 0, numbers, going.gone, *crests
+
+
+def _is_plain(system: System) -> bool:
+    """Whether the kernel takes the steps: on the half-space, at a given penetration."""
+    elastic = system.elastic
+    rests = all(isinstance(one, LogarithmicPotential) for one in elastic.backgrounds) and len(elastic.backgrounds) < 2
+    bare = elastic.compliance is None and not elastic.slopes and not elastic.probes and rests
+    return bare and not system.control.load_weight and isinstance(system.law, UniformLaw)
+
+
+def _numbers(state: Evaluation) -> Numbers:
+    """Of a state, as in `Strides`."""
+    return (
+        state.penetration, state.stress_intensity, state.stress_intensity_rate, state.load, state.load_rate,
+        state.elastic_energy, state.edge_compliance, state.edge_slope, state.edge_slope_rate, state.series,
+        state.skeleton, state.skeleton_rate, state.resolution.nodes, state.resolution.modes,
+    )  # fmt: skip
+
+
+def _evaluation(system: System, patches: Patches, *numbers: Any) -> Evaluation:
+    """The state of some patches with these numbers."""
+    penetration, intensity, rate, load, load_rate, energy, compliance, slope, slope_rate, *others = numbers
+    series, skeleton, skeleton_rate, nodes, modes = others
+    return Evaluation(
+        patches=patches,
+        penetration=penetration,
+        stress_intensity=intensity,
+        stress_intensity_rate=rate,
+        load=load,
+        load_rate=load_rate,
+        elastic_energy=energy,
+        edge_compliance=compliance,
+        slope_compliance=np.zeros((0, intensity.size)),
+        edge_slope=slope,
+        edge_slope_rate=slope_rate,
+        resolution=Resolution(nodes, modes),
+        unknowns=skeleton.size,
+        series=series,
+        skeleton=skeleton,
+        skeleton_rate=skeleton_rate,
+        rms_slope=system.elastic.profile.rms_slope,
+        intensity_by_probes=np.zeros((0, intensity.size)),
+        load_by_probes=np.zeros(0),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,25 +302,17 @@ class _Step:
 
 
 @dataclass(eq=False)
-class _Walk:
-    """Where one descent stands.
+class _Going:
+    """Steps on the way: what a `Walk` holds, and
 
     Attributes
     ----------
-    system, target, accuracy, steps
-        What `descend` was asked.
-    patches, penetration
-        The edges now, and where load control starts from.
-    seen : Patches
-        Where each edge was when crests ahead of it were last looked at.
-    radius : float
-        Of the trust region.
     here : Balance or None
         Forces on the edges; None where they are to be evaluated.
     resolution : Resolution or None
         Of the last evaluation: both sides of a step have the same.
-    changes, touching
-        What has happened, as in `Descent`.
+    gone, touching
+        Patches or gaps that vanish now, and crests that touched.
     """
 
     system: System
@@ -166,42 +325,43 @@ class _Walk:
     radius: float
     here: Balance | None = None
     resolution: Resolution | None = None
-    changes: tuple[Change, ...] = ()
+    gone: IntArray | None = None
     touching: GapMinima | None = None
 
-    def ended(self, status: DescentStatus) -> Descent:
-        """The outcome."""
-        return Descent(status, self.patches, self.here, self.changes, self.touching)
+    def round(self) -> Verdict | Literal["again"]:
+        """Evaluate, and take a step or say why none is taken."""
+        here = self.evaluated()
+        if here is None:
+            return "ill_conditioned"
+        verdict = self.reshaped(here)
+        if verdict is not None:
+            return verdict
+        step = self.step(here)
+        inside = step.size < 0.9 * self.radius and here.is_equilibrium(self.accuracy.residual)
+        return "converged" if inside else self.tried(here, step)
 
     def evaluated(self) -> Balance | None:
         """Forces on the edges; where none are known, with the resolution that the patches ask for; None: unsolvable."""
         if self.here is None:
-            self.resolution = resolve(self.system.elastic, self.patches, self.accuracy.tolerance)
-            if self.steps.least_resolution is not None:
-                self.resolution = _at_least(self.resolution, self.steps.least_resolution(self.patches))
+            least = self.steps.least
+            floor = least if least is not None and least.nodes.size == self.patches.count else None
+            self.resolution = _at_least(resolve(self.system.elastic, self.patches, self.accuracy.tolerance), floor)
             self.here = self._balance(self.patches, self.penetration, self.resolution)
         return self.here
 
-    def reshaped(self, here: Balance) -> DescentStatus | Literal["again"] | None:
+    def reshaped(self, here: Balance) -> Verdict | Literal["again"] | None:
         """Gaps close, edges move out of interpenetration, or patches vanish; None where nothing of that is due."""
-        vanished = closing_gaps(self.system, here)
-        if vanished is None and not here.all_tensile:
+        self.gone = closing_gaps(self.system, here)
+        if self.gone.size:
+            return "closing"
+        if not here.all_tensile:
             wider = _expanded(self.system, here)
             if wider is None or not self._is_free(wider):
                 return "not_converged"
-            self._stand_at(wider, here)
+            self.patches, self.penetration, self.here = wider, here.state.penetration, None
             return "again"
-        vanished = vanished or vanishing_patches(self.system, here)
-        if vanished is None:
-            return None
-        gone, remaining = vanished
-        self.changes += gone
-        if remaining is None:
-            self.here = None
-            return "separated" if gone[0].kind == "detachment" else "complete_contact"
-        self._stand_at(remaining, here)
-        self.seen, self.radius = remaining, self.steps.largest / 2
-        return "again"
+        self.gone = vanishing_patches(self.system, here)
+        return "vanishing" if self.gone.size else None
 
     def step(self, here: Balance) -> _Step:
         """The step that minimises the quadratic model within the trust radius."""
@@ -211,7 +371,7 @@ class _Walk:
         parts = trust_region_step(gradient, hessian, self.radius)
         return _Step(scale, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
 
-    def tried(self, here: Balance, step: _Step) -> DescentStatus | Literal["again"]:
+    def tried(self, here: Balance, step: _Step) -> Verdict | Literal["again"]:
         """Try a step: take it where the potential falls about as far as predicted, else shrink the radius."""
         trial = self.patches.moved(step.parts * step.scale)
         if not self._is_free(trial):
@@ -260,10 +420,6 @@ class _Walk:
         """Whether edges keep clear of the patches beside those that descend."""
         others = None if self.steps.ahead is None else self.steps.ahead.occupied
         return others is None or patches.joined(others) is not None
-
-    def _stand_at(self, patches: Patches, before: Balance) -> None:
-        """Continue from other edges, on which the forces are not known."""
-        self.patches, self.penetration, self.here = patches, before.state.penetration, None
 
 
 def _at_least(resolution: Resolution, floor: Resolution | None) -> Resolution:

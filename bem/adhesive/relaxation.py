@@ -123,9 +123,9 @@ def relax(
             patches, active, state = first_contact(system, crests), None, None
             changes += [("new_contact", float(crest)) for crest in crests]
             continue
-        if end.balance is None or end.status not in ("converged", "touched"):
+        if end.state is None or end.status not in ("converged", "touched"):
             return Relaxed(end.status, target, end.balance, tuple(changes))
-        patches, state = end.patches, end.balance.state
+        patches, state = end.patches, end.state
         penetration = state.penetration
         found = interpenetration(system, state, accuracy.allowed) if end.touching is None else end.touching
         if found.position.size == 0:
@@ -204,12 +204,8 @@ def _relaxed_locally(
     inner, outer = (Patches(patches.left[who], patches.right[who]) for who in (members, far))
     whole = resolve(system.elastic, patches, accuracy.tolerance)
     floor = Resolution(whole.nodes[members], whole.modes[members])
-
-    def at_least(trial: Patches) -> Resolution:
-        return floor if trial.count == members.size else resolve(local.elastic, trial, accuracy.tolerance)
-
     taken = outer if system.elastic.far is None else outer.joined(system.elastic.far.arc.outside)
-    steps = Steps(cause.local_step, at_least, CrestsAhead(local, accuracy.allowed, taken))
+    steps = Steps(cause.local_step, floor, CrestsAhead(local, accuracy.allowed, taken))
     changes: list[tuple[str, float]] = []
     for _ in range(_most_rounds(system)):
         end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_RESIDUAL), steps)

@@ -17,6 +17,7 @@ from bem.adhesive.equilibrium import Balance, System
 from bem.geometry.patches import Patches
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 NARROW = 0.02  # of the shortest wavelength, for a gap; of the width at which a lone contact pulls off, for a patch
 CLOSED_GAP = 1e-7  # of the period
@@ -34,25 +35,25 @@ class Change(NamedTuple):
 Remaining = tuple[tuple[Change, ...], Patches | None]
 
 
-def closing_gaps(system: System, here: Balance) -> Remaining | None:
-    """The gaps about to close, with the patches that remain (None: none do, contact is complete).
+def closing_gaps(system: System, here: Balance) -> IntArray:
+    """Indices of the gaps about to close, by the patches before them, ascending.
 
     At fixed penetration the mean gap is fixed too, and the last gap stays.
     """
-    patches = here.state.patches
-    count = patches.count
-    gaps = patches.gap_after
+    gaps = here.state.patches.gap_after
     wavelength = 2 * np.pi / system.elastic.profile.max_order
     doomed = gaps < min(NARROW * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
     closed = gaps < CLOSED_GAP * 2 * np.pi
     closing = np.flatnonzero((doomed & pulled_shut(here)) | closed if doomed.any() else closed)
-    if closing.size == 0:
-        return None
-    closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min()]
-    positions = patches.right[closing] + gaps[closing] / 2
-    if closing.size == count:
-        if system.control.load_weight == 0:
-            return None
+    closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min(initial=np.inf)]
+    stays = closing.size == gaps.size and system.control.load_weight == 0
+    return np.asarray(closing[:0] if stays else closing)
+
+
+def without_gaps(patches: Patches, closing: IntArray) -> Remaining:
+    """What happens where gaps close, with the patches that remain (None: none do, contact is complete)."""
+    positions = patches.right[closing] + patches.gap_after[closing] / 2
+    if closing.size == patches.count:
         return tuple(Change("complete_contact", float(x)) for x in positions), None
     remaining = patches
     for x in positions:
@@ -61,21 +62,23 @@ def closing_gaps(system: System, here: Balance) -> Remaining | None:
     return tuple(Change("coalescence", float(x)) for x in positions), remaining
 
 
-def vanishing_patches(system: System, here: Balance) -> Remaining | None:
-    """The patches about to vanish, with those that remain (None: none do, the surfaces are apart)."""
+def vanishing_patches(system: System, here: Balance) -> IntArray:
+    """Indices of the patches about to vanish, ascending."""
     patches = here.state.patches
     count = patches.count
     inward = here.gradient > 0
     narrow = patches.half_width < NARROW / system.elastic.profile.max_order  # the widest at pull-off
     shrinking = np.flatnonzero(inward[:count] & inward[count:])
     if not narrow[shrinking].any():
-        return None
+        return np.asarray(shrinking[:0])
     relative = patches.half_width[shrinking] / pull_off_half_width(system, patches.center[shrinking])
-    if relative.min() >= NARROW:
-        return None
-    gone = shrinking[relative <= (1 + TIED) * relative.min()]
+    return np.asarray(shrinking[(relative <= (1 + TIED) * relative.min()) & (relative.min() < NARROW)])
+
+
+def without_patches(patches: Patches, gone: IntArray) -> Remaining:
+    """What happens where patches vanish, with those that remain (None: none do, the surfaces are apart)."""
     changes = tuple(Change("detachment", float(x)) for x in patches.center[gone])
-    if gone.size == count:
+    if gone.size == patches.count:
         return changes, None
     return changes, Patches(np.delete(patches.left, gone), np.delete(patches.right, gone))
 

@@ -7,14 +7,14 @@
 #include "core.h"
 #include "kernels.h"
 
-#define INTERFACE "6" /* kernels.INTERFACE */
+#define INTERFACE "7" /* kernels.INTERFACE */
 
 Blas blas;
 static PyObject *numpy_empty;
 
 int enter(Call *call, Size n_given, Size n_wanted)
 {
-    call->n_views = call->n_objects = call->failed = 0;
+    call->n_views = call->n_objects = call->failed = call->n_tables[OF_NODES] = call->n_tables[OF_MODES] = 0;
     if (n_given != n_wanted)
         PyErr_Format(PyExc_TypeError, "%zd arguments, not %zd", n_given, n_wanted);
     return n_given == n_wanted;
@@ -150,40 +150,48 @@ double *workspace(Size n)
     return memory;
 }
 
-Table *tables_of(Call *call, const char *packed, const int64_t *sizes, Size count)
+/* The tables of a size, asked of Python once a call. */
+static const Table *table_of(Call *call, Packing packing, Size n)
 {
+    Table *known = call->tables[packing], *table = known + call->n_tables[packing];
     PyObject *module, *found;
-    Table *tables;
-    Size i, j, shape[1], n, start = 0;
-    if (call->failed)
-        return NULL;
-    module = PyImport_ImportModule("bem.geometry.chebyshev");
-    tables = PyMem_Malloc((size_t)(count + 1) * sizeof(Table));
-    if (module != NULL && tables == NULL)
-        PyErr_NoMemory();
-    call->failed = module == NULL || tables == NULL;
-    for (i = 0; !call->failed && i < count; i++) {
-        for (j = i - 1; j >= 0 && sizes[j] != sizes[i]; j--)
-            ;
-        n = (Size)sizes[i];
-        if (j >= 0)
-            tables[i] = tables[j];
-        tables[i].start = start;
-        start += n;
-        if (j >= 0)
-            continue;
-        found = held(call, PyObject_CallMethod(module, packed, "n", n));
-        tables[i].n = n;
-        tables[i].nodes = reals(call, found, 1, shape);
-        expect(call, n > 0 && (shape[0] == n || shape[0] == n + n * n || shape[0] == 5 * n + 2 * n * n),
-               "tables: not as chebyshev packs them");
-        tables[i].transform = shape[0] == n ? NULL : tables[i].nodes + n;
-        tables[i].at_edges = tables[i].nodes + n;
-        tables[i].slopes = tables[i].nodes + 3 * n;
-        tables[i].values = tables[i].nodes + 5 * n;
-        tables[i].moments = tables[i].values + n * n;
-    }
+    Size shape[1];
+    for (; known < table; known++)
+        if (known->n == n)
+            return known;
+    expect(call, n > 0 && call->n_tables[packing] < MOST_SIZES, "patches of more sizes than there is room for");
+    module = call->failed ? NULL : PyImport_ImportModule("bem.geometry.chebyshev");
+    if (module == NULL)
+        call->failed = 1;
+    found = module == NULL ? NULL
+                           : PyObject_CallMethod(module, packing == OF_MODES ? "packed_basis" : "packed_nodes", "n", n);
     Py_XDECREF(module);
+    table->nodes = reals(call, held(call, found), 1, shape);
+    expect(call, packing == OF_MODES ? shape[0] == 5 * n + 2 * n * n : shape[0] == n || shape[0] == n + n * n,
+           "tables: not as chebyshev packs them");
+    table->n = n;
+    table->transform = shape[0] == n ? NULL : table->nodes + n;
+    table->at_edges = table->nodes + n;
+    table->slopes = table->nodes + 3 * n;
+    table->values = table->nodes + 5 * n;
+    table->moments = table->values + n * n;
+    call->n_tables[packing] += !call->failed;
+    return table;
+}
+
+Table *tables_of(Call *call, Packing packing, const int64_t *sizes, Size count)
+{
+    Table *tables = call->failed ? NULL : PyMem_Malloc((size_t)(count + 1) * sizeof(Table));
+    Size i, start = 0;
+    if (!call->failed && tables == NULL) {
+        PyErr_NoMemory();
+        call->failed = 1;
+    }
+    for (i = 0; !call->failed && i < count; i++) {
+        tables[i] = *table_of(call, packing, (Size)sizes[i]);
+        tables[i].start = start;
+        start += tables[i].n;
+    }
     if (call->failed) {
         PyMem_Free(tables);
         return NULL;
@@ -228,6 +236,7 @@ static int look_up_all(void)
         {"scipy.linalg.cython_blas", "dtrsm", "cccciiddidi", (void **)&blas.dtrsm},
         {"scipy.linalg.cython_lapack", "dpotrf", "cidii", (void **)&blas.dpotrf},
         {"scipy.linalg.cython_lapack", "dpstrf", "cidiiiddi", (void **)&blas.dpstrf},
+        {"scipy.linalg.cython_lapack", "dsyevr", "cccididdiididdiidiiii", (void **)&blas.dsyevr},
     };
     size_t i;
     for (i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
@@ -259,6 +268,7 @@ static PyMethodDef methods[] = {
     KERNEL(low_points),
     KERNEL(near_patches),
     KERNEL(pair_by_pair),
+    KERNEL(strides),
     {NULL, NULL, 0, NULL},
 };
 

@@ -34,11 +34,22 @@ typedef Py_ssize_t Size;
 /* Buffers of the arguments of one call, released together by `leave`.  An argument that is no such array sets the
    exception, once, and `failed`: a kernel looks at it after it has taken all arguments. */
 #define MOST_HELD 512
+#define MOST_SIZES 256 /* of a list of sizes: up to 1e9 in steps of 1.15 there are 139 */
+
+/* Tables of n Gauss-Chebyshev nodes: of chebyshev.packed_nodes the first two, `transform` NULL where there is none; of
+   chebyshev.packed_basis all but that.  `start` counts the nodes of the patches before, behind the last one all. */
+typedef struct {
+    Size start, n;
+    const double *nodes, *transform, *at_edges, *slopes, *values, *moments;
+} Table;
+
+typedef enum { OF_NODES, OF_MODES } Packing;
 
 typedef struct {
     Py_buffer views[MOST_HELD];
     PyObject *objects[MOST_HELD];
-    int n_views, n_objects, failed;
+    Table tables[2][MOST_SIZES]; /* that the call has asked for, by their packing */
+    int n_views, n_objects, failed, n_tables[2];
 } Call;
 
 int enter(Call *call, Size n_given, Size n_wanted);                              /* TypeError where they differ */
@@ -55,14 +66,7 @@ PyObject *new_reals(Call *call, int dimensions, Size n, Size m, double **data); 
 PyObject *new_integers(Call *call, Size n, int64_t **data);                     /* the same of int64 */
 double *workspace(Size n);                                                      /* malloc; sets MemoryError */
 
-/* Tables of n Gauss-Chebyshev nodes: of chebyshev.packed_nodes the first two, `transform` NULL where there is none; of
-   chebyshev.packed_basis all but that.  `start` counts the nodes of the patches before, behind the last one all. */
-typedef struct {
-    Size start, n;
-    const double *nodes, *transform, *at_edges, *slopes, *values, *moments;
-} Table;
-
-Table *tables_of(Call *call, const char *packed, const int64_t *sizes, Size count); /* of each patch; PyMem_Free it */
+Table *tables_of(Call *call, Packing packing, const int64_t *sizes, Size count); /* of each patch; PyMem_Free it */
 
 /* BLAS and LAPACK of SciPy; matrices by columns. */
 typedef struct {
@@ -73,6 +77,8 @@ typedef struct {
     void (*dtrsm)(char *, char *, char *, char *, int *, int *, double *, double *, int *, double *, int *);
     void (*dpotrf)(char *, int *, double *, int *, int *);
     void (*dpstrf)(char *, int *, double *, int *, int *, int *, double *, double *, int *);
+    void (*dsyevr)(char *, char *, char *, int *, double *, int *, double *, double *, int *, int *, double *, int *,
+                   double *, double *, int *, int *, double *, int *, int *, int *, int *);
 } Blas;
 
 extern Blas blas;

@@ -1,15 +1,15 @@
 /* What the gap search evaluates: gap.py. */
 
-#include "core.h"
+#include "descent.h"
 #include "kernels.h"
-#include "lanes.h"
 
 #define NEGLIGIBLE (-39.0) /* gap.NEGLIGIBLE */
 #define SINE_TERMS 11      /* of its series up to pi/2: (pi/2)^23 / 23! = 1e-18 */
-/* gap.WHOLE, STRETCH, ENDS */
+/* gap.WHOLE, STRETCH, ENDS, LONGER */
 #define WHOLE 128
 #define STRETCH 8
-#define ENDS 4
+#define ENDS 32
+#define LONGER 512
 
 /* What one patch adds at LANES points beside it, t half widths from its center: -pi times its series, by Horner's rule
    in zeta with all terms that the point nearest to it sees, less the potential of its skeleton. */
@@ -37,12 +37,32 @@ VECTORISED static void beside_patch(const double *RESTRICT t, Size terms, const 
         values[k] = -PI * (log_of_size(2 * zeta[k]) * charges[0] + sum[k]) - coarse[k];
 }
 
+void add_near_patches(Size patches, const double *center, const double *half_width, const int64_t *nodes,
+                      const Table *tables, Size terms, const double *charges, const double *skeleton, Size n,
+                      const int64_t *gap, const double *x, double *values)
+{
+    Size side, i, k, next;
+    for (side = 0; side < 2; side++)
+        for (i = 0; i < n; i = next) {
+            Size which = ((Size)gap[i] + side) % patches;
+            double turn = side == 1 && which <= gap[i] ? 2 * PI : 0.0, t[LANES], beside[LANES];
+            for (next = i; next < n && next < i + LANES && gap[next] == gap[i]; next++)
+                t[next - i] = (x[next] - turn - center[which]) / half_width[which];
+            for (k = next - i; k < LANES; k++)
+                t[k] = t[0];
+            beside_patch(t, (Size)nodes[which], charges + which * terms, tables[which].n, tables[which].nodes,
+                         skeleton + tables[which].start, beside);
+            for (k = i; k < next; k++)
+                values[k] += beside[k - i];
+        }
+}
+
 /* gap.near_patches(patches, resolution, charges, skeleton, gap, x): the exact logarithmic part of the two patches
    beside a gap less that of their skeletons. */
 DECLARED(near_patches)
 {
     Call call;
-    Size patches[1], of_width[1], of_charges[2], of_skeleton[1], n[1], n_modes, n_nodes, n_gap, side, i, k, next;
+    Size patches[1], of_width[1], of_charges[2], of_skeleton[1], n[1], n_modes, n_nodes, n_gap, i;
     double *center, *half_width, *charges, *skeleton, *x, *values;
     int64_t *modes, *nodes, *gap;
     Table *tables;
@@ -60,7 +80,7 @@ DECLARED(near_patches)
     expect(&call, of_width[0] == patches[0] && n_modes == patches[0] && n_nodes == patches[0] &&
                       of_charges[0] == patches[0] && n_gap == n[0],
            "arrays of the patches differ in size");
-    tables = tables_of(&call, "packed_basis", modes, n_modes);
+    tables = tables_of(&call, OF_MODES, modes, n_modes);
     expect(&call, call.failed || tables[n_modes].start == of_skeleton[0], "charges and modes differ");
     result = new_reals(&call, 1, n[0], 0, &values);
     for (i = 0; !call.failed && i < patches[0]; i++)
@@ -69,19 +89,9 @@ DECLARED(near_patches)
         expect(&call, 0 <= gap[i] && gap[i] < patches[0], "no such gap");
         values[i] = 0.0;
     }
-    for (side = 0; side < 2; side++)
-        for (i = 0; !call.failed && i < n[0]; i = next) {
-            Size which = ((Size)gap[i] + side) % patches[0];
-            double turn = side == 1 && which <= gap[i] ? 2 * PI : 0.0, t[LANES], beside[LANES];
-            for (next = i; next < n[0] && next < i + LANES && gap[next] == gap[i]; next++)
-                t[next - i] = (x[next] - turn - center[which]) / half_width[which];
-            for (k = next - i; k < LANES; k++)
-                t[k] = t[0];
-            beside_patch(t, (Size)nodes[which], charges + which * of_charges[1], tables[which].n, tables[which].nodes,
-                         skeleton + tables[which].start, beside);
-            for (k = i; k < next; k++)
-                values[k] += beside[k - i];
-        }
+    if (!call.failed)
+        add_near_patches(patches[0], center, half_width, nodes, tables, of_charges[1], charges, skeleton, n[0], gap, x,
+                         values);
     if (call.failed)
         Py_CLEAR(result);
     PyMem_Free(tables);
@@ -145,39 +155,67 @@ VECTORISED static void subtract_profile(Size rows, const double *RESTRICT table,
         u[i] -= height_at(table, rows, x[i] * unit);
 }
 
-/* Columns of a grid that are looked at, gap._looked_at: of a large one the ends, and stretches where bounds of u and of
-   the profile leave room for less than the level.  x and u: workspace. */
-static Size looked_at(const Grid *grid, Size n_highest, const double *highest, double level, Size *column, double *x,
-                      double *u)
+/* Upper bounds of the profile between neighbouring points of its grid. */
+typedef struct {
+    Size n;
+    const double *highest;
+} Bounds;
+
+/* gap._has_room of a stretch between two places. */
+static int has_room(const Bounds *bounds, double x, double next_x, double u, double next_u, double bend, double level)
 {
-    Size edges = grid->size > WHOLE ? (grid->size - 2 * STRETCH * ENDS + STRETCH - 1) / STRETCH : 0, n = 0, i, k;
-    double unit = (double)n_highest / (2 * PI), before = 0.0;
-    for (i = 0; i < edges; i += LANES) {
+    double unit = (double)bounds->n / (2 * PI), first = floor(x * unit), last = floor(next_x * unit), most = -HUGE_VAL;
+    Size at = (Size)fmod(first, (double)bounds->n), count = (Size)(last - first) + 1;
+    for (at += at < 0 ? bounds->n : 0; count > 0; count--, at = at + 1 < bounds->n ? at + 1 : 0)
+        most = bounds->highest[at] > most ? bounds->highest[at] : most;
+    return (u < next_u ? u : next_u) - bend - most < level;
+}
+
+/* Points and u at columns from one on, in steps; room for LANES more. */
+static void at_steps(const Grid *grid, Size first, Size step, Size n, double *x, double *u)
+{
+    Size column[LANES], i, k;
+    for (i = 0; i < n; i += LANES) {
         for (k = 0; k < LANES; k++)
-            column[k] = STRETCH * (ENDS + (i + k < edges ? i + k : edges - 1));
+            column[k] = first + step * (i + k < n ? i + k : n - 1);
         at_columns(grid, column, x + i, u + i);
     }
-    for (; n < (edges > 0 ? STRETCH * ENDS + 2 : grid->size); n++)
-        column[n] = n;
-    for (i = 0; i + 1 < edges; i++) {
-        double bend = i + 2 < edges ? fabs(u[i + 2] - u[i + 1] - (u[i + 1] - u[i])) : 0.0, most = -HUGE_VAL;
-        double first = floor(x[i] * unit), last = floor(x[i + 1] * unit);
-        Size at = (Size)fmod(first, (double)n_highest), count = (Size)(last - first) + 1;
-        for (at += at < 0 ? n_highest : 0; count > 0; count--, at = at + 1 < n_highest ? at + 1 : 0)
-            most = highest[at] > most ? highest[at] : most;
-        if ((u[i] < u[i + 1] ? u[i] : u[i + 1]) - bend - before - most < level) {
-            k = STRETCH * (ENDS + i) - 1;
-            for (k = k > column[n - 1] ? k : column[n - 1] + 1; k <= STRETCH * (ENDS + i + 1) + 1; k++)
-                column[n++] = k;
-        }
-        before = bend;
-    }
-    if (edges > 0) {
-        k = STRETCH * (ENDS + edges - 1) - 1;
-        for (k = k > column[n - 1] ? k : column[n - 1] + 1; k < grid->size; k++)
-            column[n++] = k;
-    }
+}
+
+/* The columns of a grid from one to another that are not yet there, behind the n that are. */
+static Size with_columns(Size first, Size last, Size n, Size *column)
+{
+    for (first = n > 0 && first <= column[n - 1] ? column[n - 1] + 1 : first; first <= last; first++)
+        column[n++] = first;
     return n;
+}
+
+static double bend_at(const double *u)
+{
+    return fabs(u[1] - u[0] - (u[0] - u[-1]));
+}
+
+/* Columns of a grid that are looked at, gap._looked_at: of a large one the ends, and stretches where bounds of u and of
+   the profile leave room for less than the level.  x and u: workspace for twice the grid. */
+static Size looked_at(const Grid *grid, const Bounds *bounds, double level, Size *column, double *x, double *u)
+{
+    Size step = STRETCH * (grid->size > LONGER ? grid->size / LONGER : 1), n, i, k, parts = step / STRETCH;
+    Size edges = grid->size > WHOLE ? (grid->size - 2 * ENDS + step - 1) / step : 0;
+    double *inner_x = x + edges + LANES, *inner_u = u + edges + LANES;
+    at_steps(grid, ENDS, step, edges, x, u);
+    n = with_columns(0, edges > 0 ? ENDS + 1 : grid->size - 1, 0, column);
+    for (i = 0; i + 1 < edges; i++) {
+        double bend = (i > 0 ? bend_at(u + i) : 0.0) + (i + 2 < edges ? bend_at(u + i + 1) : 0.0);
+        Size first = ENDS + step * i;
+        if (!has_room(bounds, x[i], x[i + 1], u[i], u[i + 1], bend, level))
+            continue;
+        at_steps(grid, first - STRETCH, STRETCH, parts + 3, inner_x, inner_u);
+        for (k = 1; k <= parts; k++)
+            if (has_room(bounds, inner_x[k], inner_x[k + 1], inner_u[k], inner_u[k + 1],
+                         bend_at(inner_u + k) + bend_at(inner_u + k + 1), level))
+                n = with_columns(first + STRETCH * (k - 1) - 1, first + STRETCH * k + 1, n, column);
+    }
+    return edges > 0 ? with_columns(ENDS + step * (edges - 1) - 1, grid->size - 1, n, column) : n;
 }
 
 /* gap.low_points(patches, profile, grids, samples, highest, level). */
@@ -220,12 +258,13 @@ DECLARED(low_points)
     }
     if (work != NULL && column != NULL) {
         double *x = work, *value = x + most + LANES, *series = value + most + LANES, *sums = series + terms;
+        Bounds bounds = {n_highest[0], highest};
         found = sums + terms * LANES;
         for (i = 0; i < patches[0]; samples += counts[i++]) {
             Grid grid = {right[i], width[i], series, (Size)counts[i], (Size)sizes[i]};
             Size looked;
             fit(&grid, samples, sums);
-            looked = looked_at(&grid, n_highest[0], highest, level, column, x, value);
+            looked = looked_at(&grid, &bounds, level, column, x, value);
             for (k = looked; k < looked + LANES; k++)
                 column[k] = column[looked - 1];
             for (k = 0; k < looked; k += LANES) {

@@ -307,21 +307,63 @@ static double *zeros(Size n)
     return memory == NULL ? NULL : memset(memory, 0, (size_t)n * sizeof(double));
 }
 
+Status solved_system(System *system, Size patches, Size k, const double *columns, double *const *made)
+{
+    Size n = system->n, edges = system->edges = system->per_patch == 0 ? 0 : 2 * patches, i;
+    double *half = workspace(2 * n), *unit = workspace(k * k), *change = workspace(k + edges), remaining, share;
+    Columns asked = {.values = columns, .ld = n, .count = k, .shared = k};
+    Cluster whole;
+    Status status = FAILED;
+    memset(&whole, 0, sizeof whole);
+    system->compliance = zeros(edges * edges);
+    system->slopes = zeros(system->per_patch == 4 ? edges * edges : 0);
+    if (half != NULL && unit != NULL && change != NULL && system->compliance != NULL && system->slopes != NULL) {
+        system->half = half;
+        for (i = 0; i < n; i++) {
+            half[i] = sin(system->x[i] / 2);
+            half[n + i] = cos(system->x[i] / 2);
+        }
+        for (i = 0; i < k * k; i++)
+            unit[i] = i % (k + 1) == 0;
+        status = solved_cluster(system, 0, patches, &asked, &whole);
+        if (status == SOLVED && !charges_of(&whole, k, unit, made[3], n))
+            status = FAILED;
+        if (status == SOLVED && (remaining = 1 - system->uniform * whole.gram[k + 1]) <= 0)
+            status = NOT_DEFINITE;
+        if (status == SOLVED) {
+            share = system->uniform / remaining;
+            for (i = 0; i < k + edges; i++)
+                change[i] = (i < k ? whole.gram[k + i] : whole.with_edges[(i - k) * k + 1]) * share;
+            for (i = 0; i < k * k; i++)
+                made[2][i] = whole.gram[i] + change[i / k] * whole.gram[k + i % k];
+            sums_at_edges(system, patches, k, made[3], made[4], made[5]);
+            corrected_edges(system, &whole, change + k, made[0], made[1]);
+            corrected(k, change, n, made[3]);
+            corrected(k, change, 2 * patches, made[4]);
+            corrected(k, change, 2 * patches, made[5]);
+        }
+    }
+    release(&whole);
+    PyMem_Free(half);
+    PyMem_Free(unit);
+    PyMem_Free(change);
+    PyMem_Free(system->compliance);
+    PyMem_Free(system->slopes);
+    return status;
+}
+
 /* hierarchical.solved(skeleton, splitting). */
 DECLARED(solved)
 {
     Call call;
     Size n[1], patches[1], of_left[1], of_right[1], of_columns[2], of_addition[2], of_modes, i, k, edges;
-    double *half = NULL, *unit = NULL, *change = NULL, *columns, *made[6], remaining, share;
+    double *columns, *made[6];
     int64_t *modes;
     System system;
-    Columns asked;
-    Cluster whole;
     Status status = FAILED;
     PyObject *object, *parts[6], *result = NULL;
     if (!enter(&call, n_given, 2))
         return NULL;
-    memset(&whole, 0, sizeof whole);
     memset(&system, 0, sizeof system);
     system.call = &call;
     system.x = reals(&call, attribute(&call, given[0], "x"), 1, n);
@@ -345,57 +387,26 @@ DECLARED(solved)
     expect(&call, of_columns[0] >= 2 && of_columns[1] == n[0], "columns and nodes differ");
     expect(&call, system.addition == NULL || (of_addition[0] == n[0] && of_addition[1] == n[0]),
            "addition of another size");
-    system.tables = tables_of(&call, "packed_basis", modes, of_modes);
+    system.tables = tables_of(&call, OF_MODES, modes, of_modes);
     expect(&call, call.failed || system.tables[of_modes].start == n[0], "modes and nodes differ");
     k = of_columns[0];
-    edges = system.edges = system.per_patch == 0 ? 0 : 2 * of_modes;
+    edges = system.per_patch == 0 ? 0 : 2 * of_modes;
     parts[0] = new_reals(&call, 2, edges, edges, &made[0]);
     parts[1] = new_reals(&call, 2, system.per_patch == 4 ? edges : 0, edges, &made[1]);
     parts[2] = new_reals(&call, 2, k, k, &made[2]);
     parts[3] = new_reals(&call, 2, k, n[0], &made[3]);
     parts[4] = new_reals(&call, 2, k, 2 * of_modes, &made[4]);
     parts[5] = new_reals(&call, 2, k, 2 * of_modes, &made[5]);
-    if (!call.failed && (half = workspace(2 * n[0])) && (unit = workspace(k * k)) && (change = workspace(k + edges)) &&
-        (system.compliance = zeros(edges * edges)) &&
-        (system.slopes = zeros(system.per_patch == 4 ? edges * edges : 0))) {
-        system.half = half;
-        for (i = 0; i < n[0]; i++) {
-            half[i] = sin(system.x[i] / 2);
-            half[n[0] + i] = cos(system.x[i] / 2);
-        }
-        asked = (Columns){.values = columns, .ld = n[0], .count = k, .shared = k};
-        for (i = 0; i < k * k; i++)
-            unit[i] = i % (k + 1) == 0;
-        status = solved_cluster(&system, 0, of_modes, &asked, &whole);
-        if (status == SOLVED && !charges_of(&whole, k, unit, made[3], n[0]))
-            status = FAILED;
-        if (status == SOLVED && (remaining = 1 - system.uniform * whole.gram[k + 1]) <= 0)
-            status = NOT_DEFINITE;
-        if (status == SOLVED) {
-            share = system.uniform / remaining;
-            for (i = 0; i < k + edges; i++)
-                change[i] = (i < k ? whole.gram[k + i] : whole.with_edges[(i - k) * k + 1]) * share;
-            for (i = 0; i < k * k; i++)
-                made[2][i] = whole.gram[i] + change[i / k] * whole.gram[k + i % k];
-            sums_at_edges(&system, of_modes, k, made[3], made[4], made[5]);
-            corrected_edges(&system, &whole, change + k, made[0], made[1]);
-            corrected(k, change, n[0], made[3]);
-            corrected(k, change, 2 * of_modes, made[4]);
-            corrected(k, change, 2 * of_modes, made[5]);
-            result = PyTuple_Pack(6, parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]);
-        } else if (status == NOT_DEFINITE) {
-            result = Py_None;
-            Py_INCREF(result);
-        }
+    if (!call.failed)
+        status = solved_system(&system, of_modes, k, columns, made);
+    if (status == SOLVED)
+        result = PyTuple_Pack(6, parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]);
+    else if (status == NOT_DEFINITE) {
+        result = Py_None;
+        Py_INCREF(result);
     }
-    release(&whole);
     for (i = 0; i < 6; i++)
         Py_XDECREF(parts[i]);
-    PyMem_Free(half);
-    PyMem_Free(unit);
-    PyMem_Free(change);
-    PyMem_Free(system.compliance);
-    PyMem_Free(system.slopes);
     PyMem_Free((void *)system.tables);
     leave(&call);
     return result;

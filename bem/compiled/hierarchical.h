@@ -46,6 +46,9 @@ typedef struct Columns {
 
 typedef enum { FAILED = -1, NOT_DEFINITE = 0, SOLVED = 1 } Status;
 
+/* hierarchical.solved of k columns, (k, n): into compliance, slope compliance, gram, charges, q at the edges, slopes. */
+Status solved_system(System *system, Size patches, Size k, const double *columns, double *const *made);
+
 /* hierarchical._leaf of the patches from `first` to before `last`, whose sizes the leaf says. */
 Status solved_leaf(const System *system, Size first, Size last, const Columns *columns, Cluster *leaf);
 

@@ -17,5 +17,6 @@ DECLARED(box_potential);
 DECLARED(low_points);
 DECLARED(near_patches);
 DECLARED(pair_by_pair);
+DECLARED(strides);
 
 #endif

@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any, TypeVar
 
 VARIABLE = "LINECONTACT_KERNELS"
-EXTENSION, INTERFACE = "linecontact_kernels", "6"  # the number that core.c names too: raised when arguments change
+EXTENSION, INTERFACE = "linecontact_kernels", "7"  # the number that core.c names too: raised when arguments change
 REFERENCES: dict[str, Callable[..., Any]] = {}
 F = TypeVar("F", bound=Callable[..., Any])
 

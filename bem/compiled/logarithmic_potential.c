@@ -1,8 +1,7 @@
 /* Potentials of charges on the circle: logarithmic_potential.py; and Chebyshev series in lanes. */
 
-#include "core.h"
+#include "descent.h"
 #include "kernels.h"
-#include "lanes.h"
 
 #define BOX_TERMS 20 /* logarithmic_potential.BOX_TERMS */
 
@@ -20,11 +19,26 @@ VECTORISED static void add_potential(Size n, const double *RESTRICT a, const dou
         values[i] += sum[i];
 }
 
+void pairs_potential(Size n, const double *points, Size m, const double *sources, const double *charge, double *values)
+{
+    Size i, k;
+    for (i = 0; i < n; i += LANES) {
+        Size size = n - i < LANES ? n - i : LANES;
+        double a[LANES], b[LANES], sum[LANES] = {0};
+        for (k = 0; k < LANES; k++) {
+            a[k] = points[i + (k < size ? k : 0)];
+            b[k] = points[n + i + (k < size ? k : 0)];
+        }
+        add_potential(m, a, b, sources, sources + m, charge, sum);
+        memcpy(values + i, sum, (size_t)size * sizeof(double));
+    }
+}
+
 /* logarithmic_potential.pair_by_pair(points, sources, charge). */
 DECLARED(pair_by_pair)
 {
     Call call;
-    Size of_points[2], of_sources[2], n[1], i, k;
+    Size of_points[2], of_sources[2], n[1];
     double *points, *sources, *charge, *values;
     PyObject *result;
     if (!enter(&call, n_given, 3))
@@ -34,16 +48,8 @@ DECLARED(pair_by_pair)
     charge = reals(&call, given[2], 1, n);
     expect(&call, of_points[0] == 2 && of_sources[0] == 2 && of_sources[1] == n[0], "points and charges differ");
     result = new_reals(&call, 1, of_points[1], 0, &values);
-    for (i = 0; !call.failed && i < of_points[1]; i += LANES) {
-        Size size = of_points[1] - i < LANES ? of_points[1] - i : LANES;
-        double a[LANES], b[LANES], sum[LANES] = {0};
-        for (k = 0; k < LANES; k++) {
-            a[k] = points[i + (k < size ? k : 0)];
-            b[k] = points[of_points[1] + i + (k < size ? k : 0)];
-        }
-        add_potential(n[0], a, b, sources, sources + n[0], charge, sum);
-        memcpy(values + i, sum, (size_t)size * sizeof(double));
-    }
+    if (!call.failed)
+        pairs_potential(of_points[1], points, n[0], sources, charge, values);
     leave(&call);
     return result;
 }
@@ -151,13 +157,50 @@ VECTORISED void sum_series(Size terms, const double *RESTRICT series, const doub
         values[i] = series[0] + t[i] * here[i] - before[i];
 }
 
+int boxes_potential(Size n, const double *x, const double *points, Size m, const double *position,
+                    const double *sources, const double *charge, Size boxes, const double *series, double *values)
+{
+    Boxes in = in_boxes(n, x, boxes), from = in_boxes(m, position, boxes);
+    double *sorted = workspace(3 * m);
+    int done = in.t != NULL && from.t != NULL && sorted != NULL;
+    Size i, j, k, beside;
+    for (i = 0; done && i < m; i++) {
+        sorted[i] = sources[from.order[i]];
+        sorted[m + i] = sources[m + from.order[i]];
+        sorted[2 * m + i] = charge[from.order[i]];
+    }
+    for (k = 0; done && k < boxes; k++)
+        for (i = in.starts[k]; i < in.starts[k + 1]; i += LANES) {
+            double t[LANES], a[LANES], b[LANES], sum[LANES];
+            Size size = in.starts[k + 1] - i < LANES ? in.starts[k + 1] - i : LANES;
+            for (j = 0; j < LANES; j++) {
+                Size at = i + (j < size ? j : 0);
+                t[j] = in.t[at];
+                a[j] = points[in.order[at]];
+                b[j] = points[n + in.order[at]];
+            }
+            sum_series(BOX_TERMS, series + k * BOX_TERMS, t, sum);
+            for (beside = k + boxes - 1; beside <= k + boxes + 1; beside++) {
+                Size start = from.starts[beside & (boxes - 1)], end = from.starts[(beside & (boxes - 1)) + 1];
+                add_potential(end - start, a, b, sorted + start, sorted + m + start, sorted + 2 * m + start, sum);
+            }
+            for (j = 0; j < size; j++)
+                values[in.order[i + j]] = sum[j];
+        }
+    PyMem_Free(in.t);
+    PyMem_Free(in.starts);
+    PyMem_Free(from.t);
+    PyMem_Free(from.starts);
+    PyMem_Free(sorted);
+    return done;
+}
+
 /* logarithmic_potential.box_potential(x, points, position, sources, charge, series). */
 DECLARED(box_potential)
 {
     Call call;
-    Size n[1], m[1], of_charge[1], of_points[2], of_sources[2], of_series[2], boxes, i, j, k, beside;
-    double *x, *points, *position, *sources, *charge, *series, *values, *sorted = NULL;
-    Boxes in = {NULL, NULL, NULL}, from = {NULL, NULL, NULL};
+    Size n[1], m[1], of_charge[1], of_points[2], of_sources[2], of_series[2], boxes;
+    double *x, *points, *position, *sources, *charge, *series, *values;
     PyObject *result;
     if (!enter(&call, n_given, 6))
         return NULL;
@@ -173,40 +216,8 @@ DECLARED(box_potential)
            "points and charges differ");
     expect(&call, boxes > 2 && (boxes & (boxes - 1)) == 0 && of_series[1] == BOX_TERMS, "boxes do not fit");
     result = new_reals(&call, 1, n[0], 0, &values);
-    if (!call.failed && (sorted = workspace(3 * m[0])) != NULL) {
-        in = in_boxes(n[0], x, boxes);
-        from = in_boxes(m[0], position, boxes);
-    }
-    for (i = 0; in.t != NULL && from.t != NULL && i < m[0]; i++) {
-        sorted[i] = sources[from.order[i]];
-        sorted[m[0] + i] = sources[m[0] + from.order[i]];
-        sorted[2 * m[0] + i] = charge[from.order[i]];
-    }
-    for (k = 0; in.t != NULL && from.t != NULL && k < boxes; k++)
-        for (i = in.starts[k]; i < in.starts[k + 1]; i += LANES) {
-            double t[LANES], a[LANES], b[LANES], sum[LANES];
-            Size size = in.starts[k + 1] - i < LANES ? in.starts[k + 1] - i : LANES;
-            for (j = 0; j < LANES; j++) {
-                Size at = i + (j < size ? j : 0);
-                t[j] = in.t[at];
-                a[j] = points[in.order[at]];
-                b[j] = points[n[0] + in.order[at]];
-            }
-            sum_series(BOX_TERMS, series + k * BOX_TERMS, t, sum);
-            for (beside = k + boxes - 1; beside <= k + boxes + 1; beside++) {
-                Size start = from.starts[beside & (boxes - 1)], end = from.starts[(beside & (boxes - 1)) + 1];
-                add_potential(end - start, a, b, sorted + start, sorted + m[0] + start, sorted + 2 * m[0] + start, sum);
-            }
-            for (j = 0; j < size; j++)
-                values[in.order[i + j]] = sum[j];
-        }
-    if (in.t == NULL || from.t == NULL)
+    if (!call.failed && !boxes_potential(n[0], x, points, m[0], position, sources, charge, boxes, series, values))
         Py_CLEAR(result);
-    PyMem_Free(in.t);
-    PyMem_Free(in.starts);
-    PyMem_Free(from.t);
-    PyMem_Free(from.starts);
-    PyMem_Free(sorted);
     leave(&call);
     return result;
 }

@@ -1,6 +1,6 @@
 /* The profile at given points, and its length: profile.py, adhesion.py. */
 
-#include "core.h"
+#include "descent.h"
 #include "kernels.h"
 
 /* k (k - 1) ... (k - order + 1) */
@@ -55,45 +55,51 @@ DECLARED(taylor)
     return result;
 }
 
+double length_up_to(const Length *length, double x)
+{
+    double turns = floor(x / (2 * PI)), place = x - turns * (2 * PI), t, before = 0.0, now = 0.0;
+    const double *terms;
+    Size low = 0, high = length->panels, k;
+    while (high - low > 1) { /* the last panel that does not begin behind the place */
+        Size middle = (low + high) / 2;
+        if (length->start[middle] <= place)
+            low = middle;
+        else
+            high = middle;
+    }
+    t = 2 * (place - length->start[low]) / length->width[low] - 1;
+    t = t < -1 ? -1 : t > 1 ? 1 : t;
+    terms = length->series + low * length->terms;
+    for (k = length->terms - 1; k > 0; k--) { /* Clenshaw's rule */
+        double next = 2 * t * now - before + terms[k];
+        before = now;
+        now = next;
+    }
+    return turns * length->whole + t * now - before + terms[0];
+}
+
 /* adhesion.integral(start, width, series, whole, x): a Chebyshev series on the panel in which each position lies, and
    `whole` for every turn of the circle. */
 DECLARED(integral)
 {
     Call call;
-    Size panels[1], of_width[1], of_series[2], n[1], i, k;
-    double *start, *width, *series, *x, *values, whole;
+    Size of_width[1], of_series[2], n[1], i;
+    double *x, *values;
+    Length length;
     PyObject *result;
     if (!enter(&call, n_given, 5))
         return NULL;
-    start = reals(&call, given[0], 1, panels);
-    width = reals(&call, given[1], 1, of_width);
-    series = reals(&call, given[2], 2, of_series);
-    whole = number(&call, given[3]);
+    length.start = reals(&call, given[0], 1, &length.panels);
+    length.width = reals(&call, given[1], 1, of_width);
+    length.series = reals(&call, given[2], 2, of_series);
+    length.whole = number(&call, given[3]);
+    length.terms = of_series[1];
     x = reals(&call, given[4], 1, n);
-    expect(&call, panels[0] > 0 && of_width[0] == panels[0] && of_series[0] == panels[0] && of_series[1] > 0,
+    expect(&call, length.panels > 0 && of_width[0] == length.panels && of_series[0] == length.panels && length.terms > 0,
            "panels and series differ");
     result = new_reals(&call, 1, n[0], 0, &values);
-    for (i = 0; !call.failed && i < n[0]; i++) {
-        double turns = floor(x[i] / (2 * PI)), place = x[i] - turns * (2 * PI), t, before = 0.0, now = 0.0;
-        const double *terms;
-        Size low = 0, high = panels[0];
-        while (high - low > 1) { /* the last panel that does not begin behind the place */
-            Size middle = (low + high) / 2;
-            if (start[middle] <= place)
-                low = middle;
-            else
-                high = middle;
-        }
-        t = 2 * (place - start[low]) / width[low] - 1;
-        t = t < -1 ? -1 : t > 1 ? 1 : t;
-        terms = series + low * of_series[1];
-        for (k = of_series[1] - 1; k > 0; k--) { /* Clenshaw's rule */
-            double next = 2 * t * now - before + terms[k];
-            before = now;
-            now = next;
-        }
-        values[i] = turns * whole + t * now - before + terms[0];
-    }
+    for (i = 0; !call.failed && i < n[0]; i++)
+        values[i] = length_up_to(&length, x[i]);
     leave(&call);
     return result;
 }

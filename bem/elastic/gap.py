@@ -32,9 +32,10 @@ from bem.geometry.profile import Profile
 
 SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
 POINTS_PER_WAVELENGTH = 10
-# Of the grids, as in compiled/gap.c: larger ones are looked at in stretches of some points, at the ends in any case.
+# Of the grids, as in compiled/gap.c: larger ones are looked at in stretches, at the ends in any case; a stretch is the
+# longer the larger the grid, one for every so many points.
 WHOLE = 128  # speed: points: larger grids are looked at in stretches
-STRETCH, ENDS = 8, 4  # speed: points of a stretch; stretches at each end that are always looked at
+STRETCH, ENDS, LONGER = 8, 32, 512  # speed: points of a stretch; at each end that are always looked at; for each length
 REFINEMENTS, REFINEMENT_RATIO = 3, 5.0  # of a minimum: parabolas on ever shorter bases; the first is a tenth off
 DOWNHILL = 10  # limit: grid cells to a minimum that has moved
 BESIDE = np.array([[-1.0], [0.0], [1.0]])  # of three points
@@ -299,23 +300,37 @@ class _Grid:
 def _looked_at(grid: _Grid, highest: FloatArray, level: float) -> IntArray:
     """Points that are looked at: of a large grid the ends, and stretches where bounds leave room below a level, (n,).
 
-    Between the edges of stretches u bends by its second differences at most.
+    Bounds of long stretches say where those of the short ones in them are needed.
     """
     if grid.size <= WHOLE:
         return np.arange(grid.size)
-    edge = np.arange(STRETCH * ENDS, grid.size - STRETCH * ENDS, STRETCH)
+    step = STRETCH * max(1, grid.size // LONGER)
+    edge = np.arange(ENDS, grid.size - ENDS, step)
     x, u = grid(edge)
     bend = np.zeros(edge.size)
     bend[1:-1] = np.abs(np.diff(u, 2))
+    long = edge[:-1][_has_room(x, u, bend, highest, level)]
+    inner = long[:, None] + np.arange(-STRETCH, step + STRETCH + 1, STRETCH)
+    x, u = (values.reshape(inner.shape) for values in grid(inner.ravel()))
+    bend = np.abs(np.diff(u, 2, axis=1))
+    looked_at = np.zeros(grid.size, dtype=bool)
+    looked_at[: edge[0] + 2] = looked_at[edge[-1] - 1 :] = True
+    for row in range(long.size):
+        room = _has_room(x[row, 1:-1], u[row, 1:-1], bend[row], highest, level)
+        looked_at[inner[row, 1:-2][room, None] + np.arange(-1, STRETCH + 2)] = True
+    return np.flatnonzero(looked_at)
+
+
+def _has_room(x: FloatArray, u: FloatArray, bend: FloatArray, highest: FloatArray, level: float) -> NDArray[np.bool_]:
+    """Stretches in which u less the profile may come below a level, (n - 1,), from places, u and its bends there, (n,).
+
+    Between the ends of a stretch u bends by its second differences at most.
+    """
     index = np.floor(x * (highest.size / TWO_PI)).astype(np.int64)
     covered = highest.take(np.arange(index[0], index[-1] + 1), mode="wrap")
     index -= index[0]
     most = np.maximum(np.maximum.reduceat(covered, index)[:-1], covered[index[1:]])
-    room = np.minimum(u[1:], u[:-1]) - bend[1:] - bend[:-1] - most
-    looked_at = np.zeros(grid.size, dtype=bool)
-    looked_at[: edge[0] + 2] = looked_at[edge[-1] - 1 :] = True
-    looked_at[edge[:-1][room < level, None] + np.arange(-1, STRETCH + 2)] = True
-    return np.flatnonzero(looked_at)
+    return np.asarray(np.minimum(u[1:], u[:-1]) - bend[1:] - bend[:-1] - most < level)
 
 
 @lru_cache(maxsize=8)

@@ -158,26 +158,36 @@ class LeapingPath:
     def at_load(self, before: AnyPoint, after: AnyPoint, load: float) -> AnyPoint | None:
         """The refined point at a load between two successive points; None where the path jumps over it.
 
-        Where events lie between them, the interval is halved until it is on the branch of one of its ends.
+        Where events lie between them, or the state is far from either, the interval is halved until it is on the
+        branch of one of its ends.
         """
         if isinstance(before, Separated | Complete | Failed) or isinstance(after, Separated | Complete | Failed):
             beside = [None if isinstance(point, Spread) else point for point in (before, after)]
             return None if beside[0] is None or beside[1] is None else self.exact.at_load(beside[0], beside[1], load)
         for _ in range(HALVINGS):
             found = self._on_branch(before, after, load) or self._on_branch(after, before, load)
-            middle = None if found else self._leapt(None, before, (before.value + after.value) / 2)
-            if not isinstance(middle, Equilibrium | Spread):
+            if found is not None and not isinstance(found, Refused):
                 return found
+            middle = self._leapt(None, before, (before.value + after.value) / 2)
+            if not isinstance(middle, Equilibrium | Spread):
+                return None
             before, after = (before, middle) if self.may_meet(before, middle, load) else (middle, after)
         return None
 
-    def _on_branch(self, point: Equilibrium | Spread, other: Equilibrium | Spread, load: float) -> AnyPoint | None:
-        """The state at a load on the branch of a point, on its way to another one; None where it is not there."""
+    def _on_branch(
+        self, point: Equilibrium | Spread, other: Equilibrium | Spread, load: float
+    ) -> AnyPoint | Refused | None:
+        """The state at a load on the branch of a point, on its way to another one.
+
+        None where it is not there, `Refused.FAR` where that is too far away to tell.
+        """
         if isinstance(point, Spread):
             return self.spreading.at_load(point, other.value, load)
         system, fine = self.exact.system, self.increments.fine
         start = Start(point.patches, point.state.penetration, point.value)
         found = settle(system.sloped, start, AtLoad(system, load, fine.residual), fine)
+        if found is Refused.FAR:
+            return found
         if isinstance(found, Refused) or found[0].factor is None:
             return None
         between = min(point.value, other.value) <= found[1] <= max(point.value, other.value)

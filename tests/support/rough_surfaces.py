@@ -65,3 +65,25 @@ def rough_scene(targets, harmonics=40, seed=1, adhesion=0.03, control="separatio
     if adhesion:
         data["adhesion"] = {"work_of_adhesion": adhesion, "slope_term": True}
     return parse_scene(data | changes)
+
+
+def banded_scene(targets, **changes):
+    """A scene with short waves only, so that contact has many patches: 60 to 90 here."""
+    orders = np.arange(60, 140)
+    amplitudes = orders**-1.2
+    phases = np.random.default_rng(0).uniform(-np.pi, np.pi, orders.size)
+    profile = {
+        "kind": "harmonics",
+        "period": 0.01,
+        "orders": orders.tolist(),
+        "amplitudes": (amplitudes * 5e-6 / np.sqrt(np.sum(amplitudes**2) / 2)).tolist(),
+        "phases": phases.tolist(),
+    }
+    tables = {
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+        "profile": profile,
+        "loading": {"control": "separation", "targets": targets},
+        "adhesion": {"work_of_adhesion": 3e-3},
+        "accuracy": {"tolerance": 1e-2},
+    }
+    return parse_scene(tables | changes)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rough_surfaces import banded_scene
 
 from bem.adhesive.equilibrium import System
 from bem.continuation.locating import AtControl, Start, settle
@@ -12,41 +13,18 @@ from bem.leaps.settling import Settling
 from bem.leaps.windows import Window, in_core, seams, wider, windows_of
 from bem.loading.increments import FINE
 from bem.problem import pose
-from bem.scene.scene import parse_scene
 from bem.solver import solve
 
 SAME = 1e-8  # of two settled states, relative; measured 4e-10
-
-
-def banded(targets, **changes):
-    """A scene with short waves only, so that contact has many patches: 60 to 90 here."""
-    orders = np.arange(60, 140)
-    amplitudes = orders**-1.2
-    phases = np.random.default_rng(0).uniform(-np.pi, np.pi, orders.size)
-    profile = {
-        "kind": "harmonics",
-        "period": 0.01,
-        "orders": orders.tolist(),
-        "amplitudes": (amplitudes * 5e-6 / np.sqrt(np.sum(amplitudes**2) / 2)).tolist(),
-        "phases": phases.tolist(),
-    }
-    tables = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": profile,
-        "loading": {"control": "separation", "targets": targets},
-        "adhesion": {"work_of_adhesion": 3e-3},
-        "accuracy": {"tolerance": 1e-2},
-    }
-    return parse_scene(tables | changes)
 
 
 @pytest.fixture(scope="module")
 def both():
     """The same path in windows, and of all patches together."""
     with pytest.MonkeyPatch.context() as patch:
-        windows = solve(banded([4e-6, 3e-6, 6e-6]))
+        windows = solve(banded_scene([4e-6, 3e-6, 6e-6]))
         patch.setattr(leaping_path, "WINDOWED", np.inf)
-        return windows, solve(banded([4e-6, 3e-6, 6e-6]))
+        return windows, solve(banded_scene([4e-6, 3e-6, 6e-6]))
 
 
 def test_states_are_those_of_all_patches_together(both):
@@ -80,7 +58,7 @@ def test_a_path_in_windows_that_was_interrupted_goes_on(both):
         if sum(entry.state.target for entry in record.entries) == 2:
             raise KeyboardInterrupt
 
-    scene = banded([4e-6, 3e-6, 6e-6])
+    scene = banded_scene([4e-6, 3e-6, 6e-6])
     resumed = solve(scene, resume=solve(scene, on_state=stop))
     assert [state.edges for state in resumed.targets] == [state.edges for state in both[0].targets]
 
@@ -89,14 +67,14 @@ def test_pressures_are_met_in_windows(both):
     first, second = both[0].targets[:2]
     asked = (first.mean_pressure + second.mean_pressure) / 2
     loading = {"control": "separation", "targets": [4e-6, 3e-6], "at_mean_pressures": [asked]}
-    found = solve(banded([], loading=loading)).targets
+    found = solve(banded_scene([], loading=loading)).targets
     assert len(found) == 3
     assert found[1].mean_pressure == pytest.approx(asked, rel=1e-8)
     assert first.contact_fraction < found[1].contact_fraction < second.contact_fraction
 
 
 def test_all_edges_come_to_rest_by_the_jacobians_of_windows(both):
-    scene = banded([3e-6])
+    scene = banded_scene([3e-6])
     problem = pose(scene, scene.surface())
     system = System(problem.elastic, problem.law, problem.control)
     edges = np.array(both[0].targets[1].edges) / problem.scales.length

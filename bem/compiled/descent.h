@@ -1,0 +1,121 @@
+/* What the parts of a descent share: collocation.c, gap.c, logarithmic_potential.c, forces.c, trust_region.c, walk.c. */
+
+#ifndef LINECONTACT_DESCENT_H
+#define LINECONTACT_DESCENT_H
+
+#include "hierarchical.h"
+
+/* Chebyshev series at some points at a time: loops over them are vectorised. */
+#define LANES 8
+
+/* q_j T_k(t_j), added to the sums of each lane, (terms, LANES). */
+void add_moments(Size terms, const double *RESTRICT t, const double *RESTRICT charge, double *RESTRICT sums);
+/* sum_k series_k T_k(t) by Clenshaw's rule, in lanes. */
+void sum_series(Size terms, const double *RESTRICT series, const double *RESTRICT t, double *RESTRICT values);
+
+/* Sizes that numbers are rounded up to: chebyshev._size_ladder. */
+typedef struct {
+    Size count;
+    int64_t size[MOST_SIZES];
+} Sizes;
+
+void lists_of_sizes(Sizes *modes, Sizes *nodes);
+double coupling_modes(double width, double clearance, double digits); /* chebyshev.coupling_modes of e^-digits */
+/* collocation.sizes, with the lists of modes and of nodes; 0 where patches overlap, or no number is enough. */
+int sizes_of(const Sizes *lists, Size n, const double *left, const double *right, double digits, double order,
+             const double *least, int64_t *nodes, int64_t *modes);
+
+/* The Taylor table of a profile; scale: points of it by length. */
+typedef struct {
+    const double *table;
+    Size rows;
+    double scale;
+} Surface;
+
+Surface surface_of(Call *call, PyObject *profile);
+
+typedef struct {
+    double *series, *x, *columns, *tail, *energy; /* (n, most), (unknowns,), two rows of that, (2, 2 n), one number */
+} RightHandSides;
+
+/* The largest number of nodes of a patch, of which no other has more modes. */
+Size most_nodes(Call *call, Size n, const Table *sampling, const Table *coupled);
+/* collocation.right_hand_sides; 0 with an exception. */
+Size right_hand_sides(Call *call, const Surface *surface, Size n, const double *left, const double *right, double level,
+                      const Table *sampling, const Table *coupled, Size most, const RightHandSides *to);
+/* collocation.all_charges, (patches, terms). */
+void charges_of_modes(const Table *tables, Size patches, Size terms, const double *series, const double *skeleton,
+                      double *charges);
+/* sensitivities.stress_intensity_jacobian, (2 n, 2 n); 0 without memory. */
+int jacobian_of(Size n, const double *half_width, const int64_t *modes, const double *intensity,
+                const double *compliance, const double *slope, double *values);
+/* gap.near_patches, added to values. */
+void add_near_patches(Size patches, const double *center, const double *half_width, const int64_t *nodes,
+                      const Table *tables, Size terms, const double *charges, const double *skeleton, Size n,
+                      const int64_t *gap, const double *x, double *values);
+/* logarithmic_potential.pair_by_pair and box_potential; 0 without memory. */
+void pairs_potential(Size n, const double *points, Size m, const double *sources, const double *charge, double *values);
+int boxes_potential(Size n, const double *x, const double *points, Size m, const double *position,
+                    const double *sources, const double *charge, Size boxes, const double *series, double *values);
+
+/* int_0^x sqrt(1 + h'^2) dx: adhesion.TrueLength. */
+typedef struct {
+    Size panels, terms;
+    const double *start, *width, *series;
+    double whole;
+} Length;
+
+double length_up_to(const Length *length, double x);
+
+#define MOST_DOUBLINGS 32
+
+/* What all states of a descent have in common, in the order in which forces.c takes it from Python. */
+typedef struct {
+    Call *call;
+    Surface surface;
+    double max_height, max_order, rms_slope, tolerance, penetration;
+    Sizes lists[2]; /* of modes, of nodes */
+    /* far_field.FarField, where cells > 0 */
+    Size cells;
+    double beta, delta, margins[2], low, high, far_penetration;
+    const double *far_charge, *far_table;
+    /* logarithmic_potential.LogarithmicPotential of charges at rest, where there are some */
+    PyObject *potential;
+    Size charges, calls;
+    const double *position, *sources, *charge, *series[MOST_DOUBLINGS];
+    /* adhesion.UniformLaw, or SlopeLaw, which has a length */
+    double work, slope_scale;
+    Length length;
+} Setting;
+
+/* Patches with the forces on their edges: collocation.Evaluation and equilibrium.Balance at fixed penetration. */
+typedef struct {
+    Size n, unknowns, terms, columns;
+    double *left, *right, *center, *half_width, *memory, *matrices; /* the first and the last two are allocated */
+    int64_t *nodes, *modes;
+    Table *sampling, *coupled;
+    double *series, *x, *sides, *tail;                                  /* right_hand_sides */
+    double *compliance, *gram, *charges, *at_edges, *slopes;            /* solved_system */
+    double *intensity, *rate, *edge_slope, *edge_slope_rate;            /* (2 n,) each */
+    double *skeleton, *skeleton_rate, load, load_rate, elastic_energy;
+    double *work, *work_gradient, *gradient, *jacobian, potential;
+} State;
+
+int setting_of(Call *call, PyObject *system, double penetration, double tolerance, Setting *setting); /* 0: exception */
+/* collocation.resolve, at least `floor`, where there is one; 0 where patches overlap. */
+int resolved(const Setting *setting, Size n, const double *left, const double *right, const State *floor,
+             int64_t *nodes, int64_t *modes);
+/* equilibrium.balance of some patches; `state` is to be released even where that fails. */
+Status balanced(Setting *setting, Size n, const double *left, const double *right, const int64_t *nodes,
+                const int64_t *modes, State *state);
+void release_state(State *state);
+/* gap.GapField at points in gaps, (n,). */
+Status gap_at(Setting *setting, const State *state, Size n, const double *x, const int64_t *gap, double *values);
+/* Balance.is_equilibrium */
+int is_equilibrium(const Setting *setting, const State *state, double residual);
+PyObject *numbers_of(Call *call, const State *state, double penetration); /* descent.Numbers; NULL with an exception */
+
+/* trust_region.trust_region_step: minimiser of a quadratic model in a ball; 0 with an exception. */
+int trust_region_step(Size n, const double *gradient, const double *hessian, double radius, double *step);
+
+#endif
