@@ -213,11 +213,11 @@ def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
     begun = []
 
     def in_this_process(function, items, jobs, **options):
-        (item,) = items
-        if item == stop:
-            raise KeyboardInterrupt
-        begun.append(item)
-        yield Ended(item, function(item))
+        for item in items:
+            if item == stop:
+                raise KeyboardInterrupt
+            begun.append(item)
+            yield Ended(item, function(item))
 
     monkeypatch.setattr(store, "run_in_processes", in_this_process)
     stop = None

@@ -50,11 +50,11 @@ def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
     begun = []
 
     def in_this_process(function, items, jobs, **options):
-        (item,) = items
-        begun.append(getattr(getattr(item, "method", None), "name", "reference"))
-        if begun[-1] == "second" and begun.count("second") == 1:
-            raise KeyboardInterrupt
-        yield Ended(item, function(item))
+        for item in items:
+            begun.append(getattr(getattr(item, "method", None), "name", "reference"))
+            if begun[-1] == "second" and begun.count("second") == 1:
+                raise KeyboardInterrupt
+            yield Ended(item, function(item))
 
     monkeypatch.setattr(store, "run_in_processes", in_this_process)
     with pytest.raises(KeyboardInterrupt):
