@@ -63,9 +63,9 @@ def passed_over() -> MissedTargetError:
     return MissedTargetError("not_converged", why, "another loading.flaw", "targets in smaller steps")
 
 
-def came_apart() -> MissedTargetError:
-    """No contact carries the tension asked for."""
-    why = "no state of this path is there: the surfaces came apart under a smaller tension, see the events"
+def came_apart(at: float) -> MissedTargetError:
+    """No contact carries the tension asked for: the last one came apart at this mean pressure, Pa."""
+    why = f"no state of this path is there: the surfaces came apart at {at:.9g} Pa"
     return MissedTargetError("unreachable", why, "less tension", 'loading.control = "separation"')
 
 

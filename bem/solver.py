@@ -231,7 +231,7 @@ class _Run:
                 return True
             if self._lost_under_load(point, goal.value):
                 self._keep(point, target=False)
-                raise missed.came_apart()
+                raise missed.came_apart(self.recorder.target_of(before))
             if not point.last and point.value != goal.value and self._is_far(point, spacing):
                 between = self._refined(point, direction)
                 self._keep(between, target=False)

@@ -16,6 +16,7 @@ Units: as in `problem` (dimensionless).
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -30,7 +31,7 @@ from fem_reference.elasticity import (
     taylor_hood,
 )
 from fem_reference.face import face_nodes, interpolate, newton_cotes, nodal_profile
-from fem_reference.factors import Factors, factorise
+from fem_reference.factors import factorise
 from fem_reference.mesh import LayerMesh
 from fem_reference.problem import BoolArray, FloatArray, Problem
 
@@ -110,9 +111,9 @@ class KeptFactors:
     """Factors of the last mesh factorised, to serve those of the same topology whose edges are nearly the same."""
 
     mesh: LayerMesh | None = None
-    factors: Factors | None = None
+    factors: Any = None
 
-    def near(self, mesh: LayerMesh) -> Factors | None:
+    def near(self, mesh: LayerMesh) -> Any:
         """The factors where no patch or gap differs by more than `NEARLY` of itself; else None."""
         if self.mesh is None or self.mesh.reference is not mesh.reference or mesh.edges.size == 0:
             return None
@@ -141,7 +142,7 @@ def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int, kept: KeptF
     stiffness = assemble(spaces, problem.shear_modulus, problem.inverse_bulk_modulus)
     constraints = constrain(spaces, mesh.depth, contact_indicator(mesh))
     near = None if kept is None else kept.near(mesh)
-    system = factorise(spaces, stiffness, constraints, problem.inverse_bulk_modulus, near)
+    system = factorise(stiffness, constraints, problem.inverse_bulk_modulus, near)
     if kept is not None and near is None:
         kept.mesh, kept.factors = mesh, system.factors
     n, m = spaces.sizes

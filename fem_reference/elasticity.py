@@ -41,14 +41,6 @@ class Spaces:
         """Number of nodal values (n, m) of one displacement component and of the pressure."""
         return int(self.displacement.N), int(self.pressure.N)
 
-    @property
-    def inner(self) -> BoolArray:
-        """Which nodal values (u_x, u_y, p) of an element lie inside it, (k,): the last of each."""
-        masks = []
-        for space, order in ((self.displacement, self.order), (self.pressure, self.order - 1)):
-            masks.append(np.arange(space.Nbfun) >= 3 * order)
-        return np.concatenate([masks[0], *masks])
-
 
 ELEMENTS = {2: (ElementTriP2, ElementTriP1), 4: (ElementTriP4, ElementTriP3)}
 

@@ -4,6 +4,7 @@ A bare file name may be anywhere in the house, a path is one from the root or fr
 """
 
 import re
+import tomllib
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -55,3 +56,9 @@ def test_what_is_named_exists(path):
 )
 def test_what_is_not_there_is_found(text, lost):
     assert missing(text, "validation") == lost
+
+
+def test_version_is_the_same_wherever_it_stands():
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
+    assert re.findall(r"^## ([\d.]+)", (ROOT / "CHANGELOG.md").read_text(), re.M)[0] == version

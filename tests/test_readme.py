@@ -63,7 +63,7 @@ def run_block(tmp_path, monkeypatch):
 
 
 def test_scene_commands_run(run_block, folder):
-    run_block(blocks("sh")[2])
+    run_block(blocks("sh")[1])
     assert (folder / "result" / "result.json").exists()
 
 
@@ -78,18 +78,18 @@ def test_files_of_a_run_are_named(folder, monkeypatch):
 
 
 def test_commands_from_a_scene_to_a_page_run(run_block, tmp_path):
-    run_block(blocks("sh")[3])
+    run_block(blocks("sh")[2])
     assert (tmp_path / "result" / "report.html").exists()
 
 
 def test_commands_for_a_scan_run(run_block, tmp_path):
-    run_block(blocks("sh")[4])
+    run_block(blocks("sh")[3])
     assert "as prepared" in (tmp_path / "scan" / "report.html").read_text("utf-8")
 
 
 @pytest.mark.slow
 def test_the_study_of_a_scene_runs(run_block, tmp_path):
-    run_block(f"linecontact example pull-off\n{blocks('sh')[5]}")
+    run_block(f"linecontact example pull-off\n{blocks('sh')[4]}")
     page = (tmp_path / "sure" / "study.html").read_text("utf-8")
     assert "largest uncertainty" in page
 

@@ -14,6 +14,8 @@ import time
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -36,13 +38,13 @@ from validation.report.pdf import write_pdf
 from validation.report.render import PAGE, ReportError, bibliography, failures, refuse_unset, write_html
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
-from validation.studies import IN_PROCESSES, OF_A_SCENE, ON_EXECUTORS, STUDIES, module_of
+from validation.studies import OF_A_SCENE, SCENE, STUDIES, that_take
 from validation.studies.own_scene import BUDGET, SEEDS
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REPORT_FILE = "report.json"
-WITH_PEERS = "work-precision"  # the study that puts FFT solvers beside ours
-WITH_RANDOM = "stability"  # the study that takes random scenes
+OF_STUDIES = ("scene", "seeds", "budget", "overwrite", "peers", "random", "seed", "jobs", "executor")  # of some alone
+ABSENT = {"overwrite": False, "peers": False, "seed": 0, "executor": "local"}  # None for the others
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -255,47 +257,35 @@ def _baseline_update(options: argparse.Namespace) -> int:
 
 def _study(options: argparse.Namespace) -> int:
     """Run a study."""
+    study = SCENE if options.name == OF_A_SCENE else STUDIES[options.name]
+    for key in OF_STUDIES:
+        given = getattr(options, key)
+        if given == ABSENT.get(key) or key in study.takes:
+            continue
+        if key in ("jobs", "executor"):
+            where = "in one process" if key == "jobs" else "on this machine only"
+            raise ExecutorError(f"--{key} {given!r}: study {options.name} runs {where}")
+        option = key if key in ("scene", "seeds", "budget") else f"--{key}"
+        raise CaseError(f"{option}: study {options.name} takes none, {that_take(key)} does")
+    run = import_module(f"validation.studies.{study.module}")
     if options.name == OF_A_SCENE:
-        return _study_scene(options)
-    for key in ("scene", "seeds", "budget"):
-        if getattr(options, key) is not None:
-            raise CaseError(f"{key}: study {options.name} takes none, {OF_A_SCENE} does")
-    if options.overwrite:
-        raise CaseError(f"--overwrite: study {options.name} takes none, {OF_A_SCENE} does")
-    if options.peers and options.name != WITH_PEERS:
-        raise CaseError(f"--peers: study {options.name} has no peers, {WITH_PEERS} has")
-    if options.random is not None and options.name != WITH_RANDOM:
-        raise CaseError(f"--random: study {options.name} has no random scenes, {WITH_RANDOM} has")
+        return _study_scene(options, run)
     if options.seed and options.random is None:
         raise CaseError(f"--seed {options.seed}: of the scenes of --random, which is not given")
-    study = import_module(module_of(options.name))
-    if options.name in ON_EXECUTORS:
-        jobs = options.jobs or os.cpu_count() or 1
-        return int(study.run(options.out, options.quick, _say, jobs, opener_of(options.executor)))
-    if options.executor != "local":
-        raise ExecutorError(f"--executor {options.executor!r}: study {options.name} runs on this machine only")
-    if options.jobs is not None and options.name not in IN_PROCESSES:
-        raise ExecutorError(f"--jobs {options.jobs}: study {options.name} runs in one process")
+    asked: dict[str, Any] = {"peers": True} if options.peers else {}
+    if "executor" in study.takes:
+        asked = {"jobs": options.jobs or os.cpu_count() or 1, "opener": opener_of(options.executor)}
+    elif "jobs" in study.takes:
+        asked = {"jobs": options.jobs or 1}
     if options.random is not None:
-        tasks = study.random_tasks(options.random, options.seed)
-        return int(study.run(options.out, options.quick, _say, tasks, jobs=options.jobs or 1, file=study.RANDOM_FILE))
-    if options.name in IN_PROCESSES:
-        return int(study.run(options.out, options.quick, _say, jobs=options.jobs or 1))
-    if options.peers:
-        return int(study.run(options.out, options.quick, _say, peers=True))
-    return int(study.run(options.out, options.quick, _say))
+        asked |= {"tasks": run.random_tasks(options.random, options.seed), "file": run.RANDOM_FILE}
+    return int(run.run(options.out, options.quick, _say, **asked))
 
 
-def _study_scene(options: argparse.Namespace) -> int:
+def _study_scene(options: argparse.Namespace, study: ModuleType) -> int:
     """Study a scene."""
     if options.scene is None:
         raise CaseError(f"study {OF_A_SCENE}: a scene file is needed: study {OF_A_SCENE} SCENE --out DIR")
-    for key, given in (("peers", options.peers), ("random", options.random), ("seed", options.seed)):
-        if given:
-            raise CaseError(f"--{key}: study {OF_A_SCENE} takes none")
-    if options.executor != "local":
-        raise ExecutorError(f"--executor {options.executor!r}: study {OF_A_SCENE} runs on this machine only")
-    study = import_module("validation.studies.own_scene.own_scene")
     asked = {"seeds": options.seeds, "budget": options.budget}
     given = {key: value for key, value in asked.items() if value is not None}
     plan = study.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
@@ -362,30 +352,22 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     challenge.add_commands(commands, perform)
 
     study = commands.add_parser("study", help="run a study")
-    listed = "; ".join(f"{name}: {what}" for name, what in STUDIES.items())
-    study.add_argument(
-        "name",
-        choices=(OF_A_SCENE, *STUDIES),
-        help=f"{OF_A_SCENE}: what accuracy costs for a scene of one's own, and what its question leaves open; {listed}",
-    )
+    listed = "; ".join(f"{name}: {one.what}" for name, one in ({OF_A_SCENE: SCENE} | STUDIES).items())
+    study.add_argument("name", choices=(OF_A_SCENE, *STUDIES), help=listed)
     study.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help=f"scene file (TOML) of study {OF_A_SCENE}")
-    study.add_argument(
-        "--seeds", type=_natural, metavar="N", help=f"{OF_A_SCENE}: realisations besides its own (default: {SEEDS})"
+    of_scene = (
+        ("--seeds", _natural, "N", f"realisations besides its own (default: {SEEDS})"),
+        ("--budget", _positive, "SECONDS", f"CPU seconds it may take (default: {BUDGET:g})"),
     )
-    study.add_argument(
-        "--budget",
-        type=_positive,
-        metavar="SECONDS",
-        help=f"{OF_A_SCENE}: CPU seconds it may take (default: {BUDGET:g})",
-    )
+    for option, kind, name, words in of_scene:
+        study.add_argument(option, type=kind, metavar=name, help=f"{OF_A_SCENE}: {words}")
     study.add_argument("--overwrite", action="store_true", help=f"{OF_A_SCENE}: replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
-    many, one = ", ".join(ON_EXECUTORS), ", ".join(IN_PROCESSES)
-    study.add_argument("--jobs", type=_positive, help=f"processes of: {many} (default: {cores}), {one}, scene (1)")
-    study.add_argument("--executor", default="local", help=f"for {', '.join(ON_EXECUTORS)}: local or dask://host:port")
-    study.add_argument("--peers", action="store_true", help=f"{WITH_PEERS} beside FFT solvers only (extra `peers`)")
-    study.add_argument("--random", type=_positive, metavar="N", help=f"{WITH_RANDOM}: N random scenes instead")
+    study.add_argument("--jobs", type=_positive, help=f"processes of: {that_take('jobs')}")
+    study.add_argument("--executor", default="local", help=f"for {that_take('executor')}: local or dask://host:port")
+    study.add_argument("--peers", action="store_true", help=f"{that_take('peers')} beside FFT solvers only")
+    study.add_argument("--random", type=_positive, metavar="N", help=f"{that_take('random')}: N random scenes instead")
     study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
     study.set_defaults(command=_alone(_study), perform=perform)
 

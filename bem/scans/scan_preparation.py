@@ -4,7 +4,8 @@ In this order, each as [profile] asks for it:
 
 dropouts   A value that an instrument writes where it has seen nothing (-9999, 32767, 0): runs of one value whose
            neighbours are more than `OUTLIER` median steps away, `FEWEST_DROPOUTS` samples of it or more.  "missing"
-           takes them for missing heights.
+           takes them for missing heights.  Runs that lie farther from all others than these span are named only: so
+           does that value where a tilt was taken off it, and so does a groove.
 outliers   Samples that lie more than `OUTLIER` median steps between neighbours from the running median of `WIDTH`
            samples are counted and, with "replace", set to that median (Tukey, Exploratory Data Analysis, 1977,
            chapter 7).  Steps are |h_{i+1} - h_i| > 0.
@@ -255,7 +256,7 @@ def _dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
     counts = np.bincount(kind, lengths * alone)
     runs = np.flatnonzero(alone & (counts >= FEWEST_DROPOUTS)[kind])
     if not runs.size:
-        return line, {"count": 0}
+        return line, {"count": 0} | _apart(raw, h)
     gone = np.concatenate([known[starts[run] : starts[run] + lengths[run]] for run in runs])
     ends = [(known[starts[run]], known[starts[run] + lengths[run] - 1]) for run in runs]
     unit = raw.facts["unit_h"]
@@ -266,7 +267,23 @@ def _dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
     rest = h.copy()
     rest[gone] = np.nan
     _known(raw, rest)
-    return (x, rest), facts
+    return (x, rest), facts | _apart(raw, rest)
+
+
+def _apart(raw: RawScan, h: FloatArray) -> Step:
+    """The fewer samples on one side of the widest gap between heights, where it is wider than the others span."""
+    known = np.flatnonzero(np.isfinite(h))
+    ranked = known[np.argsort(h[known], kind="stable")]
+    gaps = np.diff(h[ranked])
+    split = int(np.argmax(gaps)) + 1
+    few, others = sorted((ranked[:split], ranked[split:]), key=len)
+    span = float(np.ptp(h[others]))
+    few = np.sort(few)
+    runs = np.split(few, np.flatnonzero(np.diff(few) > 1) + 1)
+    if few.size < FEWEST_DROPOUTS * len(runs) or not 0.0 < span < gaps[split - 1]:
+        return {}
+    places = _shortened([raw.stretch(int(run[0]), int(run[-1])) for run in runs])
+    return {"apart": {"count": int(few.size), "places": places, "distance": float(gaps[split - 1]), "span": span}}
 
 
 def _shortened(places: list[str]) -> str:

@@ -26,6 +26,40 @@ def test_a_plate_cannot_go_beyond_complete_contact_of_an_incompressible_layer():
     assert "what may help" in result.failure
 
 
+UNREACHABLE = {  # control, layer and targets of which the last is not there; then remedies, by what is told of them
+    "came apart": (
+        ("mean_pressure", None, [2e4, -1e6]),
+        {"less tension": ("mean_pressure", [2e4, -10.0]), "separation": ("separation", [5e-5, 2e-4])},
+    ),
+    "carry no tension": (("mean_pressure", None, [-10.0]), {"in compression": ("mean_pressure", [2e4, -10.0])}),
+    "complete contact is at": (
+        ("total_displacement", LAYER, [5e-5, 3e-4]),
+        {"short of it": ("total_displacement", [5e-5, 8e-5]), "mean_pressure": ("mean_pressure", [1e5, 1e6])},
+    ),
+}
+
+
+@pytest.mark.parametrize("why", UNREACHABLE)
+def test_what_may_help_where_no_state_is_there_helps(why):
+    (control, layer, targets), remedies = UNREACHABLE[why]
+    tables = {} if layer is None else {"layer": layer, "adhesion": None}
+    found = solve(rough_scene(targets, control=control, **tables))
+    assert (found.status, [why in found.failure, *(remedy in found.failure for remedy in remedies)]) == (
+        "unreachable",
+        [True] * (1 + len(remedies)),
+    )
+    for other, followed in remedies.values():
+        assert solve(rough_scene(followed, control=other, **tables)).status == "converged"
+
+
+def test_the_tension_at_which_surfaces_came_apart_is_told():
+    """The largest that is held: a state is there at a little less."""
+    failure = solve(rough_scene([2e4, -1e6], control="mean_pressure")).failure
+    pull_off = float(failure.split("came apart at ")[1].split(" Pa")[0])
+    assert solve(rough_scene([2e4, 0.9999 * pull_off], control="mean_pressure")).status == "converged"
+    assert solve(rough_scene([2e4, 1.0001 * pull_off], control="mean_pressure")).status == "unreachable"
+
+
 def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():
     scene = rough_scene([1e-6, 0.0], adhesion=None, layer=LAYER)
     state = solve(scene).targets[-1]

@@ -4,7 +4,7 @@ import time
 
 from validation.harness.route import Answer
 from validation.studies.work_precision.methods import Method
-from validation.studies.work_precision.references import Reference, Source
+from validation.studies.work_precision.references import Source, Yardstick
 
 TRUE = {"contact_fraction": 0.5, "mean_pressure": 1000.0, "elastic_energy": 0.1}
 
@@ -25,7 +25,7 @@ def never(posed, setting):
 
 
 def truth(posed):
-    return Reference("truth", "manufactured", "made so", TRUE, dict.fromkeys(TRUE, 1e-9))
+    return Yardstick("truth", "manufactured", "made so", TRUE, dict.fromkeys(TRUE, 1e-9))
 
 
 def lost(posed):
@@ -33,7 +33,7 @@ def lost(posed):
 
 
 def method(name="halving", solve=off_by, settings=(0.1, 0.25, 1e-4, 1e-12), scenes=("sinusoid",), code="halving"):
-    return Method(name, code, "error", "nothing", settings, solve, (), scenes, {"theory": "it is no theory"})
+    return Method(name, code, "error", "nothing", settings, solve, scenes, {"theory": "it is no theory"})
 
 
 TRUTH = {"sinusoid": (Source("truth", "truth", truth),), "theory": (Source("truth", "truth", truth),)}

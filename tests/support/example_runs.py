@@ -2,16 +2,13 @@
 
 import os
 
-from validation.studies.cost import Run, Task
-from validation.studies.cost_bare import BareRun
+from validation.studies.cost import Cost, Realisation
 from validation.studies.cost_breakdown import Breakdown, Evaluated
 
 
-def converge(task: Task) -> Run:
-    return Run(
-        seed=task.seed,
-        harmonics=task.harmonics,
-        increment=task.increment,
+def converge(task: Realisation) -> Cost:
+    return Cost(
+        **vars(task),
         status="converged",
         wall_seconds=2.0,
         cpu_seconds=1e-6 * task.harmonics**2,
@@ -27,13 +24,13 @@ def converge(task: Task) -> Run:
     )
 
 
-def crash(task: Task) -> Run:
+def crash(task: Realisation) -> Cost:
     if task.seed == 1:
         raise ZeroDivisionError("the matrix is singular")
     return converge(task)
 
 
-def die(task: Task) -> Run:
+def die(task: Realisation) -> Cost:
     if task.seed == 1:
         os._exit(9)
     return converge(task)
@@ -50,9 +47,7 @@ def never_apart(harmonics: int) -> Breakdown:
     raise ZeroDivisionError("no stages")
 
 
-def bare(task):
-    return BareRun(task.harmonics, task.load, "converged", 0.1, 1.0, 100.0, 10, 2, 5, 1e-9)
-
-
-def bare_crash(task):
-    raise ZeroDivisionError("the grid")
+def crash_without_adhesion(task: Realisation) -> Cost:
+    if task.load is not None:
+        raise ZeroDivisionError("the grid")
+    return converge(task)

@@ -10,19 +10,19 @@ import pytest
 
 from validation.harness import store
 from validation.harness.execution import Ended
-from validation.studies import cost, cost_bare, cost_breakdown
-from validation.studies.cost import Drift, Task, drifts_of, exponents_of, judged, measured, tasks_of
+from validation.studies import cost, cost_breakdown
+from validation.studies.cost import Drift, Realisation, drifts_of, exponents_of, judged, measured, realisations_of
 from validation.studies.cost_breakdown import dissected
 
 
 @pytest.fixture
 def pair():
     """A run and the same at a quarter of the increment."""
-    return [examples.converge(Task(0, 1000, increment)) for increment in (0.05, 0.0125)]
+    return [examples.converge(Realisation(0, 1000, increment)) for increment in (0.05, 0.0125)]
 
 
 STEADY = (Drift(0, 1e-9, 1e-9),)
-PAIR = (Task(0, 100, 0.05), Task(0, 100, 0.0125))
+PAIR = (Realisation(0, 100, 0.05), Realisation(0, 100, 0.0125))
 
 
 def unmet(runs, drifts=STEADY):
@@ -30,19 +30,20 @@ def unmet(runs, drifts=STEADY):
 
 
 def test_benchmark_is_three_realisations_and_their_quarter_increments():
-    tasks = tasks_of(quick=True)
+    tasks = [task for task in realisations_of(quick=True) if task.load is None]
     assert {(task.seed, task.harmonics) for task in tasks} == {(seed, 1000) for seed in (0, 1, 2)}
     assert sorted(task.increment for task in tasks) == [0.0125] * 3 + [0.05] * 3
 
 
 def test_full_study_shows_path_convergence_of_the_papers_realisations_and_twenty_others():
-    tasks = [task for task in tasks_of(quick=False) if task.harmonics == 1000]
+    tasks = [task for task in realisations_of(quick=False) if task.harmonics == 1000 and task.load is None]
     assert {task.seed for task in tasks} == set(range(31))
     assert sorted(task.increment for task in tasks) == [0.0125] * 31 + [0.05] * 31
 
 
 def test_full_study_goes_from_125_to_8000_harmonics():
-    swept = {task.harmonics for task in tasks_of(quick=False) if (task.seed, task.increment) == (0, 0.05)}
+    tasks = [task for task in realisations_of(quick=False) if task.load is None]
+    swept = {task.harmonics for task in tasks if (task.seed, task.increment) == (0, 0.05)}
     assert swept == {125, 250, 500, 1000, 2000, 4000, 8000}
 
 
@@ -108,7 +109,7 @@ def test_missing_load_is_infinite_drift(pair):
 
 
 def test_exponent_of_a_power_law_is_found():
-    runs = [examples.converge(Task(0, harmonics, 0.05)) for harmonics in (125, 500, 4000)]
+    runs = [examples.converge(Realisation(0, harmonics, 0.05)) for harmonics in (125, 500, 4000)]
     found = exponents_of(runs)
     assert found["cpu_seconds"] == pytest.approx(2.0, abs=1e-12)
     assert found["unknowns"] == pytest.approx(1.0, abs=1e-12)
@@ -118,7 +119,9 @@ def test_exponent_of_a_power_law_is_found():
 @pytest.mark.parametrize(("power", "expected"), [(1.1, []), (1.3, ["CPU seconds to a contact fraction of 0.2 grow"])])
 def test_growth_beyond_the_exponent_asked_for_is_named(pair, power, expected):
     sweep = [
-        replace(examples.converge(Task(0, size, 0.05)), cpu_seconds=1.0, cpu_seconds_to_a_fifth=1e-3 * size**power)
+        replace(
+            examples.converge(Realisation(0, size, 0.05)), cpu_seconds=1.0, cpu_seconds_to_a_fifth=1e-3 * size**power
+        )
         for size in (250, 2000, 8000)
     ]
     assert [name.split(" no faster")[0] for name in unmet([*pair, *sweep])] == expected
@@ -132,28 +135,31 @@ def test_seconds_to_a_fraction_are_interpolated_between_states():
 
 @pytest.mark.parametrize("change", [{"status": "error"}, {"seed": 1}, {"increment": 0.0125}])
 def test_exponent_leaves_out_other_runs(change):
-    runs = [examples.converge(Task(0, harmonics, 0.05)) for harmonics in (125, 500)]
-    outlier = replace(examples.converge(Task(0, 4000, 0.05)), cpu_seconds=1e6, **change)
+    runs = [examples.converge(Realisation(0, harmonics, 0.05)) for harmonics in (125, 500)]
+    outlier = replace(examples.converge(Realisation(0, 4000, 0.05)), cpu_seconds=1e6, **change)
     assert exponents_of([*runs, outlier]) == exponents_of(runs)
 
 
-def study(folder, measure, tasks=PAIR, dissect=None, bare=None):
-    return cost.run(folder, True, lambda note: None, tasks, measure, dissect, bare)
+def study(folder, measure, tasks=PAIR, dissect=None):
+    return cost.run(folder, True, lambda note: None, tasks, measure, dissect)
 
 
-@pytest.mark.parametrize(("measure", "code"), [(examples.bare, 0), (examples.bare_crash, 1)])
+BARE = [task for task in realisations_of(quick=True) if task.load is not None]
+
+
+@pytest.mark.parametrize(("measure", "code"), [(examples.converge, 0), (examples.crash_without_adhesion, 1)])
 def test_loads_without_adhesion_are_told_stored_and_gate(measure, code, here, tmp_path, capsys):
-    assert study(tmp_path, examples.converge, bare=measure) == code
+    assert study(tmp_path, measure, [*PAIR, *BARE]) == code
     rows = json.loads((tmp_path / "cost.json").read_text())["without_adhesion"]["rows"]
     assert [row[:2] for row in rows] == [[n, load] for n in (1000, 10_000) for load in (0.005, 0.01, 0.02)]
     assert ("NOT MET: every load without adhesion certified" in capsys.readouterr().out) == bool(code)
 
 
 def test_a_load_without_adhesion_for_real():
-    found = cost_bare.measured(cost_bare.BareTask(50, 0.01))
+    found = measured(Realisation(0, 50, load=0.01))
     assert found.status == "converged"
-    assert 0 < found.contact_fraction < 1
-    assert found.closure < 1e-8
+    assert 0 < found.contact_fractions[0] < 1
+    assert found.worst_closure < 1e-8
     assert min(found.cpu_seconds, found.peak_megabytes, found.unknowns, found.patches, found.evaluations) > 0
 
 
@@ -175,7 +181,7 @@ def test_run_that_dies_is_a_line_with_its_message(forked, tmp_path, capsys):
 
 
 def assert_told(tmp_path, capsys, measure, message):
-    tasks = (Task(1, 100, 0.05), Task(0, 100, 0.05), Task(0, 100, 0.0125))
+    tasks = (Realisation(1, 100, 0.05), Realisation(0, 100, 0.05), Realisation(0, 100, 0.0125))
     assert study(tmp_path, measure, tasks) == 1
     reported = capsys.readouterr().out
     assert "NOT MET: every load reached: seed 1, 100: " + message in reported
@@ -184,7 +190,12 @@ def assert_told(tmp_path, capsys, measure, message):
 
 
 def test_breakdown_is_told_and_stored(here, tmp_path, capsys):
-    tasks = (Task(0, 100, 0.05), Task(0, 100, 0.0125), Task(0, 200, 0.05), Task(0, 200, 0.0125))
+    tasks = (
+        Realisation(0, 100, 0.05),
+        Realisation(0, 100, 0.0125),
+        Realisation(0, 200, 0.05),
+        Realisation(0, 200, 0.0125),
+    )
     assert study(tmp_path, examples.converge, tasks, examples.apart) == 0
     stored = json.loads((tmp_path / "cost.json").read_text())
     assert stored["stage_exponents"]["factorisation"] == pytest.approx(3.0, rel=1e-9)
@@ -243,7 +254,7 @@ def test_path_taken_apart_for_real():
 
 
 def test_measurement_reaches_the_loads_and_counts():
-    found = measured(Task(0, 20, 0.05))
+    found = measured(Realisation(0, 20, 0.05))
     assert (found.status, len(found.separations)) == ("converged", 8)
     assert (found.failed_states, found.certificates_not_ok) == (0, 0)
     assert found.worst_closure < 1e-8

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from validation.harness.case import registry
-from validation.studies.faults.fault_injection import Task, examine
+from validation.studies.faults.fault_injection import Exposure, examine
 from validation.studies.faults.fault_table import SIZE, FaultError, Studied, faults_in
 
 FAULTS = faults_in()
@@ -45,7 +45,7 @@ def studied(monkeypatch):
 
 def examined(studied, folder, fault, *cases):
     chosen = next((known for known in studied.faults if known.id == fault), None)
-    return examine(studied, folder, Task(chosen, 0.5, cases))
+    return examine(studied, folder, Exposure(chosen, 0.5, cases))
 
 
 def test_every_use_of_a_function_has_the_fault(studied, tmp_path):

@@ -15,7 +15,7 @@ from validation.harness.schema import Band
 from validation.harness.store import Store
 from validation.studies.faults import faults
 from validation.studies.faults.fault_findings import Finding, Search, compared, excess_of
-from validation.studies.faults.fault_injection import Examined, Task
+from validation.studies.faults.fault_injection import Examined, Exposure
 from validation.studies.faults.fault_table import Fault, Studied, faults_in
 from validation.studies.faults.faults import Runs, control_run, examine_faults
 
@@ -192,7 +192,7 @@ def test_fault_of_the_solver_or_the_harness_is_caught(control, forked, fault, tm
 
 
 def test_answers_come_in_the_order_of_the_tasks(apart, tmp_path):
-    tasks = [Task(apart.FAULTS[0], size, (("uses-function", 10.0),)) for size in (0.5, 0.25)]
+    tasks = [Exposure(apart.FAULTS[0], size, (("uses-function", 10.0),)) for size in (0.5, 0.25)]
     answers = runs(tmp_path, apart.STUDIED, 2).answers(tasks)
     assert [answer.records[0].rows[0].computed for answer in answers] == [[1.5], [1.25]]
 

@@ -14,7 +14,7 @@ from bem.scene.scene import parse_scene
 from bem.solver import solve
 from validation import __main__ as command_line
 from validation.corpus import maps as corpus
-from validation.harness.ensemble import Outcome
+from validation.harness.ensemble import Gathered
 from validation.report.map_figures import Map, draw, table_of, write_map
 from validation.studies import maps
 
@@ -86,12 +86,12 @@ def test_integral_of_a_rectangular_loop_is_its_area():
 @pytest.mark.parametrize(("integral", "failures"), [(0.9, 0), (0.3, 1), (-1.0, 1)], ids=["near", "far", "other sign"])
 def test_loop_that_does_not_balance_is_a_failure(integral, failures):
     made = corpus.Run("one", "converged", 2.0, 1.0, 0.1, integral, 10.0, 0.03, 1.0, 20, 0)
-    assert len(list(maps._failures(Outcome((), ("one",)), [made]))) == failures
+    assert len(list(maps._failures(Gathered((), ("one",)), [made]))) == failures
 
 
 def test_state_that_is_not_certified_is_a_failure():
     made = corpus.Run("one", "converged", 2.0, 1.0, 0.1, 1.0, 10.0, 0.03, 1.0, 20, 1)
-    assert list(maps._failures(Outcome((), ("one",)), [made])) == ["one: 1 of 20 states are not certified"]
+    assert list(maps._failures(Gathered((), ("one",)), [made])) == ["one: 1 of 20 states are not certified"]
 
 
 @pytest.mark.slow
@@ -182,7 +182,7 @@ def test_stored_maps_are_whole_and_without_failures():
     names = {corpus.member_of(point, k).name for point in points for k in range(corpus.FULL_AXES.seeds)}
     assert set(stored) == names
     assert all(run.not_certified == 0 for run in stored.values())
-    assert list(maps._failures(Outcome((), tuple(stored)), list(stored.values()))) == []
+    assert list(maps._failures(Gathered((), tuple(stored)), list(stored.values()))) == []
 
 
 def test_stored_tension_is_none_where_the_loop_does_not_close():

@@ -20,7 +20,7 @@ from validation.studies.own_scene import own_scene
 from validation.studies.own_scene.findings import findings_of, finest_of, offs
 from validation.studies.own_scene.own_scene import Options, run
 from validation.studies.own_scene.settings import BASE, FINEST, NO_SCAN, Setting, settings_of
-from validation.studies.own_scene.solved_setting import Reading, Solved, Task, solved
+from validation.studies.own_scene.solved_setting import Reading, Solved, ToSolve, solved
 from validation.studies.own_scene.words import sentence
 
 SOLID = {"youngs_modulus": 1e6, "poisson_ratio": 0.5}
@@ -88,7 +88,7 @@ def known(request, tmp_path_factory):
     places = (Path(), tmp_path_factory.mktemp("parts"))
     settings = settings_of(parse_scene(tables), tables, places, 0, quick=True)
     chosen = [one for one in settings if one.kind in ("base", "numerical") and one.tables]
-    return [(one, solved(Task(one.name, one.tables, ".", 60.0, one.kind == "base"))) for one in chosen], exact
+    return [(one, solved(ToSolve(one.name, one.tables, ".", 60.0, one.kind == "base"))) for one in chosen], exact
 
 
 def true_answer(base, exact):
@@ -127,7 +127,7 @@ def test_estimated_errors_cover_the_true_ones(known):
 def test_nodes_converge_at_the_rate_that_is_predicted():
     """K falls like rho^-n, rho of the ellipse through the next edge, the load like rho^-2n (convergence_curves.py)."""
     tables, _ = wave_scene(0.03, (0.95,))
-    answer = solved(Task("as it is", tables, ".", 60.0, nodes=True))
+    answer = solved(ToSolve("as it is", tables, ".", 60.0, nodes=True))
     (rate,) = findings_of([(Setting("base", BASE, BASE), answer)]).rates
     reach = 1 + 2 * 0.05 / 0.95
     rho = reach + math.sqrt(reach**2 - 1)
@@ -372,7 +372,7 @@ def test_a_setting_that_the_scene_refuses_is_a_row(tmp_path, in_process):
 
 
 def test_a_run_that_takes_far_too_long_is_stopped():
-    stopped = solved(Task("", ROUGH, ".", limit=0.0))
+    stopped = solved(ToSolve("", ROUGH, ".", limit=0.0))
     assert (stopped.status, stopped.good) == ("stopped", False)
 
 

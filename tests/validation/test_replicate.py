@@ -14,7 +14,7 @@ from in_this_process import here
 
 from persson import double_gaussian
 from validation import __main__ as command_line
-from validation.harness.ensemble import Outcome
+from validation.harness.ensemble import Gathered
 from validation.harness.schema import CaseRecord, Figure, Panel, Reference, Report, Series
 from validation.harness.verdict import verdict_of
 from validation.replicate import gather, members, realisations, scene_text, summary
@@ -436,7 +436,7 @@ def test_unknown_executor_is_bad_input(tmp_path):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_topics_without_an_ensemble_are_not_run_with_the_reason(tmp_path, monkeypatch, jobs):
     replicate = import_module("validation.replicate")
-    monkeypatch.setattr(replicate, "run_ensemble", lambda *_: Outcome((), (), (), {"loading-00": "no memory"}))
+    monkeypatch.setattr(replicate, "run_ensemble", lambda *_: Gathered((), (), (), {"loading-00": "no memory"}))
     report = replicate.replicate(tmp_path, TINY, jobs, here, lambda note: None, "replicate")
     assert {case.status for case in report.cases[2:]} == {"not run"}
     assert all("2 at least are needed" in case.message for case in report.cases[2:])

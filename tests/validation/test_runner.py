@@ -3,16 +3,15 @@
 import json
 import os
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import pytest
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness import runner
-from validation.harness.execution import Running, Started, run_in_processes
+from validation.harness.execution import Running, run_in_processes
 from validation.harness.executors import Workers
 from validation.harness.runner import run_cases
 from validation.harness.verdict import case_verdicts
@@ -175,15 +174,6 @@ def test_environment_is_put_back(examples, tmp_path, monkeypatch):
     run([examples.case("a", examples.agree)], tmp_path)
     assert os.environ["OMP_NUM_THREADS"] == "3"
     assert "MKL_NUM_THREADS" not in os.environ
-
-
-def test_record_is_on_disk_before_it_is_handed_back(apart, tmp_path):
-    """Whatever ends the run after a case, its record is there."""
-    events = run_in_processes(partial(runner._run, store=tmp_path, code="c"), [apart.case("a", apart.agree)], 1)
-    with closing(events):
-        assert isinstance(next(events), Started)
-        while not (tmp_path / "a.json").exists():
-            next(events)
 
 
 def test_interrupted_run_keeps_what_was_finished(examples, tmp_path):

@@ -271,10 +271,10 @@ def test_a_random_scene_runs_for_real(here, tmp_path):
 
 def test_command_line_takes_random_scenes(tmp_path, monkeypatch):
     seen = []
-    monkeypatch.setattr(stability, "run", lambda *given, **named: seen.append((given[3], named)) or 0)
+    monkeypatch.setattr(stability, "run", lambda *given, **named: seen.append(named) or 0)
     words = ["study", "stability", "--random", "3", "--seed", "7", "--jobs", "2", "--out", str(tmp_path)]
     assert command_line.main(words) == 0
-    assert seen == [(RANDOM, {"jobs": 2, "file": stability.RANDOM_FILE})]
+    assert seen == [{"tasks": RANDOM, "jobs": 2, "file": stability.RANDOM_FILE}]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 from validation.harness.route import Answer
 from validation.harness.runner import failed_record
 from validation.harness.store import Store
-from validation.studies.cost import Run
+from validation.studies.cost import Cost
 from validation.studies.faults.fault_injection import Examined
 from validation.studies.work_precision.points import Timed
 
@@ -37,7 +37,7 @@ FOUND = Answer(values={"gap_at": [0.1 + 0.2, None]}, unknowns=3, parts={"setup":
     [
         (Measured, Measured(0.1 + 0.2, (1 / 3, -0.0))),
         (list[Timed], [Timed("1e-06", found=FOUND, repeats=2), Timed("2", "ArithmeticError: no")]),
-        (Run, Run(1, 100, 0.05, "converged", contact_fractions=(0.1, 0.2))),
+        (Cost, Cost(1, 100, 0.05, None, "converged", contact_fractions=(0.1, 0.2))),
         (list[str], []),
     ],
     ids=["data-class", "nested", "defaults", "empty"],

@@ -17,7 +17,6 @@ from validation.studies.theory_correction.correction_members import MODULUS, Gro
 from validation.studies.theory_correction.data import STRESSES, Observed, mean_of, relative_errors
 from validation.studies.theory_correction.fit import NAMES, areas_of, calibrate, correction_from, lines_of
 from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, judge, rms
-from validation.studies.theory_correction.page import separation_error
 
 TRUTH = (0.7, 0.8, 2.0)
 DRY, WET = Group("hold-out", "self-affine", 0.6, 12, 0.0, 4), Group("hold-out", "self-affine", 0.6, 12, 0.04, 4)
@@ -139,7 +138,7 @@ def test_page_says_what_was_measured(content, made):
     report = theory_correction.report_of(content, made, 6, facts, short=False)
     rows = {row.quantity.split(",")[0]: row.computed[0] for row in report.cases[0].rows}
     assert rows["area without adhesion"] == pytest.approx(1 - 1 / 1.1, rel=1e-3)
-    assert rows["separation without adhesion"] == pytest.approx(rms([separation_error(o, CALIBRATED) for o in made]))
+    assert rows["separation without adhesion"] == pytest.approx(rms([o.error("separation", CALIBRATED) for o in made]))
     page = render(report)
     assert [table.caption.split(",")[0] for table in report.cases[0].tables[:3]] == [
         "Without adhesion",

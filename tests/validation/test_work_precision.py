@@ -16,7 +16,7 @@ from validation.studies.work_precision import work_precision
 from validation.studies.work_precision.methods import METHODS
 from validation.studies.work_precision.points import Point, Timed
 from validation.studies.work_precision.references import SOURCES, source_for
-from validation.studies.work_precision.work_precision import Task, measured, point_of
+from validation.studies.work_precision.work_precision import Sweep, measured, point_of
 
 SINUSOID = scenes()["sinusoid"]
 
@@ -78,7 +78,7 @@ def test_reference_that_fails_is_told(here, tmp_path, capsys):
 
 
 def test_measurement_repeats_and_takes_the_least():
-    (found,) = measured(Task(SINUSOID, example.method(), (0.1,), 5, 10.0))
+    (found,) = measured(Sweep(SINUSOID, example.method(), (0.1,), 5, 10.0))
     assert (found.repeats, found.status) == (5, "done")
     assert found.wall_seconds >= 0.002
     assert found.spread >= 0
@@ -87,12 +87,12 @@ def test_measurement_repeats_and_takes_the_least():
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_methods_reach_other_processes(method):
-    task = Task(SINUSOID, method, method.settings, 1, 1.0)
+    task = Sweep(SINUSOID, method, method.settings, 1, 1.0)
     assert repr(pickle.loads(pickle.dumps(task))) == repr(task)
 
 
 def test_repeats_end_with_their_time():
-    (found,) = measured(Task(SINUSOID, example.method(), (0.1,), 1000, 0.02))
+    (found,) = measured(Sweep(SINUSOID, example.method(), (0.1,), 1000, 0.02))
     assert found.repeats <= 10
 
 

@@ -7,7 +7,6 @@ Finite elements are coarser than the solver: their difference is shown beside th
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +17,8 @@ from bem.scene.result import Result
 from bem.solver import solve as solve_scene
 from validation.challenge.answers import Certified, Check, Key, csv_of, json_of, scale_of
 from validation.challenge.closed_answers import CLOSED, closed_answers
-from validation.challenge.posing import poses
-from validation.challenge.problem import PROBLEM_FILE, ChallengeError, toml_of
+from validation.challenge.problem import PROBLEM_FILE
+from validation.challenge.problem import problem as shipped
 from validation.challenge.second_routes import ROUTES
 from validation.challenge.worker import with_arrays
 from validation.harness.arrays import FloatArray
@@ -44,9 +43,7 @@ def certified(name: str, second: bool = True) -> Key:
 
     ChallengeError where there is no such problem, ArithmeticError where a route does not converge.
     """
-    if name not in poses():
-        raise ChallengeError(f"problem {name!r}: one of {', '.join(poses())} is needed")
-    data = with_arrays(tomllib.loads(toml_of(poses()[name])))
+    data = with_arrays(shipped(name).data)
     problem = Problem.of(data)
     result = solve_scene(boundary_elements.tables(problem, 1e-12))
     ours = _arrays(boundary_elements.answers(problem, result))
@@ -71,7 +68,7 @@ def write(key: Key, folder: Path) -> None:
     """Write problem.toml, answers.json and answers.csv into folder/NAME."""
     place = folder / key.problem
     place.mkdir(parents=True, exist_ok=True)
-    write_atomically(place / PROBLEM_FILE, toml_of(poses()[key.problem]))
+    write_atomically(place / PROBLEM_FILE, shipped(key.problem).text)
     write_atomically(place / "answers.json", json_of(key))
     write_atomically(place / "answers.csv", csv_of(key))
 

@@ -17,7 +17,7 @@ from bem.command_line.folder_lock import locked
 from validation.challenge import standings
 from validation.challenge.answers import scale_of
 from validation.challenge.judging import MOST_DIGITS
-from validation.challenge.problem import FOLDER, Problem, names, problem
+from validation.challenge.problem import FOLDER, Shipped, names, problem
 from validation.harness.entry_points import solvers
 from validation.harness.execution import Note
 from validation.harness.executors import LOCAL, opener_of
@@ -61,7 +61,7 @@ def _short(line: str) -> str:
     return f"{name} = [{', '.join(map(str, values[:SHORT]))}, ...]  # {len(values)} numbers"
 
 
-def _answers(one: Problem) -> list[str]:
+def _answers(one: Shipped) -> list[str]:
     lines = ["", "# the answers"]
     for name, key in one.key.answers.items():
         lines.append(f"{name}: {key.made}; errors are divided by {scale_of(name, key.value):.6g} {key.unit}".rstrip())

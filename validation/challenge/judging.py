@@ -24,7 +24,7 @@ LOST = 0.5  # digits by which a quantity may fall behind a baseline: rounding mo
 
 
 @dataclass(frozen=True)
-class Row:
+class Digits:
     """A quantity of a problem, judged.
 
     A status is "right", "wrong", "missing", "not a number", "wrong shape", "not offered", "crashed", "out of
@@ -50,7 +50,7 @@ class Judged:
     message: str
     seconds: float | None
     cpu_seconds: float | None
-    rows: tuple[Row, ...]
+    rows: tuple[Digits, ...]
     ignored: tuple[str, ...]
 
     @property
@@ -71,7 +71,7 @@ def judged(key: Key, returned: Answer, digits: float) -> Judged:
         rows = tuple(_row(name, one, returned.values.get(name), digits) for name, one in key.answers.items())
     else:
         rows = tuple(
-            Row(name, returned.status, returned.message, None, None, None, 0, len(one.value))
+            Digits(name, returned.status, returned.message, None, None, None, 0, len(one.value))
             for name, one in key.answers.items()
         )
     ignored = tuple(sorted(name for name in returned.values if name not in key.answers))
@@ -92,11 +92,11 @@ def lost(now: Iterable[Judged], before: Iterable[Judged]) -> Iterator[str]:
                 yield f"{one.problem}: {row.quantity}: {row.digits:.1f} digits, {old.digits:.1f} before"
 
 
-def _row(name: str, key: Certified, given: Any, digits: float) -> Row:
+def _row(name: str, key: Certified, given: Any, digits: float) -> Digits:
     count = len(key.value)
 
-    def without(status: str, message: str) -> Row:
-        return Row(name, status, message, None, None, None, 0, count)
+    def without(status: str, message: str) -> Digits:
+        return Digits(name, status, message, None, None, None, 0, count)
 
     values = given if isinstance(given, list) else [given]
     if values and all(value is None for value in values):
@@ -119,7 +119,7 @@ def _finite(value: float) -> bool:
         return False
 
 
-def _compared(name: str, key: Certified, values: Sequence[float | None], digits: float) -> Row:
+def _compared(name: str, key: Certified, values: Sequence[float | None], digits: float) -> Digits:
     """A row of numbers, of which some may be missing."""
     scale = scale_of(name, key.value)
     known = [
@@ -134,4 +134,4 @@ def _compared(name: str, key: Certified, values: Sequence[float | None], digits:
     message = ""
     if len(known) < len(values):
         status, message = "missing", f"{len(values) - len(known)} of {len(values)} values"
-    return Row(name, status, message, reached, error, max(ratios, default=None), len(known), len(values))
+    return Digits(name, status, message, reached, error, max(ratios, default=None), len(known), len(values))

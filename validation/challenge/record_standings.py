@@ -16,7 +16,7 @@ from validation.challenge import run_judge
 from validation.challenge.answers import scale_of
 from validation.challenge.extrapolation import extrapolated
 from validation.challenge.judging import judged
-from validation.challenge.problem import ChallengeError, Problem
+from validation.challenge.problem import ChallengeError, Shipped
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
 from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
@@ -68,7 +68,7 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Listener)
 
 
 def _entries(
-    entrant: Entrant, problems: Sequence[Problem], limit: float, folder: Path, report: Listener
+    entrant: Entrant, problems: Sequence[Shipped], limit: float, folder: Path, report: Listener
 ) -> list[dict[str, Any]]:
     """An entry for each setting and problem."""
     made, by_problem = [], dict[str, list[Answer]]()
@@ -88,7 +88,7 @@ def _entries(
     return made
 
 
-def _entry(solver: str, setting: str, one: Problem, found: Answer) -> dict[str, Any]:
+def _entry(solver: str, setting: str, one: Shipped, found: Answer) -> dict[str, Any]:
     row = asdict(judged(one.key, found, DIGITS))
     row["rows"] = [
         {"quantity": r["quantity"], "status": r["status"]}
@@ -101,7 +101,7 @@ def _entry(solver: str, setting: str, one: Problem, found: Answer) -> dict[str, 
     return {"solver": solver, "setting": setting} | row | spent
 
 
-def estimated(one: Problem, quantity: str, finest: Answer, limit: Answer) -> float | None:
+def estimated(one: Shipped, quantity: str, finest: Answer, limit: Answer) -> float | None:
     """What extrapolation says of the error of the finest grid, over the scale; None where a value is not there."""
     values, limits = (np.atleast_1d(np.asarray(found.values.get(quantity), object)) for found in (finest, limit))
     if values.shape != limits.shape or any(value is None for value in (*values, *limits)):

@@ -25,7 +25,7 @@ from pydantic import TypeAdapter, ValidationError
 from bem.scene.atomic_file import write_atomically
 from validation.challenge import standings
 from validation.challenge.judging import Judged, judged, lost
-from validation.challenge.problem import ChallengeError, Problem, names, problem
+from validation.challenge.problem import ChallengeError, Shipped, names, problem
 from validation.challenge.solver_process import look_up, returned
 from validation.challenge.submission import read_submission
 from validation.harness.execution import Ended, Listener, Note, run_in_processes
@@ -38,7 +38,7 @@ from validation.report.challenge.challenge_page import render_challenge
 SCHEMA = "linecontact-challenge/1"
 JSON_FILE, PAGE = "challenge.json", "challenge.html"
 KEPT = ("answered", "not offered")
-SOLVERS = ("bem", "fem_reference", "persson", "validation/references")
+SOLVERS = ("bem", "fem_reference", "persson", "validation/references", "validation/routes")
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Judgement:
         return f"{right} of {len(statuses)} answers right to {self.digits:g} digits{others}{seconds}{held}"
 
 
-def chosen(only: str | None) -> tuple[Problem, ...]:
+def chosen(only: str | None) -> tuple[Shipped, ...]:
     """Problems whose name matches a pattern, or one of several between commas; all without one.
 
     ChallengeError where a pattern matches none.
@@ -83,7 +83,7 @@ def chosen(only: str | None) -> tuple[Problem, ...]:
 
 def solved(
     spec: str,
-    problems: Sequence[Problem],
+    problems: Sequence[Shipped],
     limit: float,
     folder: Path,
     report: Listener,
@@ -129,20 +129,20 @@ def _returned(
                 yield names_of[event.item], answer if isinstance(answer, Answer) else died
 
 
-def submitted(path: Path, problems: Sequence[Problem]) -> Iterator[Answer]:
+def submitted(path: Path, problems: Sequence[Shipped]) -> Iterator[Answer]:
     """What a submission answers to each problem."""
     content = read_submission(path)
     for one in problems:
         yield Answer("answered", values=content.get(one.name, {}))
 
 
-def judge(solver: str, problems: Sequence[Problem], found: Iterator[Answer], digits: float) -> Judgement:
+def judge(solver: str, problems: Sequence[Shipped], found: Iterator[Answer], digits: float) -> Judgement:
     """Every problem judged."""
     rows = tuple(judged(one.key, answer, digits) for one, answer in zip(problems, found, strict=True))
     return Judgement(solver, digits, rows)
 
 
-def earlier(baseline: Path, problems: Sequence[Problem]) -> tuple[Judged, ...]:
+def earlier(baseline: Path, problems: Sequence[Shipped]) -> tuple[Judged, ...]:
     """The problems of a baseline, challenge.json of an earlier judgement.
 
     ChallengeError where it is none, or holds none of the problems.
@@ -172,7 +172,7 @@ def against(judgement: Judgement, name: str, before: Sequence[Judged]) -> Judgem
     return replace(judgement, baseline=name, lost=missed)
 
 
-def write(judgement: Judgement, problems: Sequence[Problem], folder: Path) -> None:
+def write(judgement: Judgement, problems: Sequence[Shipped], folder: Path) -> None:
     """Write challenge.json and challenge.html."""
     shown = ("title", "difficulty", "what_is_hard")
     content: dict[str, Any] = {

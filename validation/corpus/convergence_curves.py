@@ -76,6 +76,15 @@ class Curve:
         return self.low <= self.rate.value <= self.high
 
 
+def predicted_line(curve: Curve) -> tuple[list[float], list[float]]:
+    """Sizes that were fitted, and the errors there by the predicted rate, through the last of them."""
+    used = curve.rate.used
+    at, last = [curve.sizes[i] for i in used], curve.errors[used[-1]]
+    if curve.law == "geometric":
+        return at, [last * curve.predicted ** (at[-1] - n) for n in at]
+    return at, [last * (at[-1] / n) ** curve.predicted for n in at]
+
+
 def bem_curves(fraction: float, sizes: Sequence[int]) -> tuple[Curve, Curve]:
     """K and load of the dense evaluation at Johnson's edges, against nodes."""
     psi = fraction * np.pi / 2

@@ -13,12 +13,12 @@ A member depends on its scene alone, not on the number of workers: phases come f
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,8 @@ from bem.scene.scene import parse_scene
 from validation.harness.execution import Ended, Listener, Note, Running, run_in_processes
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
+
+Group = TypeVar("Group", bound=Hashable)
 
 
 class OtherSceneError(ValueError):
@@ -44,7 +46,7 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Gathered:
     """What a run of an ensemble left behind: names of members."""
 
     found: tuple[str, ...]  # stored before
@@ -71,7 +73,7 @@ def run_ensemble(
     jobs: int,
     report: Listener,
     opener: Opener = local_processes,
-) -> Outcome:
+) -> Gathered:
     """Compute and store what is missing, of members with distinct names, which are started in this order.
 
     Raises
@@ -113,7 +115,19 @@ def run_ensemble(
                 report(Note(f"[{done}/{len(planned)}] {name}: {answer.status}"))
     if len(found) + len(computed) + len(failed) != len(planned):
         raise RuntimeError(f"planned {len(planned)} members, {len(found)} + {len(computed)} + {len(failed)} ended")
-    return Outcome(tuple(found), tuple(computed), tuple(damaged), failed)
+    return Gathered(tuple(found), tuple(computed), tuple(damaged), failed)
+
+
+def results_of(
+    groups: Mapping[Group, Sequence[Member]], folder: Path, report: Listener, jobs: int, opener: Opener
+) -> dict[Group, list[Result]] | None:
+    """The results of groups of members (`run_ensemble`); None, and what failed is reported, when one did."""
+    done = run_ensemble([one for members in groups.values() for one in members], folder, jobs, report, opener)
+    for name, why in done.failed.items():
+        report(Note(f"FAILED {name}: {why}"))
+    if done.failed:
+        return None
+    return {group: [read_member(one, folder) for one in members] for group, members in groups.items()}
 
 
 def read_member(member: Member, folder: Path) -> Result:

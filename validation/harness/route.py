@@ -113,12 +113,6 @@ class Route:
     fixed: str  # all else, in words
     settings: tuple[Any, ...]  # of the knob, coarsest first
     solve: Callable[[Problem, Any], Answer]
-    needs: tuple[str, ...] = ()  # modules of an extra
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """What of it is not installed."""
-        return tuple(name for name in self.needs if find_spec(name) is None)
 
 
 class Laps:

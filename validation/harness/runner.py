@@ -1,10 +1,10 @@
 """Runs cases in worker processes, keeps every finished one, and accounts for all of them.
 
-Each case is one task on one BLAS thread; those that took longest when they ran before start first.  The worker writes
-the record to OUT/cases/ID.json (store.py) with a key over the case, all sources and the versions of what they run on: a
-run that was interrupted at any moment continues, and a record that other code made is computed again.  A case that
-crashes is a record with its message (traceback in OUT/cases/ID.log), never a missing one; planned and reported cases
-are counted and compared.
+Each case is one task on one BLAS thread; those that took longest when they ran before start first.  Its record goes to
+OUT/cases/ID.json (store.py) as soon as it is there, with a key over the case, all sources and the versions of what they
+run on: a run that was interrupted at any moment continues, and a record that other code made is computed again.  A case
+that crashes is a record with its message (traceback in OUT/cases/ID.log), never a missing one; planned and reported
+cases are counted and compared.
 """
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ import hashlib
 import json
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from validation.harness.case import Case, Outcome
@@ -48,8 +47,7 @@ def run_cases(
     expected : mapping of str to float
         Seconds that cases are expected to take, by id; what earlier runs in this folder took is preferred.
     opener : callable
-        Opens the executor (executors.py).  Local processes store each record themselves; workers elsewhere may not see
-        this folder, and hand it back.
+        Opens the executor (executors.py).
     anew : bool
         Whether to run what is there too: cases whose sources are not among those that the key covers.
 
@@ -100,8 +98,7 @@ def _computed(
     where = counted(workers, "process", "processes") if local else "workers elsewhere"
     report(Note(f"{counted(len(cases), 'case')} on {where}"))
     begun, left = time.monotonic(), {case.id for case in cases}
-    solve: Callable[[Case], CaseRecord | Solved] = partial(_run, store=store, code=code) if local else _solved
-    with closing(run_in_processes(solve, cases, workers, opener=opener)) as events:
+    with closing(run_in_processes(_ran, cases, workers, opener=opener)) as events:
         for event in events:
             if isinstance(event, Started):
                 report(Note(f"{event.item.id}: started"))
@@ -114,12 +111,10 @@ def _computed(
                     rest[case.id] = max(seconds[case.id] - passed, 0.0)
                 report(Note(f"{len(left)} of {planned} left, {_clock(begun, left, rest, workers)}; running: {names}"))
             elif isinstance(event, Ended):
-                record = event.answer
-                if isinstance(record, Exception):
-                    record = failed_record(event.item, f"{type(record).__name__}: {record}", 0.0)
-                    _keep(record, event.item, store, code)
-                elif isinstance(record, Solved):
-                    record = _kept(record, event.item, store, code)
+                ran = event.answer
+                if isinstance(ran, Exception):
+                    ran = Ran(failed_record(event.item, f"{type(ran).__name__}: {ran}", 0.0), "")
+                record = _kept(ran, event.item, store, code)
                 left.discard(record.id)
                 ending = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
                 done = f"[{planned - len(left)}/{planned}]"
@@ -147,37 +142,32 @@ def _expected_seconds(case: Case, store: Path, expected: Mapping[str, float]) ->
 
 
 @dataclass(frozen=True)
-class Solved:
+class Ran:
     """A record, and the traceback of its crash ("" without one)."""
 
     record: CaseRecord
     trace: str
 
 
-def _run(case: Case, store: Path, code: str) -> CaseRecord:
-    """One case, in a worker: its record, also when it crashes; stored before it is handed back."""
-    return _kept(_solved(case), case, store, code)
-
-
-def _solved(case: Case) -> Solved:
-    """One case, anywhere: its record, also when it crashes."""
+def _ran(case: Case) -> Ran:
+    """One case, in a worker: its record, also when it crashes."""
     begun = time.perf_counter()
     try:
-        return Solved(record_of(case, case.compute(), time.perf_counter() - begun), "")
+        return Ran(record_of(case, case.compute(), time.perf_counter() - begun), "")
     except (Exception, SystemExit) as error:
         message = f"{type(error).__name__}: {error}"
-        return Solved(failed_record(case, message, time.perf_counter() - begun), traceback.format_exc())
+        return Ran(failed_record(case, message, time.perf_counter() - begun), traceback.format_exc())
 
 
-def _kept(solved: Solved, case: Case, store: Path, code: str) -> CaseRecord:
+def _kept(ran: Ran, case: Case, folder: Path, code: str) -> CaseRecord:
     """The record, after it and its traceback were stored."""
-    log = store / f"{case.id}.log"
-    if solved.trace:
-        log.write_text(solved.trace, "utf-8", "backslashreplace")
+    log = folder / f"{case.id}.log"
+    if ran.trace:
+        log.write_text(ran.trace, "utf-8", "backslashreplace")
     else:
         log.unlink(missing_ok=True)
-    _keep(solved.record, case, store, code)
-    return solved.record
+    _store(case, folder, code, lambda note: None).keep(CaseRecord, ran.record, case.id)
+    return ran.record
 
 
 def record_of(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
@@ -224,7 +214,3 @@ def _stored(case: Case, folder: Path, code: str, report: Listener) -> CaseRecord
     """The stored record of a case if the same code made it and it did not crash."""
     record = _store(case, folder, code, report).kept(CaseRecord, case.id)
     return record if record is not None and record.status == "run" else None
-
-
-def _keep(record: CaseRecord, case: Case, folder: Path, code: str) -> None:
-    _store(case, folder, code, lambda note: None).keep(CaseRecord, record, case.id)

@@ -1,36 +1,50 @@
 """Studies: longer runs that answer one question about the suite itself.
 
-Each is a module (its name with underscores) of this package or, with more than two files, of a folder of its own, with
-`run(folder, quick, report) -> exit code`; those of `ON_EXECUTORS` take the number of processes and the opener of an
-executor as well, those of `IN_PROCESSES` the number of processes alone.
+Each is a module of this package or of a folder of it, with `run(folder, quick, report, ...) -> exit code`; what else
+that takes are the options of the command which the study has.
 """
 
-STUDIES: dict[str, str] = {
-    "work-precision": "error against time of every method, the price of each effect, and what to choose, in words",
-    "convergence": "rates of every code against those predicted: geometric, algebraic, with and without graded meshes",
-    "cost": "seconds, memory and counts of the paper's profile against harmonics; path convergence",
-    "stability": "the hard cases of all codes: converged, correct and refused counted apart, over a fixed denominator",
-    "maps": "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness",
-    "faults": "would the suite notice: faults put into the running code, what catches them, how small they may be",
-    "adhesive-edges": "area with adhesion from the edges of the contact: pairs of ensembles, coefficients, hold-out",
-    "contact-slope": "area without adhesion from the slope over the contact: ensembles, coefficients, hold-out",
-    "theory-correction": "the correction of Persson's area calibrated, judged on a hold-out, and put on a page",
-}
+from __future__ import annotations
 
-OF_A_SCENE = "scene"  # the study of one scene, in own_scene/: it takes a scene file and options of its own
+from dataclasses import dataclass
 
-ON_EXECUTORS = ("maps", "adhesive-edges", "contact-slope", "theory-correction")
-IN_PROCESSES = ("stability",)  # one at a time unless asked otherwise, so that seconds compare
-IN_FOLDERS = ("work-precision", "faults", "theory-correction")
+JOBS = frozenset({"jobs", "executor"})  # for ensembles, on the processes of any executor
 
 
-def module_of(name: str) -> str:
-    """Name of the module of a study.
+@dataclass(frozen=True)
+class Study:
+    """The module of a study, the options that it takes besides --quick and --out, and what it asks."""
 
-    Examples
-    --------
-    >>> module_of("contact-slope"), module_of("faults")
-    ('validation.studies.contact_slope', 'validation.studies.faults.faults')
-    """
-    module = name.replace("-", "_")
-    return f"{__name__}.{module}.{module}" if name in IN_FOLDERS else f"{__name__}.{module}"
+    module: str
+    takes: frozenset[str]
+    what: str
+
+
+STUDIES = {
+    "work-precision": Study("work_precision.work_precision", frozenset({"peers"}),
+        "error against time of every method, the price of each effect, and what to choose, in words"),
+    "convergence": Study("convergence", frozenset(),
+        "rates of every code against those predicted: geometric, algebraic, with and without graded meshes"),
+    "cost": Study("cost", frozenset(),
+        "seconds, memory and counts of the paper's profile against harmonics; path convergence"),
+    "stability": Study("stability", frozenset({"jobs", "random", "seed"}),
+        "the hard cases of all codes: converged, correct and refused counted apart, over a fixed denominator"),
+    "maps": Study("maps", JOBS,
+        "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness"),
+    "faults": Study("faults.faults", frozenset(),
+        "would the suite notice: faults put into the running code, what catches them, how small they may be"),
+    "adhesive-edges": Study("adhesive_edges", JOBS,
+        "area with adhesion from the edges of the contact: pairs of ensembles, coefficients, hold-out"),
+    "contact-slope": Study("contact_slope", JOBS,
+        "area without adhesion from the slope over the contact: ensembles, coefficients, hold-out"),
+    "theory-correction": Study("theory_correction.theory_correction", JOBS,
+        "the correction of Persson's area calibrated, judged on a hold-out, and put on a page"),
+}  # fmt: skip
+OF_A_SCENE = "scene"  # the study of one scene
+SCENE = Study("own_scene.own_scene", frozenset({"scene", "seeds", "budget", "overwrite", "jobs"}),
+    "what accuracy costs for a scene of one's own, and what its question leaves open")  # fmt: skip
+
+
+def that_take(option: str) -> str:
+    """Names of the studies that take an option."""
+    return ", ".join(name for name, study in ({OF_A_SCENE: SCENE} | STUDIES).items() if option in study.takes)

@@ -17,20 +17,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from persson.adhesive_edges import EdgeLaw, data
 from persson.contact_slope import contact_fractions
 from persson.domain import groups_of, outside
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
-from validation.harness.ensemble import Member, read_member, run_ensemble
+from validation.harness.ensemble import Member, results_of
 from validation.harness.execution import Note
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
 from validation.harness.store import write_json
 from validation.studies import contact_slope
-from validation.studies.contact_slope import MODULUS, RMS_SLOPE, lines_of, name_of, rms
+from validation.studies.contact_slope import MODULUS, RMS_SLOPE, fitted_from, lines_of, name_of, rms
 from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-adhesive-edges-study/1"
@@ -132,23 +131,13 @@ def misses(
 
 
 def fitted(part: Mapping[str, Any]) -> dict[str, float]:
-    """The two coefficients by least squares on the pairs, from those of the package.
+    """The two coefficients by least squares on the pairs, from those of the package; ArithmeticError without any."""
 
-    Raises
-    ------
-    ArithmeticError
-        The least squares do not converge.
-    """
-    start = data()["coefficients"]
-
-    def residual(values: FloatArray) -> FloatArray:
-        miss, error = misses(part, dict(zip(start, values.tolist(), strict=True)), paired=True)
+    def residual(coefficients: dict[str, float]) -> FloatArray:
+        miss, error = misses(part, coefficients, paired=True)
         return np.asarray(miss / np.hypot(error, FLOOR))
 
-    answer = least_squares(residual, list(start.values()), diff_step=1e-2, xtol=1e-4, ftol=1e-6)
-    if not answer.success:
-        raise ArithmeticError(f"adhesive edges: {answer.message}")
-    return dict(zip(start, map(float, answer.x), strict=True))
+    return fitted_from(data()["coefficients"], residual, diff_step=1e-2, xtol=1e-4, ftol=1e-6)
 
 
 def run(
@@ -156,17 +145,8 @@ def run(
 ) -> int:
     """Run the study; 1 when a realisation failed.
 
-    Parameters
-    ----------
-    folder : Path
-        Gets members and adhesive-edges.json; a second run continues where the first ended.
-    quick : bool
-        Two realisations of one group in each part: shows that everything runs.
-    report : callable
-    jobs : int
-        Local processes.
-    opener : callable
-        Opens the executor (executors.py).
+    The folder gets members and adhesive-edges.json; a second run continues where the first ended. Quick: two
+    realisations of one group in each part, which shows that everything runs.
     """
     parts = {}
     for name in PARTS:
@@ -218,16 +198,13 @@ def ensembles_of(
         for group in groups
         for theta in thetas
     }
-    done = run_ensemble([one for some in members.values() for one in some], folder, jobs, report, opener)
-    for name, why in done.failed.items():
-        report(Note(f"FAILED {name}: {why}"))
-    if done.failed:
+    results = results_of(members, folder, report, jobs, opener)
+    if results is None:
         return None
     found = []
     for group in groups:
         areas = {
-            theta: np.array([_areas(read_member(one, folder), loads) for one in members[name_of(group), theta]])
-            for theta in thetas
+            theta: np.array([_areas(result, loads) for result in results[name_of(group), theta]]) for theta in thetas
         }
         each = [summary_of(areas[0.0], areas[theta]) for theta in plan["thetas"]]
         found.append({**group, "areas": each})

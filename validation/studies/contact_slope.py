@@ -10,7 +10,8 @@ Limits: half-space, no adhesion; some minutes of one core.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,8 @@ from scipy.optimize import least_squares
 from persson.contact_slope import contact_fractions, data
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
-from validation.harness.ensemble import Member, read_member, run_ensemble
-from validation.harness.execution import Listener, Note
+from validation.harness.ensemble import Member, results_of
+from validation.harness.execution import Listener
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
 from validation.harness.store import write_json
@@ -115,15 +116,13 @@ def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Open
             ]
             for group in groups
         }
-        done = run_ensemble([one for some in members.values() for one in some], folder / part, jobs, report, opener)
-        for name, why in done.failed.items():
-            report(Note(f"FAILED {name}: {why}"))
-        if done.failed:
+        results = results_of(members, folder / part, report, jobs, opener)
+        if results is None:
             return 1
         found[part] = {}
         for group in groups:
-            results = [read_member(one, folder / part) for one in members[name_of(group)]]
-            areas = np.array([[state.contact_fraction for state in result.targets] for result in results])
+            states = [result.targets for result in results[name_of(group)]]
+            areas = np.array([[state.contact_fraction for state in targets] for targets in states])
             error = areas.std(axis=0, ddof=1) / np.sqrt(len(areas)) / areas.mean(axis=0)
             found[part][name_of(group)] = group, areas.mean(axis=0), error
     coefficients = fitted(found["fit"], np.array(data()["fit"]["loads_over_E*h'"]))
@@ -151,14 +150,21 @@ def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Open
 
 def fitted(ensembles: Areas, loads: FloatArray) -> dict[str, float]:
     """The five coefficients by least squares from those of the package; ArithmeticError where they do not converge."""
-    start = data()["coefficients"]
+    weighted = partial(misses, ensembles, loads, weighted=True)
+    return fitted_from(data()["coefficients"], weighted, diff_step=1e-3, xtol=1e-6, ftol=1e-8)
 
-    def residual(values: FloatArray) -> FloatArray:
-        return misses(ensembles, loads, dict(zip(start, values.tolist(), strict=True)), weighted=True)
 
-    answer = least_squares(residual, list(start.values()), diff_step=1e-3, xtol=1e-6, ftol=1e-8)
+def fitted_from(
+    start: Mapping[str, float], residual: Callable[[dict[str, float]], FloatArray], **accuracy: float
+) -> dict[str, float]:
+    """Coefficients by least squares; ArithmeticError where they do not converge."""
+
+    def at(values: FloatArray) -> FloatArray:
+        return residual(dict(zip(start, values.tolist(), strict=True)))
+
+    answer = least_squares(at, list(start.values()), **accuracy)
     if not answer.success:
-        raise ArithmeticError(f"contact slope: {answer.message}")
+        raise ArithmeticError(f"coefficients {', '.join(start)}: {answer.message}")
     return dict(zip(start, map(float, answer.x), strict=True))
 
 

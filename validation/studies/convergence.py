@@ -25,6 +25,7 @@ from validation.corpus.convergence_curves import (
     paper_method_curve,
     path_targets,
     persson_curves,
+    predicted_line,
 )
 from validation.corpus.rates import RateError
 from validation.harness.execution import Listener, Note
@@ -193,14 +194,10 @@ def _plot(title: str, xlabel: str, curves: Sequence[Curve], xscale: str) -> Plot
         except RateError:
             fits.append(("no rate", [], []))
             continue
-        at = [curve.sizes[i] for i in rate.used]
-        last = curve.errors[rate.used[-1]]
-        if curve.law == "geometric":
-            fit = [last * curve.predicted ** (at[-1] - n) for n in at]
-            fits.append((f"predicted {curve.predicted:.3g} per node, fitted {rate.value:.3g}", at, fit))
-        else:
-            fit = [last * (at[-1] / n) ** curve.predicted for n in at]
-            fits.append((f"predicted order {curve.predicted:g}, fitted {rate.value:.2f}", at, fit))
+        words = f"predicted {curve.predicted:.3g} per node, fitted {rate.value:.3g}"
+        if curve.law == "algebraic":
+            words = f"predicted order {curve.predicted:g}, fitted {rate.value:.2f}"
+        fits.append((words, *predicted_line(curve)))
     return Plot(title, xlabel, "error", lines, xscale=xscale, fits=fits, size=(8.4, 6.2))
 
 

@@ -4,17 +4,16 @@ The benchmark (quick) runs seeds 0, 1, 2 with 1000 harmonics to 0.025 E*, each a
 again at a quarter of the increment: contact fraction and separation at the loads asked for must not change beyond
 1e-6 of themselves.  The full study does so for seeds 0 to 30; it adds seed 0 with 125 to 8000 harmonics and fits
 exponents, of the whole curve and of its part up to a contact fraction of a fifth.  Seed 0 is also taken
-apart, stage by stage and against patches (cost_breakdown.py), in a run of its own.  Without adhesion single loads are
-solved up to 100,000 harmonics (cost_bare.py).  A run that fails is a line with
-its message; finished runs are kept (harness/store.py).  Counts, memory and digits gate; seconds are those
-of the machine at hand.
+apart, stage by stage and against patches (cost_breakdown.py), in a run of its own.  Without adhesion, where no path is
+needed, single loads are solved up to 100,000 harmonics.  A run that fails is a line with its message; finished runs are
+kept (harness/store.py).  Counts, memory and digits gate; seconds are those of the machine at hand.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -23,15 +22,14 @@ import numpy as np
 
 import bem
 from bem.scene.result import FINAL_STATUSES, Progress, State
+from bem.scene.scene import Scene, parse_scene
 from validation.harness.compare import fitted_order
 from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
 from validation.harness.schema import Table
-from validation.harness.store import Store, plain, store_in, write_json
+from validation.harness.store import plain, store_in, write_json
 from validation.references import adapters
 from validation.report.study_figures import Line, Plot, write_svg
-from validation.studies import cost_bare
-from validation.studies.cost_bare import BareRun, BareTask
 from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
 from validation.studies.cost_breakdown import sentences as breakdown_sentences
 from validation.studies.shown import peak_megabytes
@@ -40,6 +38,7 @@ SCHEMA = "linecontact-cost/1"
 FILE = "cost.json"
 SEEDS, ALL_SEEDS, PAPER_HARMONICS = range(3), range(31), 1000  # 0 to 10 are the paper's
 HARMONICS = (125, 250, 500, 1000, 2000, 4000, 8000)
+BARE_HARMONICS, BARE_LOADS = (1000, 10_000, 100_000), (0.005, 0.01, 0.02)  # without adhesion; mean pressures over E*
 HIGHEST_LOAD, FRACTION = 0.025, 0.2  # of E*; contact fraction up to which sizes are compared
 FEWEST_FITTED, EXPONENT = 250, 1.2  # what the time may grow like, from this number of harmonics
 INCREMENT = 0.05  # rms heights, the default of a scene
@@ -56,21 +55,30 @@ FITTED = (
 
 
 @dataclass(frozen=True)
-class Task:
-    """A realisation at a largest increment (rms heights)."""
+class Realisation:
+    """The paper's profile on a path with a largest increment (rms heights), or without adhesion at a load over E*."""
 
     seed: int
     harmonics: int
-    increment: float
+    increment: float = INCREMENT
+    load: float | None = None
+
+    @property
+    def name(self) -> str:
+        """In words."""
+        if self.load is not None:
+            return f"{self.harmonics} harmonics without adhesion, {self.load:g} E*"
+        return f"seed {self.seed}, {self.harmonics} harmonics, increment {self.increment:g}"
 
 
 @dataclass(frozen=True)
-class Run:
+class Cost:
     """What a realisation cost, and what path convergence is judged by."""
 
     seed: int
     harmonics: int
     increment: float
+    load: float | None
     status: str
     wall_seconds: float = math.nan
     cpu_seconds: float = math.nan
@@ -91,7 +99,9 @@ class Run:
     loads_asked_for: int = 0
 
 
-COLUMNS = [column.name for column in fields(Run) if column.name not in ("contact_fractions", "separations")]
+ON_PATHS = [name.name for name in fields(Cost) if name.name not in ("load", "contact_fractions", "separations")]
+BARE = ["harmonics", "load", "status", "contact_fraction", "cpu_seconds", "peak_megabytes", "unknowns", "patches",
+        "evaluations", "closure"]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -103,83 +113,62 @@ class Drift:
     separation: float
 
 
-def tasks_of(quick: bool) -> list[Task]:
-    """The realisations of the study, in order."""
+def realisations_of(quick: bool) -> list[Realisation]:
+    """The realisations of the study, in order; those without adhesion last, in its short form the smaller ones."""
     seeds = SEEDS if quick else ALL_SEEDS
-    benchmark = [Task(seed, PAPER_HARMONICS, increment) for increment in (INCREMENT, INCREMENT / 4) for seed in seeds]
-    sweep = [Task(0, harmonics, INCREMENT) for harmonics in HARMONICS if harmonics != PAPER_HARMONICS]
-    return benchmark if quick else benchmark + sweep
+    paths = [Realisation(seed, PAPER_HARMONICS, step) for step in (INCREMENT, INCREMENT / 4) for seed in seeds]
+    if not quick:
+        paths += [Realisation(0, harmonics) for harmonics in HARMONICS if harmonics != PAPER_HARMONICS]
+    sizes = BARE_HARMONICS[: 2 if quick else None]
+    return paths + [Realisation(0, harmonics, load=load) for harmonics in sizes for load in BARE_LOADS]
 
 
 def run(
     folder: Path,
     quick: bool,
     report: Listener,
-    tasks: Sequence[Task] | None = None,
-    measure: Callable[[Task], Run] | None = None,
+    realisations: Sequence[Realisation] | None = None,
+    measure: Callable[[Realisation], Cost] | None = None,
     dissect: Callable[[int], Breakdown] | None = dissected,
-    bare: Callable[[BareTask], BareRun] | None = cost_bare.measured,
 ) -> int:
     """Run the study, print its table, write cost.json; 1 when anything that gates is not reached.
 
-    Parameters
-    ----------
-    quick : bool
-        Only the benchmark.
-    tasks : sequence of Task, optional
-        Others than those of the study.
-    measure : callable, optional
-        Another measurement than `measured`, importable by name.
-    dissect : callable, optional
-        What takes a number of harmonics apart, importable by name; None leaves that out.
-    bare : callable, optional
-        What measures a load without adhesion, importable by name; None leaves that out.
+    Quick: only the benchmark. Other realisations than those of the study may be given, and other measurements of a
+    realisation and of a path taken apart, importable by name; None leaves the latter out.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    chosen = tasks_of(quick) if tasks is None else list(tasks)
-    facts, answers = provenance(), store_in(folder, report)
-    runs: list[Run] = []
-    for done, task in enumerate(chosen, 1):
-        runs.append(_measured(measure or measured, task, answers))
-        report(Note(f"[{done}/{len(chosen)}] {_line(runs[-1])}"))
-        _write(folder, facts, runs, len(chosen), [], [])
-    dry: list[BareRun] = []
-    if bare is not None:
-        for load in cost_bare.tasks_of(quick):
-            dry.append(cost_bare.measured_alone(bare, load, answers))
-            report(Note(cost_bare.line(dry[-1])))
-            _write(folder, facts, runs, len(chosen), [], dry)
+    chosen = realisations_of(quick) if realisations is None else list(realisations)
+    facts, store, measure = provenance(), store_in(folder, report), measure or measured
+    found: list[Cost] = []
+    for done, one in enumerate(chosen, 1):
+        answer = store.alone(Cost, measure, one, one.name, one, measure.__qualname__)
+        found.append(answer if isinstance(answer, Cost) else Cost(**vars(one), status=_told(answer)))
+        report(Note(f"[{done}/{len(chosen)}] {_line(found[-1])}"))
+        _write(folder, facts, found, len(chosen), [])
+    runs = [one for one in found if one.load is None]
     apart: list[Breakdown] = []
-    if dissect is not None:
-        for harmonics in sorted({task.harmonics for task in chosen if task.seed == 0 and task.increment == INCREMENT}):
-            apart.append(_taken_apart(dissect, harmonics, answers))
-            _write(folder, facts, runs, len(chosen), apart, dry)
-    met = judged(runs, drifts_of(runs)) + _certified(dry)
-    print(HEADING)
-    for found in runs:
-        print(_line(found))
-    for single in dry:
-        print(cost_bare.line(single))
+    for harmonics in sorted({one.harmonics for one in runs if one.seed == 0 and one.increment == INCREMENT}):
+        if dissect is not None:
+            name = f"{harmonics} harmonics, stage by stage"
+            taken = store.alone(Breakdown, dissect, harmonics, name, dissect.__qualname__)
+            apart.append(taken if isinstance(taken, Breakdown) else Breakdown(harmonics, _told(taken), {}, {}, ()))
+            _write(folder, facts, found, len(chosen), apart)
+    print(HEADING, *map(_line, found), sep="\n")
     for name, order in exponents_of(runs).items():
         print(f"{name} grows as harmonics^{order:.2f}")
     for line in breakdown_sentences(apart):
         print(line)
     for name, plot in [*_figures(runs), *figures_of(apart)]:
         write_svg(plot, folder / f"{name}.svg")
+    met = judged(found, drifts_of(runs))
     for name, text, good, _ in met:
         print(f"{'met' if good else 'NOT MET'}: {name}: {text}")
     return 0 if all(good for _, _, good, gates in met if gates) else 1
 
 
-def measured(task: Task) -> Run:
-    """One realisation, in a process of its own: its peak memory is that of the process."""
-    changes: dict[str, dict[str, Any]] = {
-        "profile": {"seed": task.seed, "harmonics": task.harmonics},
-        "accuracy": {"max_increment": task.increment},
-    }
-    solid = adapters.scene("paper_profile").solid
-    highest = HIGHEST_LOAD * solid.youngs_modulus / (1 - solid.poisson_ratio**2)
-    posed = adapters.scene("paper_profile", changes | {"loading": {"stop_at_mean_pressure": highest}})
+def measured(one: Realisation) -> Cost:
+    """A realisation, in a process of its own: its peak memory is that of the process."""
+    posed = _posed(one)
     last: list[Progress] = []
 
     def note(progress: Progress) -> None:
@@ -188,12 +177,11 @@ def measured(task: Task) -> Run:
     wall, cpu = time.perf_counter(), time.process_time()
     result = bem.solve(posed, progress=note)
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-    asked = len(posed.loading.at_mean_pressures) + (posed.loading.stop_at_mean_pressure is not None)
+    loading, on_path = posed.loading, one.load is None
+    asked = len(loading.at_mean_pressures) + (loading.stop_at_mean_pressure is not None) if on_path else 1
     targets = result.targets[:asked]
-    return Run(
-        seed=task.seed,
-        harmonics=task.harmonics,
-        increment=task.increment,
+    return Cost(
+        **vars(one),
         status=result.status,
         wall_seconds=wall,
         cpu_seconds=cpu,
@@ -201,7 +189,7 @@ def measured(task: Task) -> Run:
         peak_megabytes=peak_megabytes(),
         unknowns=max((state.unknowns for state in result.states), default=0),
         patches=max((state.n_patches for state in result.states), default=0),
-        evaluations=last[-1].evaluations if last else 0,
+        evaluations=last[-1].evaluations if on_path and last else sum(state.evaluations for state in result.states),
         accepted=last[-1].increments_accepted if last else 0,
         rejected=last[-1].increments_rejected if last else 0,
         events=len(result.events),
@@ -215,6 +203,20 @@ def measured(task: Task) -> Run:
     )
 
 
+def _posed(one: Realisation) -> Scene:
+    """The scene of a realisation."""
+    profile = {"seed": one.seed, "harmonics": one.harmonics}
+    paper = adapters.scene("paper_profile")
+    modulus = paper.solid.youngs_modulus / (1 - paper.solid.poisson_ratio**2)
+    if one.load is None:
+        loading: dict[str, Any] = {"stop_at_mean_pressure": HIGHEST_LOAD * modulus}
+        changes: Any = {"profile": profile, "accuracy": {"max_increment": one.increment}, "loading": loading}
+        return adapters.scene("paper_profile", changes)
+    of_profile = {name: getattr(paper.profile, name) for name in ("kind", "period", "hurst", "rms_height")}
+    loading = {"control": "mean_pressure", "targets": [one.load * modulus]}
+    return parse_scene({"solid": paper.solid.model_dump(), "profile": of_profile | profile, "loading": loading})
+
+
 def _seconds_to(fraction: float, states: Sequence[State]) -> float:
     """CPU seconds until the contact fraction is reached, linear between the states; nan where it never is."""
     seconds = np.cumsum([state.cpu_seconds for state in states])
@@ -226,7 +228,7 @@ def _seconds_to(fraction: float, states: Sequence[State]) -> float:
     return float(np.interp(fraction, reached[last], seconds[last]))
 
 
-def drifts_of(runs: Iterable[Run]) -> list[Drift]:
+def drifts_of(runs: Iterable[Cost]) -> list[Drift]:
     """Change between each run and the one of the same realisation at the smallest increment."""
     found = []
     known = list(runs)
@@ -248,7 +250,7 @@ def drifts_of(runs: Iterable[Run]) -> list[Drift]:
     return found
 
 
-def exponents_of(runs: Iterable[Run]) -> dict[str, float]:
+def exponents_of(runs: Iterable[Cost]) -> dict[str, float]:
     """Exponents p of cost ~ harmonics^p, over the runs that ended well at the default increment with seed 0."""
     curve = [run for run in runs if run.seed == 0 and run.increment == INCREMENT and run.status == "converged"]
     found = {}
@@ -259,9 +261,10 @@ def exponents_of(runs: Iterable[Run]) -> dict[str, float]:
     return found
 
 
-def judged(runs: Sequence[Run], drifts: Sequence[Drift]) -> list[tuple[str, str, bool, bool]]:
+def judged(found: Sequence[Cost], drifts: Sequence[Drift]) -> list[tuple[str, str, bool, bool]]:
     """What is asked for: name, what was found, whether it is met, whether it gates."""
-    paper = [run for run in runs if run.harmonics == PAPER_HARMONICS and run.increment == INCREMENT] or list(runs)
+    runs, dry = [one for one in found if one.load is None], [one for one in found if one.load is not None]
+    paper = [run for run in runs if run.harmonics == PAPER_HARMONICS and run.increment == INCREMENT] or runs
     slowest, largest = _worst(run.cpu_seconds for run in paper), _worst(run.peak_megabytes for run in paper)
     closure = _worst(run.worst_closure for run in runs)
     unfinished = [f"seed {run.seed}, {run.harmonics}: {run.status}" for run in runs if not _complete(run)]
@@ -269,6 +272,7 @@ def judged(runs: Sequence[Run], drifts: Sequence[Drift]) -> list[tuple[str, str,
     not_ok = sum(run.certificates_not_ok for run in runs)
     area = _worst(drift.contact_fraction for drift in drifts)
     gap = _worst(drift.separation for drift in drifts)
+    bare = [f"{one.harmonics}, {one.load:g} E*: {one.status}" for one in dry if one.status != "converged"]
     return [
         ("every load reached", "; ".join(unfinished) or f"{len(runs)} runs", not unfinished, True),
         ("no failed state", f"{failed}", failed == 0, True),
@@ -279,17 +283,12 @@ def judged(runs: Sequence[Run], drifts: Sequence[Drift]) -> list[tuple[str, str,
         (f"below {MEGABYTES:g} MB", f"{largest:.0f} MB", largest < MEGABYTES, True),
         (f"at most {SECONDS:g} s of one core (not gating)", f"{slowest:.1f} s", slowest <= SECONDS, False),
         *_growth([run for run in runs if run.harmonics >= FEWEST_FITTED]),
-    ]
+        *([("every load without adhesion certified", "; ".join(bare) or f"{len(dry)} loads", not bare, True)] if dry
+          else []),
+    ]  # fmt: skip
 
 
-def _certified(dry: Sequence[BareRun]) -> list[tuple[str, str, bool, bool]]:
-    """Whether all loads without adhesion were solved and certified, where any were."""
-    failed = [f"{found.harmonics}, {found.load:g} E*: {found.status}" for found in dry if found.status != "converged"]
-    name = "every load without adhesion certified"
-    return [(name, "; ".join(failed) or f"{len(dry)} loads", not failed, True)] if dry else []
-
-
-def _growth(runs: Sequence[Run]) -> list[tuple[str, str, bool, bool]]:
+def _growth(runs: Sequence[Cost]) -> list[tuple[str, str, bool, bool]]:
     """The exponent of the time to a contact fraction of a fifth, where more than one number of harmonics ran."""
     exponent = exponents_of(runs).get("cpu_seconds_to_a_fifth")
     if exponent is None:
@@ -299,37 +298,38 @@ def _growth(runs: Sequence[Run]) -> list[tuple[str, str, bool, bool]]:
 
 
 def _write(
-    folder: Path,
-    facts: dict[str, Any],
-    runs: Sequence[Run],
-    planned: int,
-    apart: Sequence[Breakdown],
-    dry: Sequence[BareRun],
+    folder: Path, facts: dict[str, Any], found: Sequence[Cost], planned: int, apart: Sequence[Breakdown]
 ) -> None:
     """cost.json with the runs so far."""
+    runs, dry = [one for one in found if one.load is None], [one for one in found if one.load is not None]
     drifts = drifts_of(runs)
-    table = Table(
-        caption="Cost of loading the paper's profile to 0.025 E*, one thread.",
-        columns=COLUMNS,
-        rows=[[plain(getattr(found, name)) for name in COLUMNS] for found in runs],
-    )
+    bare = [
+        {**vars(one), "contact_fraction": _only(one.contact_fractions), "closure": one.worst_closure} for one in dry
+    ]
     content = {
         "schema": SCHEMA,
         "provenance": facts,
         "planned": planned,
-        "runs": [asdict(found) for found in runs],
-        "table": table.model_dump(mode="json"),
-        "without_adhesion": cost_bare.table_of(dry).model_dump(mode="json"),
+        "runs": [{name: value for name, value in asdict(one).items() if name != "load"} for one in runs],
+        "table": _table("Cost of loading the paper's profile to 0.025 E*, one thread.", ON_PATHS, map(vars, runs)),
+        "without_adhesion": _table(
+            "Cost of single loads on the paper's profile without adhesion, one thread.", BARE, bare
+        ),
         "drifts": [asdict(drift) for drift in drifts],
         "exponents": exponents_of(runs),
-        "breakdown": [asdict(found) | {"patch_exponents": patch_exponents(found)} for found in apart],
+        "breakdown": [asdict(one) | {"patch_exponents": patch_exponents(one)} for one in apart],
         "stage_exponents": stage_exponents(apart),
-        "met": {name: bool(good) for name, _, good, _ in [*judged(runs, drifts), *_certified(dry)]},
+        "met": {name: bool(good) for name, _, good, _ in judged(found, drifts)},
     }
     write_json(folder / FILE, content)
 
 
-def _figures(runs: Sequence[Run]) -> list[tuple[str, Plot]]:
+def _table(caption: str, columns: list[str], found: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    rows = [[plain(one[name]) for name in columns] for one in found]
+    return Table(caption=caption, columns=columns, rows=rows).model_dump(mode="json")
+
+
+def _figures(runs: Sequence[Cost]) -> list[tuple[str, Plot]]:
     """Seconds, memory and unknowns against harmonics, when more than one number of them ran."""
     curve = sorted(
         (run for run in runs if run.seed == 0 and run.increment == INCREMENT and run.status == "converged"),
@@ -343,26 +343,17 @@ def _figures(runs: Sequence[Run]) -> list[tuple[str, Plot]]:
     return [("cost-harmonics", Plot("The paper's profile to 0.025 E*, seed 0", "harmonics", "", lines))]
 
 
-def _complete(run: Run) -> bool:
+def _complete(run: Cost) -> bool:
     return run.status == "converged" and len(run.separations) == run.loads_asked_for > 0
 
 
-def _measured(measure: Callable[[Task], Run], task: Task, answers: Store) -> Run:
-    """A run in a process of its own, or a line with its message."""
-    about = f"seed {task.seed}, {task.harmonics} harmonics, increment {task.increment:g}"
-    answer = answers.alone(Run, measure, task, about, task, measure.__qualname__)
-    if isinstance(answer, Run):
-        return answer
-    return Run(task.seed, task.harmonics, task.increment, f"{type(answer).__name__}: {answer}")
+def _told(error: object) -> str:
+    """Kind and text of what came in place of an answer."""
+    return f"{type(error).__name__}: {error}"
 
 
-def _taken_apart(dissect: Callable[[int], Breakdown], harmonics: int, answers: Store) -> Breakdown:
-    """A path taken apart in a process of its own, or the message why it is not."""
-    name = f"{harmonics} harmonics, stage by stage"
-    answer = answers.alone(Breakdown, dissect, harmonics, name, dissect.__qualname__)
-    if isinstance(answer, Breakdown):
-        return answer
-    return Breakdown(harmonics, f"{type(answer).__name__}: {answer}", {}, {}, ())
+def _only(values: Sequence[float]) -> float:
+    return values[0] if values else math.nan
 
 
 def _change(coarse: Sequence[float], fine: Sequence[float], asked: int) -> float:
@@ -384,7 +375,13 @@ HEADING = (
 )
 
 
-def _line(found: Run) -> str:
+def _line(found: Cost) -> str:
+    if found.load is not None:
+        return (
+            f"without adhesion, {found.harmonics} harmonics, {found.load:g} E*: {found.cpu_seconds:.1f} s, "
+            f"{found.peak_megabytes:.0f} MB, {found.patches} patches, {found.evaluations} evaluations, "
+            f"contact fraction {_only(found.contact_fractions):.6f}, closure {found.worst_closure:.1e}, {found.status}"
+        )
     return (
         f"{found.seed:4d} {found.harmonics:9d} {found.increment:9.4f} {found.wall_seconds:7.1f} "
         f"{found.cpu_seconds:7.1f} {found.peak_megabytes:6.0f} {found.unknowns:8d} {found.patches:7d} "

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from validation.corpus.maps import FULL_AXES, TINY_AXES, Axes, Run, maps_over, member_of, planes, reduced
-from validation.harness.ensemble import Outcome, read_member, run_ensemble
+from validation.harness.ensemble import Gathered, read_member, run_ensemble
 from validation.harness.execution import Listener, Note
 from validation.harness.executors import Opener, local_processes
 from validation.harness.store import write_json
@@ -57,7 +57,7 @@ def run_over(axes: Axes, folder: Path, report: Listener, jobs: int = 1, opener: 
     return 1 if failures else 0
 
 
-def _failures(outcome: Outcome, runs: Sequence[Run]) -> Iterator[str]:
+def _failures(outcome: Gathered, runs: Sequence[Run]) -> Iterator[str]:
     for name, why in outcome.failed.items():
         yield f"{name}: {why}"
     for one in runs:

@@ -186,6 +186,25 @@ def test_zeros_amid_heights_about_zero_are_dropouts():
     assert step_of(prepare(raw(h=h), {"missing": "interpolate"}), "dropouts")["places"] == "samples 1 to 20"
 
 
+@pytest.mark.parametrize("level", [-1e-3, 1e-3])
+def test_heights_far_from_all_others_are_told(level):
+    """A value for nothing seen, a tilt taken off it, is no longer one value."""
+    h = H + NOISE
+    h[60:70] = level + 1e-7 * np.arange(10)
+    found = step_of(prepare(raw(h=h), {}), "dropouts")
+    assert (found["count"], found["apart"]["count"], found["apart"]["places"]) == (0, 10, "samples 61 to 70")
+    assert found["apart"]["distance"] == pytest.approx(1e-3, rel=0.1) and found["apart"]["span"] < 1e-4
+
+
+@pytest.mark.parametrize(
+    "h",
+    [H, H + 1e-3 * (np.arange(COUNT) % 2), H + 1e-3 * (np.arange(COUNT) == 50)],
+    ids=["rough", "in turn", "spike"],
+)
+def test_heights_among_others_and_spikes_are_not_told(h):
+    assert "apart" not in step_of(prepare(raw(h=h), {}), "dropouts")
+
+
 def test_dropouts_count_as_missing():
     with pytest.raises(ScanFileError, match="lacks 101 of 200 heights"):
         prepare(raw(h=np.where(np.arange(COUNT) < 101, -9.999e-3, H)), {"missing": "interpolate"})

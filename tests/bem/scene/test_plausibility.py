@@ -232,6 +232,14 @@ def test_rounded_positions_are_told(tmp_path):
     assert "positions are printed to 0.0001 m and taken at equal steps of 0.000165 m" in message
 
 
+def test_heights_far_from_all_others_are_named(tmp_path):
+    h = ROUGH.height(X)
+    h[30:35] = -99.0 + 0.01 * np.arange(5)
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, h]), delimiter=",", fmt="%.12g")
+    told = said(scan_scene(tmp_path))["profile.dropouts"]
+    assert told.startswith("5 samples, lines 31 to 35, are 0.09") and told.endswith("write NaN there")
+
+
 def test_dropouts_that_are_kept_are_named(tmp_path):
     h = ROUGH.height(X)
     h[30:35] = -99.0

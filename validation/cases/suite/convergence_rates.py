@@ -15,6 +15,7 @@ from validation.corpus.convergence_curves import (
     fem_curve,
     paper_method_curve,
     persson_curves,
+    predicted_line,
 )
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, marks, trace
@@ -49,10 +50,7 @@ def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
         for one in curves
     ]
     for curve in curves:
-        at, last = [curve.sizes[i] for i in curve.rate.used], curve.errors[curve.rate.used[-1]]
-        geometric = curve.law == "geometric"
-        falls = (curve.predicted ** (at[-1] - n) if geometric else (at[-1] / n) ** curve.predicted for n in at)
-        series.append(trace(f"predicted, {curve.id}", at, [last * factor for factor in falls], "dashed"))
+        series.append(trace(f"predicted, {curve.id}", *predicted_line(curve), "dashed"))
     scale = "linear" if curves[0].law == "geometric" else "log"
     return drawn(name, caption, Panel(xlabel=curves[0].knob, ylabel="error", xscale=scale, yscale="log", series=series))
 

@@ -15,7 +15,7 @@ from validation.report.render import filled
 
 AREAS = ("contact_fraction", "gap_fraction")
 COUNTS = ("patches",)  # right or wrong: their 15 digits would hide those of all else
-Problem = Mapping[str, Any]  # of challenge.json, or an entry of standings.json
+Shipped = Mapping[str, Any]  # of challenge.json, or an entry of standings.json
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
 
 
 def standing(
-    solver: str, setting: str, problems: Sequence[Problem], limit: float = 3.0, judged: bool = False
+    solver: str, setting: str, problems: Sequence[Shipped], limit: float = 3.0, judged: bool = False
 ) -> Standing:
     """One line of the table; a whole answer with `limit` digits is right."""
     rows = [row for problem in problems for row in problem["rows"]]
@@ -77,12 +77,12 @@ def standing(
     )
 
 
-def standing_rows(entries: Iterable[Problem], limit: float = 3.0) -> list[Standing]:
+def standing_rows(entries: Iterable[Shipped], limit: float = 3.0) -> list[Standing]:
     """A line for each solver and setting on record."""
     return [standing(*key, problems, limit) for key, problems in _grouped(entries).items()]
 
 
-def grid_errors(entries: Sequence[Problem]) -> list[tuple[str, str, str, float, float, float]]:
+def grid_errors(entries: Sequence[Shipped]) -> list[tuple[str, str, str, float, float, float]]:
     """Of extrapolated grids, with adhesion or without: solver, problem, quantity, and three errors over the scale.
 
     The error of the finest grid, what extrapolation says of it, and the error that is left after extrapolation.
@@ -99,21 +99,21 @@ def grid_errors(entries: Sequence[Problem]) -> list[tuple[str, str, str, float, 
     return found
 
 
-def overall_curves(entries: Iterable[Problem]) -> list[Curve]:
+def overall_curves(entries: Iterable[Shipped]) -> list[Curve]:
     """A curve for each solver on record: geometric means of seconds and errors over the problems it answered."""
-    by_solver: dict[str, list[list[Problem]]] = {}
+    by_solver: dict[str, list[list[Shipped]]] = {}
     for (solver, _), problems in _grouped(entries).items():
         by_solver.setdefault(solver, []).append(problems)
     return [_curve(solver, settings) for solver, settings in by_solver.items()]
 
 
-def _figure(problem: Problem, entries: Sequence[Problem], solver: str) -> Markup:
+def _figure(problem: Shipped, entries: Sequence[Shipped], solver: str) -> Markup:
     of_problem = [entry for entry in entries if entry["problem"] == problem["problem"]]
     title = f"{problem['problem']}: error against seconds"
     return standings_svg(problem["problem"], title, overall_curves(of_problem), _curve(solver, [[problem]]))
 
 
-def _curve(label: str, settings: Iterable[Sequence[Problem]]) -> Curve:
+def _curve(label: str, settings: Iterable[Sequence[Shipped]]) -> Curve:
     """A point for each setting that answered anything."""
     points = []
     for problems in settings:
@@ -126,13 +126,13 @@ def _curve(label: str, settings: Iterable[Sequence[Problem]]) -> Curve:
     return Curve(label, tuple(points))
 
 
-def _digits(problem: Problem) -> list[float]:
+def _digits(problem: Shipped) -> list[float]:
     """Those that the answers to a problem have, counts left out."""
     return [row["digits"] for row in problem["rows"] if row["digits"] is not None and row["quantity"] not in COUNTS]
 
 
-def _grouped(entries: Iterable[Problem]) -> dict[tuple[str, str], list[Problem]]:
-    found: dict[tuple[str, str], list[Problem]] = {}
+def _grouped(entries: Iterable[Shipped]) -> dict[tuple[str, str], list[Shipped]]:
+    found: dict[tuple[str, str], list[Shipped]] = {}
     for entry in entries:
         found.setdefault((entry["solver"], entry["setting"]), []).append(entry)
     return found

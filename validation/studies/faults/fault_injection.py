@@ -38,7 +38,7 @@ class TooSlowError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Task:
+class Exposure:
     """A fault of a size and ids of cases, with the seconds of the processor after which each is cut off.
 
     Without a fault, calls are counted for all faults: the control.
@@ -62,7 +62,7 @@ class Examined:
     ended: tuple[tuple[str, str], ...] = ()
 
 
-def examine(studied: Studied, folder: Path, task: Task) -> Examined:
+def examine(studied: Studied, folder: Path, task: Exposure) -> Examined:
     """Run the cases of a task in a copy of the sources, made in a folder and removed again.
 
     In a process of its own: libraries may keep traces of a fault.  FaultError where the fault does not fit.

@@ -33,7 +33,7 @@ from validation.harness.store import Store, store_in, write_json
 from validation.harness.verdict import case_verdicts
 from validation.report.fault_matrix import write_matrix
 from validation.studies.faults.fault_findings import Finding, Search, bad, compared
-from validation.studies.faults.fault_injection import Examined, Task, examine
+from validation.studies.faults.fault_injection import Examined, Exposure, examine
 from validation.studies.faults.fault_report import content_of, failures_of, lines_of, table_of
 from validation.studies.faults.fault_table import Fault, FaultError, Studied, faults_in
 
@@ -52,7 +52,7 @@ class Runs:
     kept: Store
     jobs: int = 1
 
-    def answers(self, tasks: Sequence[Task]) -> list[Examined]:
+    def answers(self, tasks: Sequence[Exposure]) -> list[Examined]:
         """Answers in the order of the tasks; where a fault ended the process itself, what was asked is listed as ended.
 
         Those of an earlier run are taken; that a process ended is no answer to keep.  The control must not end its own.
@@ -127,9 +127,9 @@ def control_run(runs: Runs, faults: Iterable[Fault], quick: bool) -> Examined:
     known = baseline.expected_seconds(names, baseline.FOLDER)
     limit = QUICK_SECONDS if quick else FULL_SECONDS
     chosen = [name for name in names if known.get(name, 0.0) <= limit or name in asked]
-    tasks = [Task(None, 0.0, ((name, 10 * FULL_SECONDS),)) for name in chosen]
+    tasks = [Exposure(None, 0.0, ((name, 10 * FULL_SECONDS),)) for name in chosen]
     if quick:  # short ones: one process for all
-        tasks = [Task(None, 0.0, tuple((name, 10 * FULL_SECONDS) for name in chosen))]
+        tasks = [Exposure(None, 0.0, tuple((name, 10 * FULL_SECONDS) for name in chosen))]
     answers = runs.answers(tasks)
     records = {record.id: record for answer in answers for record in answer.records}
     calls = {name: counted for answer in answers for name, counted in answer.calls.items()}
@@ -182,13 +182,13 @@ def shrink(runs: Runs, findings: Iterable[Finding], control: Examined) -> None:
         search.finding.unseen = None if search.lost is None else 10.0**-search.lost
 
 
-def _name(task: Task) -> str:
+def _name(task: Exposure) -> str:
     """Of a task, for people."""
     if task.fault is None:
         return f"control: {', '.join(case for case, _ in task.cases)}"
     return f"{task.fault.id} at size {task.size:g}"
 
 
-def _task(fault: Fault, size: float, cases: Iterable[str], seconds: dict[str, float]) -> Task:
+def _task(fault: Fault, size: float, cases: Iterable[str], seconds: dict[str, float]) -> Exposure:
     times, more = PATIENCE
-    return Task(fault, size, tuple((name, times * seconds[name] + more) for name in cases))
+    return Exposure(fault, size, tuple((name, times * seconds[name] + more) for name in cases))

@@ -30,7 +30,7 @@ from validation.report.study_page import FILE, PAGE, write_study_page
 from validation.studies.own_scene import BUDGET, SEEDS
 from validation.studies.own_scene.findings import findings_of
 from validation.studies.own_scene.settings import Setting, settings_of
-from validation.studies.own_scene.solved_setting import Solved, Task, solved
+from validation.studies.own_scene.solved_setting import Solved, ToSolve, solved
 from validation.studies.own_scene.words import content_of, sentence, table_text
 
 SCHEMA = "linecontact-scene-study/1"
@@ -170,7 +170,9 @@ def _solve_all(expected: Mapping[Setting, float], least_limit: float, desk: Desk
         else:
             tasks[_name(setting)] = setting
     waiting = [
-        Task(name, setting.tables, str(desk.base), max(SLACK * expected[setting], least_limit), setting.kind == "base")
+        ToSolve(
+            name, setting.tables, str(desk.base), max(SLACK * expected[setting], least_limit), setting.kind == "base"
+        )
         for name, setting in tasks.items()
     ]
     left, took, seen = sum(expected[setting] for setting in tasks.values()), 0.0, 0.0
@@ -189,7 +191,7 @@ def _solve_all(expected: Mapping[Setting, float], least_limit: float, desk: Desk
     return found
 
 
-def _kept(event: Ended[Task, Solved], setting: Setting, answers: Store) -> Solved:
+def _kept(event: Ended[ToSolve, Solved], setting: Setting, answers: Store) -> Solved:
     """What came of a setting, which is kept unless its process failed."""
     if isinstance(event.answer, Exception):
         return Solved("error", f"{type(event.answer).__name__}: {event.answer}")

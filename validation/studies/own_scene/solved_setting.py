@@ -37,7 +37,7 @@ class TooLongError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Task:
+class ToSolve:
     """A scene to solve: its tables, the folder in which its file names begin, and the CPU seconds that it may take."""
 
     name: str
@@ -102,7 +102,7 @@ class Solved:
         return self.status in (*FINAL_STATUSES, PULLED_OFF)
 
 
-def solved(task: Task) -> Solved:
+def solved(task: ToSolve) -> Solved:
     """Solve a scene; never raises for what it is."""
     try:
         scene = parse_scene(task.tables, task.base)

@@ -8,15 +8,15 @@ import numpy as np
 
 from validation.harness.figure_data import drawn, loglog, marks, semilogx, shaded, trace
 from validation.harness.schema import Figure, Series
-from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, Judged
+from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut
 
 
-def chosen(judged: Sequence[Judged], adhesive: bool, low: float = 0.0, high: float = 1.0) -> list[Judged]:
+def chosen(judged: Sequence[HeldOut], adhesive: bool, low: float = 0.0, high: float = 1.0) -> list[HeldOut]:
     """Those without or with adhesion at loads in [low, high)."""
     return [one for one in judged if one.adhesive == adhesive and low <= one.load < high]
 
 
-def figures_of(judged: Sequence[Judged]) -> list[Figure]:
+def figures_of(judged: Sequence[HeldOut]) -> list[Figure]:
     """Two figures without adhesion, and two with it where it was judged."""
     figures = []
     for adhesive in (False, True):
@@ -41,7 +41,7 @@ def figures_of(judged: Sequence[Judged]) -> list[Figure]:
     return figures
 
 
-def _separation_figure(some: Sequence[Judged], words: str) -> Figure:
+def _separation_figure(some: Sequence[HeldOut], words: str) -> Figure:
     ordered = sorted(some, key=lambda one: one.separation)
     at = [one.separation for one in ordered]
     noise: list[float | None] = [known(2 * one.separation_noise / one.separation) for one in ordered]
@@ -58,11 +58,11 @@ def _separation_figure(some: Sequence[Judged], words: str) -> Figure:
                                  noise)))  # fmt: skip
 
 
-def _times(some: Sequence[Judged], name: str) -> list[float | None]:
+def _times(some: Sequence[HeldOut], name: str) -> list[float | None]:
     return [one.contact_fraction * (1 + one.area[name]) for one in some]
 
 
-def _noise(some: Sequence[Judged]) -> Series:
+def _noise(some: Sequence[HeldOut]) -> Series:
     ordered = sorted(some, key=lambda one: one.contact_fraction)
     noise: list[float | None] = [2 * one.area_noise for one in ordered]
     return shaded("two standard errors", [one.contact_fraction for one in ordered],

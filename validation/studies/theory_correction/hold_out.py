@@ -32,7 +32,7 @@ FINE_STRESSES = np.linspace(-0.5, 1.5, 4001)  # of E*
 
 
 @dataclass(frozen=True)
-class Judged:
+class HeldOut:
     """One load of one group; errors are theory / boundary elements - 1, by name of the theory.
 
     Parameters
@@ -71,6 +71,12 @@ class Judged:
         """With adhesion or without."""
         return self.theta > 0
 
+    def error(self, quantity: str, theory: str) -> float:
+        """Of the area, relative; of the separation, over at least a tenth of the rms height; of the distribution."""
+        if quantity == "separation":
+            return (self.separations.get(theory, np.nan) - self.separation) / max(self.separation, 0.1)
+        return (self.area if quantity == "area" else self.distribution).get(theory, np.nan)
+
 
 @dataclass(frozen=True)
 class Said:
@@ -84,7 +90,7 @@ class Said:
 
 def judge(
     one: Observed, noise: FloatArray, correction: Correction, report: Callable[[Note], None], plain_only: bool = False
-) -> list[Judged]:
+) -> list[HeldOut]:
     """All loads of a group at which there is a realisation.
 
     Parameters
@@ -120,7 +126,7 @@ def judge(
         shares = one.shares[np.isfinite(one.areas[:, column]), column][:, kept]
         scatter = shares.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(int(kept.sum()), np.nan)
         found.append(
-            Judged(
+            HeldOut(
                 group.name,
                 group.kind,
                 group.hurst,
@@ -157,6 +163,16 @@ def rms(values: Sequence[float]) -> float:
     """
     known = np.array([value for value in values if np.isfinite(value)])
     return float(np.sqrt(np.mean(known**2))) if known.size else np.nan
+
+
+def rms_of(judged: Sequence[HeldOut], quantity: str, theory: str) -> float:
+    """Of the errors of a theory in "area", "separation" or "pressure distribution"."""
+    return rms([one.error(quantity, theory) for one in judged])
+
+
+def theories_of(judged: Sequence[HeldOut]) -> list[str]:
+    """Names of the theories that were judged."""
+    return list(dict.fromkeys(name for one in judged for name in one.area))
 
 
 def _plain(lines: DiscreteSpectrum, load: float, work: float | None, height: float) -> Said:

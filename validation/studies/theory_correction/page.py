@@ -7,7 +7,7 @@ it was judged by.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -22,7 +22,7 @@ from validation.studies.adhesive_edges import areas_of
 from validation.studies.theory_correction.correction_figures import chosen, figures_of, known
 from validation.studies.theory_correction.correction_members import RMS_SLOPE, Group
 from validation.studies.theory_correction.fit import lines_of
-from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, Judged, rms
+from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, rms, rms_of, theories_of
 
 CASE = "theory-correction"
 BELOW, ABOVE = 0.002, 0.006  # E*, at the common rms slope: bounds of the ranges of loads
@@ -58,14 +58,14 @@ GUARD = (
 )
 
 
-def outcome(calibration: Mapping[str, Any], judged: Sequence[Judged], planned: int, short: bool) -> Outcome:
+def outcome(calibration: Mapping[str, Any], judged: Sequence[HeldOut], planned: int, short: bool) -> Outcome:
     """Rows, figures and tables of the page.
 
     Parameters
     ----------
     calibration : mapping
         Content of the data file.
-    judged : sequence of Judged
+    judged : sequence of HeldOut
         The hold-out.
     planned : int
         Loads planned on the hold-out.
@@ -98,75 +98,36 @@ def case_of(made: Outcome, domain: Mapping[str, Any]) -> Case:
                 effects=("half_space", "adhesion", "pressure_distribution"))  # fmt: skip
 
 
-def separation_error(one: Judged, name: str) -> float:
-    """Error of the separation over the larger of the separation and a tenth of the rms height."""
-    return (one.separations.get(name, np.nan) - one.separation) / max(one.separation, 0.1)
-
-
-def _rows(judged: Sequence[Judged], short: bool) -> list[Row]:
-    rows = []
-    for adhesive in (False, True):
-        words = "with" if adhesive else "without"
-        some = chosen(judged, adhesive)
-        if not some:
-            continue
-        plain, found = (rms([one.area[name] for one in some]) for name in (PLAIN, CALIBRATED))
-        rows.append(
-            _row(
-                f"area {words} adhesion, calibrated: rms relative error over the hold-out (plain theory {plain:.3f})",
-                found,
-                TOLERATED["area with" if adhesive else "area without"],
-                short,
-            )
-        )
-        before, after = (rms([separation_error(one, name) for one in some]) for name in (PLAIN, CALIBRATED))
-        rows.append(
-            _row(
-                f"separation {words} adhesion, calibrated: rms relative error over the hold-out "
-                f"(plain theory {before:.3f})",
-                after,
-                TOLERATED["separation with" if adhesive else "separation without"],
-                short,
-            )
-        )
-        before, after = (rms([one.distribution[name] for one in some]) for name in (PLAIN, CALIBRATED))
-        rows.append(
-            _row(
-                f"pressure distribution {words} adhesion, calibrated: rms over the hold-out of the largest distance of "
-                f"the shares above a pressure, over the area (plain theory {before:.3f})",
-                after,
-                TOLERATED["distribution with" if adhesive else "distribution without"],
-                short,
-            )
-        )
-    return rows
-
-
-# measured on the full hold-out, and what is accepted of another run of it
-TOLERATED: dict[str, tuple[float, float]] = {
-    "area without": (0.047, 0.09),
-    "area with": (0.117, 0.2),
-    "separation without": (0.111, 0.2),
-    "separation with": (0.125, 0.2),
-    "distribution without": (0.072, 0.13),
-    "distribution with": (0.125, 0.25),
+# what is judged: its error in words, and by adhesion what was measured on the full hold-out and what is accepted again
+JUDGED: dict[str, tuple[str, dict[bool, tuple[float, float]]]] = {
+    "area": ("rms relative error over the hold-out", {False: (0.047, 0.09), True: (0.117, 0.2)}),
+    "separation": ("rms relative error over the hold-out", {False: (0.111, 0.2), True: (0.125, 0.2)}),
+    "pressure distribution": (
+        "rms over the hold-out of the largest distance of the shares above a pressure, over the area",
+        {False: (0.072, 0.13), True: (0.125, 0.25)},
+    ),
 }
+ADHESION = {False: "without adhesion", True: "with adhesion"}
 
 
-def _row(quantity: str, value: float, limits: tuple[float, float], short: bool) -> Row:
-    measured, accepted = limits
-    return Row(
-        quantity=quantity,
-        unit="1",
-        reference=Reference(kind="independent code", source="boundary-element ensembles of the hold-out"),
-        norm="absolute",
-        expected=[0.0],
-        computed=[value],
-        tolerance=Tolerance(value=accepted, measured=measured),
-        pinned="unconverged",
-        status="not run" if short else "run",
-        message="short form: it judges nothing" if short else "",
-    )
+def _rows(judged: Sequence[HeldOut], short: bool) -> Iterator[Row]:
+    for (adhesive, words), (quantity, (error, limits)) in product(ADHESION.items(), JUDGED.items()):
+        if not (some := chosen(judged, adhesive)):
+            continue
+        plain, found = (rms_of(some, quantity, theory) for theory in (PLAIN, CALIBRATED))
+        measured, accepted = limits[adhesive]
+        yield Row(
+            quantity=f"{quantity} {words}, calibrated: {error} (plain theory {plain:.3f})",
+            unit="1",
+            reference=Reference(kind="independent code", source="boundary-element ensembles of the hold-out"),
+            norm="absolute",
+            expected=[0.0],
+            computed=[found],
+            tolerance=Tolerance(value=accepted, measured=measured),
+            pinned="unconverged",
+            status="not run" if short else "run",
+            message="short form: it judges nothing" if short else "",
+        )
 
 
 def _areas_without_adhesion() -> Table:
@@ -225,20 +186,17 @@ def _areas() -> Table:
     )
 
 
-def _uncertainties(judged: Sequence[Judged]) -> Table:
+def _uncertainties(judged: Sequence[HeldOut]) -> Table:
     rows: list[list[str | float | int | None]] = []
-    for adhesive in (False, True):
-        for name, low, high in RANGES:
-            some = chosen(judged, adhesive, low, high)
-            if not some:
-                continue
-            plain, found = ([one.area[theory] for one in some] for theory in (PLAIN, CALIBRATED))
+    for adhesive, (name, low, high) in product(ADHESION, RANGES):
+        if some := chosen(judged, adhesive, low, high):
+            found = [one.area[CALIBRATED] for one in some]
             rows.append(
                 [
                     "with adhesion" if adhesive else "without",
                     f"{name}: {low / RMS_SLOPE:.3f} to {min(high, 0.05) / RMS_SLOPE:.3f}",
                     len(some),
-                    rms(plain),
+                    rms_of(some, "area", PLAIN),
                     rms(found),
                     float(np.mean(found)),
                     float(np.max(np.abs(found))),
@@ -255,31 +213,29 @@ def _uncertainties(judged: Sequence[Judged]) -> Table:
     )  # fmt: skip
 
 
-def _aims(judged: Sequence[Judged]) -> Table:
+def _aims(judged: Sequence[HeldOut]) -> Table:
     rows: list[list[str | float | int | None]] = []
-    for adhesive in (False, True):
-        some = chosen(judged, adhesive)
-        if not some:
+    for adhesive, words in ADHESION.items():
+        if not (some := chosen(judged, adhesive)):
             continue
-        words = "with adhesion" if adhesive else "without adhesion"
-        error = rms([one.area[CALIBRATED] for one in some])
+        rows.append(_aim(f"area {words}: rms error at most {AIM:g}", rms_of(some, "area", CALIBRATED), AIM))
         within = float(np.mean([abs(one.area[CALIBRATED]) < max(AIM, 2 * one.area_noise) for one in some]))
-        rows.append([f"area {words}: rms error at most {AIM:g}", error, _met(error <= AIM)])
         rows.append([f"area {words}: share within {AIM:g} or two standard errors of the ensemble", within, ""])
-        for name, low, high in RANGES:
-            part = chosen(judged, adhesive, low, high)
-            if part:
-                error = rms([one.area[CALIBRATED] for one in part])
-                rows.append([f"area {words}, {name} loads: rms error", error, _met(error <= AIM)])
-        before, after = (rms([separation_error(one, name) for one in some]) for name in (PLAIN, CALIBRATED))
-        rows.append([f"separation {words}: rms error no worse than {before:.3f}", after, _met(after <= before)])
+        parts = ((name, chosen(judged, adhesive, low, high)) for name, low, high in RANGES)
+        rows += [
+            _aim(f"area {words}, {name} loads: rms error", rms_of(part, "area", CALIBRATED), AIM)
+            for name, part in parts
+            if part
+        ]
+        before, after = (rms_of(some, "separation", theory) for theory in (PLAIN, CALIBRATED))
+        rows.append(_aim(f"separation {words}: rms error no worse than {before:.3f}", after, before))
     return Table(
         caption="What was aimed at, and what came of it on the hold-out.", columns=["aim", "found", ""], rows=rows
     )
 
 
-def _met(good: bool) -> str:
-    return "met" if good else "not met"
+def _aim(words: str, found: float, most: float) -> list[str | float | int | None]:
+    return [words, found, "met" if found <= most else "not met"]
 
 
 def _coefficients(calibration: Mapping[str, Any]) -> Table:
@@ -291,25 +247,16 @@ def _coefficients(calibration: Mapping[str, Any]) -> Table:
     )
 
 
-def _by_kind(judged: Sequence[Judged]) -> Table:
+def _by_kind(judged: Sequence[HeldOut]) -> Table:
     rows: list[list[str | float | int | None]] = []
-    kinds = list(dict.fromkeys((one.adhesive, one.kind) for one in judged))
-    for adhesive, kind in sorted(kinds):
+    for adhesive, kind in sorted({(one.adhesive, one.kind) for one in judged}):
         some = [one for one in judged if (one.adhesive, one.kind) == (adhesive, kind)]
-        names = list(dict.fromkeys(name for one in some for name in one.area))
-        for name in names:
-            rows.append(
-                [
-                    "with adhesion" if adhesive else "without",
-                    kind,
-                    name,
-                    len(some),
-                    rms([one.area.get(name, np.nan) for one in some]),
-                    known(rms([separation_error(one, name) for one in some])),
-                    known(rms([one.distribution.get(name, np.nan) for one in some])),
-                    rms([one.area_noise for one in some]),
-                ]
-            )
+        rows += [
+            ["with adhesion" if adhesive else "without", kind, name, len(some), rms_of(some, "area", name),
+             known(rms_of(some, "separation", name)), known(rms_of(some, "pressure distribution", name)),
+             rms([one.area_noise for one in some])]
+            for name in theories_of(some)
+        ]  # fmt: skip
     return Table(
         caption="Before and after on the hold-out, rms: relative error of the area, relative error of the separation, "
         "largest distance of the distributions over the area; the noise of the ensembles beside them.",
@@ -318,7 +265,7 @@ def _by_kind(judged: Sequence[Judged]) -> Table:
     )
 
 
-def _all(judged: Sequence[Judged]) -> Table:
+def _all(judged: Sequence[HeldOut]) -> Table:
     return Table(
         caption="Every load of the hold-out: means of the ensembles with standard errors, relative errors of the area, "
         "separations in rms heights, largest distances of the distributions over the area.",

@@ -37,8 +37,8 @@ from validation.studies.theory_correction.correction_figures import chosen
 from validation.studies.theory_correction.correction_members import FIT_ROOT, HOLD_OUT_ROOT, RMS_SLOPE, Group, groups
 from validation.studies.theory_correction.data import Observed, observed, relative_errors
 from validation.studies.theory_correction.fit import Calibration, calibrate, correction_from
-from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, Judged, judge, rms
-from validation.studies.theory_correction.page import case_of, outcome, separation_error
+from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, judge, rms, rms_of, theories_of
+from validation.studies.theory_correction.page import JUDGED, case_of, outcome
 
 SCHEMA = "linecontact-theory-correction-study/1"
 FILE, CALIBRATION = "theory-correction.json", "calibration.json"
@@ -118,26 +118,18 @@ def conclude(
     return 1 if wrong else 0
 
 
-def summary(judged: Sequence[Judged]) -> list[list[Any]]:
+def summary(judged: Sequence[HeldOut]) -> list[list[Any]]:
     """Rms errors over the hold-out by adhesion and theory."""
-    lines = []
-    for adhesive in (False, True):
-        some = chosen(judged, adhesive)
-        for name in dict.fromkeys(name for one in some for name in one.area):
-            lines.append(
-                [
-                    "with" if adhesive else "without",
-                    name,
-                    rms([one.area.get(name, float("nan")) for one in some]),
-                    rms([separation_error(one, name) for one in some]),
-                    rms([one.distribution.get(name, float("nan")) for one in some]),
-                ]
-            )
-    return lines
+    return [
+        ["with" if adhesive else "without", name, *(rms_of(some, quantity, name) for quantity in JUDGED)]
+        for adhesive in (False, True)
+        for some in [chosen(judged, adhesive)]
+        for name in theories_of(some)
+    ]
 
 
 def calibration_content(
-    found: Calibration, fit: Sequence[Observed], judged: Sequence[Judged], facts: Mapping[str, Any]
+    found: Calibration, fit: Sequence[Observed], judged: Sequence[HeldOut], facts: Mapping[str, Any]
 ) -> dict[str, Any]:
     """What calibration.json holds."""
     held_out = {}
@@ -145,8 +137,8 @@ def calibration_content(
         some = chosen(judged, adhesive)
         held_out[name] = {
             "loads": len(some),
-            "area_rms": {theory: rms([one.area[theory] for one in some]) for theory in (PLAIN, CALIBRATED)},
-            "separation_rms": {t: rms([separation_error(one, t) for one in some]) for t in (PLAIN, CALIBRATED)},
+            "area_rms": {theory: rms_of(some, "area", theory) for theory in (PLAIN, CALIBRATED)},
+            "separation_rms": {theory: rms_of(some, "separation", theory) for theory in (PLAIN, CALIBRATED)},
             "noise_of_the_ensembles_rms": rms([one.area_noise for one in some]),
         }  # fmt: skip
     return {
@@ -170,7 +162,7 @@ def calibration_content(
 
 def report_of(
     content: Mapping[str, Any],
-    judged: Sequence[Judged],
+    judged: Sequence[HeldOut],
     planned: int,
     facts: Mapping[str, Any],
     short: bool,

@@ -29,7 +29,7 @@ ROUNDING = 2e-15  # of the scale of a quantity
 
 
 @dataclass(frozen=True)
-class Reference:
+class Yardstick:
     """An answer to measure against."""
 
     code: str  # whose numerics it is; `exact` for a closed form
@@ -49,29 +49,29 @@ class Source:
 
     name: str
     code: str
-    compute: Callable[[Posed], Reference]
+    compute: Callable[[Posed], Yardstick]
 
 
-def johnson(posed: Posed) -> Reference:
+def johnson(posed: Posed) -> Yardstick:
     """Closed form."""
     spread = {name: ROUNDING * scale for name, scale in posed.scales.items()}
-    return Reference("exact", "exact", "Johnson 1995", exact_sinusoid(posed), spread)
+    return Yardstick("exact", "exact", "Johnson 1995", exact_sinusoid(posed), spread)
 
 
-def finite_elements(posed: Posed) -> Reference:
+def finite_elements(posed: Posed) -> Yardstick:
     """Quartic elements on three meshes, the finest with 12 cells per period and 22 halvings at the edges."""
     found = finest(posed, Resolution(4, 12, 22), crests(posed))
     source = "fem, quartic, 6, 9 and 12 cells, tips halved 22 times on the finest; uncertainty of three meshes"
-    return Reference("fem", "FEM", source, numbers_of(found.values), numbers_of(found.uncertainty))
+    return Yardstick("fem", "FEM", source, numbers_of(found.values), numbers_of(found.uncertainty))
 
 
-def solver(posed: Posed) -> Reference:
+def solver(posed: Posed) -> Yardstick:
     """The production solver at 1e-12; uncertainty: the change from 1e-10, at least rounding."""
     fine, coarse = (numbers_of(boundary_elements.solve(posed, tolerance).values) for tolerance in (1e-12, 1e-10))
-    return Reference("bem", "independent code", "bem at tolerance 1e-12", fine, _changes(posed, fine, coarse))
+    return Yardstick("bem", "independent code", "bem at tolerance 1e-12", fine, _changes(posed, fine, coarse))
 
 
-def paper_extrapolated(posed: Posed) -> Reference:
+def paper_extrapolated(posed: Posed) -> Yardstick:
     """The paper's method at 16, 32 and 64 cells a patch, extrapolated; edges from its own path with 8 cells."""
     way = np.linspace(0.0, posed.penetration, PATH_STEPS + 1)[1:]
     edges = follow(posed.surface(), way, 8, PATH_RESIDUAL, GAP)[-1].edges
@@ -85,14 +85,14 @@ def paper_extrapolated(posed: Posed) -> Reference:
         found.append(answer_of(state.contact_fraction, state.mean_pressure, state.elastic_energy / posed.period, gap))
     fine, coarse = _extrapolated(found[2], found[1]), _extrapolated(found[1], found[0])
     source = "the paper's method at 32 and 64 cells a patch, extrapolated"
-    return Reference("paper's method", "independent code", source, fine, _changes(posed, fine, coarse))
+    return Yardstick("paper's method", "independent code", source, fine, _changes(posed, fine, coarse))
 
 
-def persson_route(route: Route, name: str, posed: Posed) -> Reference:
+def persson_route(route: Route, name: str, posed: Posed) -> Yardstick:
     """A route of Persson's theory at resolution 8; uncertainty: the change from 4."""
     fine, coarse = (numbers_of(by_route(route, posed, resolution).values) for resolution in (8.0, 4.0))
     code = f"persson, {route.replace('_', ' ')}"
-    return Reference(code, "independent code", f"the {name} at resolution 8", fine, _changes(posed, fine, coarse))
+    return Yardstick(code, "independent code", f"the {name} at resolution 8", fine, _changes(posed, fine, coarse))
 
 
 JOHNSON = Source("Johnson 1995", "exact", johnson)

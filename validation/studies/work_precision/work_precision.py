@@ -34,7 +34,7 @@ from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, P
 from validation.studies.work_precision.points import SHOWN, Point, Timed
 from validation.studies.work_precision.price_list import Price, digits_of, priced
 from validation.studies.work_precision.price_list import sentences as price_sentences
-from validation.studies.work_precision.references import SOURCES, Reference, Source, source_for
+from validation.studies.work_precision.references import SOURCES, Source, Yardstick, source_for
 
 SCHEMA = "linecontact-work-precision/2"
 FILE = "work-precision.json"
@@ -45,7 +45,7 @@ REPEATS, SECONDS = (20, 2.0), (2, 0.3)  # most repeats and seconds for them: in 
 
 
 @dataclass(frozen=True)
-class Task:
+class Sweep:
     """A method on a scene, in a process of its own."""
 
     posed: Posed
@@ -55,7 +55,7 @@ class Task:
     seconds: float
 
 
-def measured(task: Task) -> list[Timed]:
+def measured(task: Sweep) -> list[Timed]:
     """All settings of a task, after a warm-up with the first."""
     answers: list[Timed] = []
     try:
@@ -70,7 +70,7 @@ def measured(task: Task) -> list[Timed]:
     return [answer for answer in answers if answer.setting != "warm-up"]
 
 
-def computed_reference(item: tuple[Source, Posed]) -> Reference:
+def computed_reference(item: tuple[Source, Posed]) -> Yardstick:
     """A reference, in a process of its own."""
     source, posed = item
     return source.compute(posed)
@@ -128,7 +128,7 @@ def run(
         taking_part = [method for method in methods if posed.id in method.scenes]
         references = _references(posed, taking_part, known, answers, failures)
         for method in taking_part:
-            task = Task(posed, method, method.settings_for(posed.id, quick), repeats, seconds)
+            task = Sweep(posed, method, method.settings_for(posed.id, quick), repeats, seconds)
             name = f"{posed.id}, {method.name}"
             decides = (posed, method.fixed, task.settings, repeats, seconds)
             answer = answers.alone(list[Timed], measured, task, name, *decides)
@@ -163,7 +163,7 @@ def run(
     return 1 if failures else 0
 
 
-def point_of(posed: Posed, method: Method, timed: Timed, reference: Reference | None) -> Point:
+def point_of(posed: Posed, method: Method, timed: Timed, reference: Yardstick | None) -> Point:
     """A setting with its errors against a reference; without errors where either failed."""
     if timed.found is None or reference is None:
         return Point(posed.id, method.name, timed)
@@ -225,7 +225,7 @@ def figures_of(points: Sequence[Point], chosen: dict[str, Posed]) -> Iterator[tu
         )
 
 
-def _timed(task: Task, setting: Any) -> Timed:
+def _timed(task: Sweep, setting: Any) -> Timed:
     """A setting, repeated; the answer is that of the last."""
     walls: list[float] = []
     cpus: list[float] = []
@@ -265,14 +265,14 @@ def _references(
     known: dict[str, tuple[Source, ...]],
     answers: Store,
     failures: list[str],
-) -> dict[str, Reference]:
+) -> dict[str, Yardstick]:
     """The references that these methods need, by name; those that fail are reported."""
     wanted = {source.name: source for source in (source_for(posed.id, method, known) for method in methods)}
-    found: dict[str, Reference] = {}
+    found: dict[str, Yardstick] = {}
     for name, source in wanted.items():
         task = f"{posed.id}, reference: {name}"
-        answer = answers.alone(Reference, computed_reference, (source, posed), task, posed)
-        if isinstance(answer, Reference):
+        answer = answers.alone(Yardstick, computed_reference, (source, posed), task, posed)
+        if isinstance(answer, Yardstick):
             found[name] = answer
         else:
             failures.append(f"{posed.id}, reference {name}: {type(answer).__name__}: {answer}")
