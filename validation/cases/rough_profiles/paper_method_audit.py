@@ -26,7 +26,7 @@ from validation.references.paper_method import PaperState, Surface, follow, solv
 from validation.references.posed_contacts import Posed, scene_tables, scenes
 
 MOVED = 0.05  # of its edge scale: how far an edge is moved before the audit finds it again
-STEPS = 40
+STEPS = 30
 RESIDUAL, PATH_RESIDUAL, GAP = 1e-7, 1e-5, 1e-3
 METHOD = "the paper's own method: graded cells, Gauss-Seidel, Polak-Ribiere"
 # errors measured, over their scales: contact fraction, mean pressure, elastic energy, edges
@@ -125,7 +125,7 @@ def _layer() -> Outcome:
 
 def _path() -> Outcome:
     posed = scenes()["rough"]
-    state, surface, cells = _solved(posed), posed.surface(), (8, 16, 32)
+    state, surface, cells = _solved(posed), posed.surface(), (6, 12, 24)
     path = follow(surface, np.linspace(0.0, posed.penetration, STEPS + 1)[1:], 6, PATH_RESIDUAL, GAP)
     if path[-1].status != "converged":
         raise ArithmeticError(f"path of the paper's method: {path[-1].message}")
@@ -155,7 +155,7 @@ CASES = (
          "carbone2009 carbone2008", "layer adhesion", problem="two crests on a layer"),
     case("paper-method-path", "paper's method", _path,
          "Does it, from first touch on a rough profile, through all events, end in the same state?",
-         "40 steps of penetration; contacts made where the profile enters, joined and lost as they vanish",
+         "30 steps of penetration; contacts made where the profile enters, joined and lost as they vanish",
          "carbone2009", "half_space adhesion slope_term", level="standard",
          problem="rough profile of 60 harmonics, path"),
     case("paper-method-many", "paper's method", _many,
