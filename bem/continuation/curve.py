@@ -35,7 +35,7 @@ from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
 
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
-LONGEST = 0.15  # units: a motion of the edges along the curve, in a step or by Newton
+LONGEST = 0.2  # units: a motion of the edges along the curve, in a step or by Newton
 SHORT = 5e-4  # units, or of a gap: a motion in which everything is linear but for a part of its square
 NEAR = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
 SOFTENING = 60.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit; measured 39
