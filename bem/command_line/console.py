@@ -26,6 +26,7 @@ LINE_SECONDS = 5.0  # format: s between lines of progress
 TARGET_SECONDS = 0.5  # format: s, the same at targets
 BAR_SECONDS = 0.2  # format: s between redraws of the bar
 TRUST = 0.05  # format: of the predicted work: until so much is done, the prediction outweighs the pace seen
+INSTANT = 0.1  # format: s to go, of which fewer are not counted
 
 
 def discard_stdout() -> None:
@@ -86,7 +87,8 @@ class Forecast:
 
     def words(self, report: Progress) -> str:
         """What is left, in words."""
-        return f"about {self.left(report):.2g} s to go"
+        left = self.left(report)
+        return f"about {left:.2g} s to go" if left >= INSTANT else "almost done"
 
 
 class SilentReporter:

@@ -148,6 +148,16 @@ def test_progress_corrects_itself_by_the_pace_seen(monkeypatch):
     assert min(late) > 0.9
 
 
+def test_what_is_left_is_told_in_words(monkeypatch):
+    """Not "about 2e-18 s to go"."""
+    monkeypatch.setattr(cost_prediction, "pace", lambda: 1e3)
+    scene, told = scene_with(loading=loading("separation", 7e-5, 4e-5)), []
+    slow = Forecast(cost_of(scene), clock=lambda: 0.0)
+    bem.solve(scene, progress=lambda report: told.append(slow.words(report)))
+    assert told[0].startswith("about ") and told[0].endswith(" s to go")
+    assert told[-1] == "almost done"
+
+
 def test_what_came_before_the_first_report_does_not_count():
     predicted, now = cost_of(scene_with(loading=loading("separation", 7e-5))), [0.0]
     forecast = Forecast(predicted, clock=lambda: now[0])
