@@ -75,16 +75,14 @@ def _judge(options: argparse.Namespace) -> int:
     """Judge, and write what came out; 1 where an answer is missing or wrong, or digits were lost to a baseline."""
     from validation.challenge import run_judge
 
-    workers = (options.jobs, opener_of(options.executor)) if (options.jobs, options.executor) != (1, LOCAL) else None
+    opener = opener_of(options.executor)
     problems = run_judge.chosen(options.only)
     before = () if options.baseline is None else run_judge.earlier(options.baseline, problems)
     with locked(options.out):
         if options.solver is not None:
             name = options.solver
-            spec = solvers().get(name, name)
-            found = run_judge.solved(
-                spec, problems, options.time_limit, options.out, say, workers, options.memory_limit
-            )
+            asked = problems, options.time_limit, options.out, say, options.jobs, opener, options.memory_limit
+            found = run_judge.solved(solvers().get(name, name), *asked)
         else:
             name = options.submission.name
             found = run_judge.submitted(options.submission, problems)
