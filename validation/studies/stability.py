@@ -61,25 +61,11 @@ def run(
     jobs: int = 1,
     file: str = FILE,
 ) -> int:
-    """Run the study, print its table, write stability.json; 1 when a case fails.
+    """Run the study, print its table, write stability.json (or `file`); 1 when a case fails.
 
-    Parameters
-    ----------
-    quick : bool
-        The reduced forms instead of the full ones.
-    tasks : sequence of Task, optional
-        Others than those of the study.
-    measure : callable, optional
-        Another measurement than `measured`, importable by name.
-    jobs : int
-        Cases at a time; rows depend on it by their seconds only, as long as none reaches its limit by the clock.
-    file : str
-        Name of the file of rows.
-
-    Raises
-    ------
-    RuntimeError
-        Fewer rows than planned: a fault of this module.
+    Quick: the reduced forms instead of the full ones. Other tasks than those of the study may be given, and another
+    measurement than `measured`, importable by name. Rows depend on `jobs`, the cases at a time, by their seconds only,
+    as long as none reaches its limit by the clock. RuntimeError for fewer rows than planned: a fault of this module.
     """
     planned = tasks_of(quick) if tasks is None else list(tasks)
     facts, rows, begun = provenance(), list[Row](), time.monotonic()
