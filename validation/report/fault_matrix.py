@@ -16,7 +16,7 @@ DECADES = 12.0  # beyond which the colour no longer deepens
 
 
 @dataclass(frozen=True)
-class Line:
+class FaultLine:
     """A fault."""
 
     name: str
@@ -25,7 +25,7 @@ class Line:
     asked: Collection[str]  # cases that were shown it
 
 
-def write_matrix(path: Path, cases: Sequence[str], lines: Sequence[Line]) -> None:
+def write_matrix(path: Path, cases: Sequence[str], lines: Sequence[FaultLine]) -> None:
     """Draw faults (rows) against cases (columns, without those that were shown no fault) as SVG."""
     shown = [case for case in cases if any(case in line.asked for line in lines)]
     with mpl.rc_context(SETTINGS):

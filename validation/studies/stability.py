@@ -24,8 +24,8 @@ from validation.corpus.endings import (
     COLUMNS,
     LIMITS,
     Code,
-    Row,
-    Task,
+    Trial,
+    TrialRow,
     cells,
     counts,
     measured,
@@ -33,7 +33,7 @@ from validation.corpus.endings import (
     table_of,
     tasks_of,
 )
-from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.random import random_trial
 from validation.harness.execution import Ended, Listener, Note, Running, run_in_processes
 from validation.harness.executors import fresh_processes, local_processes
@@ -46,18 +46,18 @@ FILE, RANDOM_FILE, RANDOM_FOLDER = "stability.json", "stability_random.json", "r
 ASKED = 10.0  # s of CPU time for a reduced case, as asked for; reported, seconds never gate
 
 
-def random_tasks(number: int, seed: int) -> list[Task]:
+def random_tasks(number: int, seed: int) -> list[Trial]:
     """Scenes 0..number - 1 of a seed: each is the same whatever the number, and in whichever process."""
     names = (random_trial.RandomCase(seed, index).id for index in range(number))
-    return [Task("random", name, "reduced", LIMITS["reduced"]) for name in names]
+    return [Trial("random", name, "reduced", LIMITS["reduced"]) for name in names]
 
 
 def run(
     folder: Path,
     quick: bool,
     report: Listener,
-    tasks: Sequence[Task] | None = None,
-    measure: Callable[[Task], Outcome] | None = None,
+    tasks: Sequence[Trial] | None = None,
+    measure: Callable[[Trial], TrialOutcome] | None = None,
     jobs: int = 1,
     file: str = FILE,
 ) -> int:
@@ -67,7 +67,7 @@ def run(
     ----------
     quick : bool
         The reduced forms instead of the full ones.
-    tasks : sequence of Task, optional
+    tasks : sequence of Trial, optional
         Others than those of the study.
     measure : callable, optional
         Another measurement than `measured`, importable by name.
@@ -83,7 +83,7 @@ def run(
     """
     planned = tasks_of(quick) if tasks is None else list(tasks)
     facts, answers = provenance(), store_in(folder, lambda note: None)
-    rows = [row for task in planned if (row := answers.kept(Row, _name(task), task.form)) is not None]
+    rows = [row for task in planned if (row := answers.kept(TrialRow, _name(task), task.form)) is not None]
     if rows:
         report(Note(f"{len(rows)} of {len(planned)} cases are there already"))
     there, begun = {_key(row) for row in rows}, time.monotonic()
@@ -91,7 +91,7 @@ def run(
     for row in _rows(measure or measured, missing, jobs, report):
         rows.append(row)
         if row.ending not in ("crashed", "timed out"):  # which are tried again
-            answers.keep(Row, row, _name(row), row.form)
+            answers.keep(TrialRow, row, _name(row), row.form)
         elapsed = time.monotonic() - begun
         report(Note(f"[{len(rows)}/{len(planned)}] {_told(rows[-1])}; {elapsed:.0f} s so far"))
         _write(folder / file, facts, rows, len(planned))
@@ -109,12 +109,12 @@ def run(
     return 0 if all(row.stands for row in rows) else 1
 
 
-def kinds(rows: Iterable[Row]) -> dict[str, int]:
+def kinds(rows: Iterable[TrialRow]) -> dict[str, int]:
     """Cases with a finding of each kind, the most frequent first."""
     return dict(Counter(kind for row in rows for kind in sorted(set(row.kinds))).most_common())
 
 
-def summary(rows: Sequence[Row], planned: int) -> list[str]:
+def summary(rows: Sequence[TrialRow], planned: int) -> list[str]:
     """Counts of every code and of all, over the cases planned."""
     lines = [f"planned {planned}, reported {len(rows)}"]
     for code in (*get_args(Code), "all"):
@@ -129,7 +129,9 @@ def summary(rows: Sequence[Row], planned: int) -> list[str]:
     return lines + [f"FAILED {row.code} {row.id}: {_told(row)}" for row in rows if not row.stands]
 
 
-def _rows(measure: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int, report: Listener) -> Iterator[Row]:
+def _rows(
+    measure: Callable[[Trial], TrialOutcome], tasks: Sequence[Trial], jobs: int, report: Listener
+) -> Iterator[TrialRow]:
     """The rows of cases as they end, up to `jobs` at a time, each in a process of its own; random ones share theirs."""
     drawn = [task for task in tasks if task.code == "random"]
     others = [task for task in tasks if task.code != "random"]
@@ -146,7 +148,7 @@ def _rows(measure: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int, 
                     report(Note(f"{_name(event.item)}: started"))
 
 
-def _write(path: Path, facts: dict[str, Any], rows: Sequence[Row], planned: int) -> None:
+def _write(path: Path, facts: dict[str, Any], rows: Sequence[TrialRow], planned: int) -> None:
     """The file of the study with the rows so far."""
     content = {
         "schema": SCHEMA,
@@ -161,15 +163,15 @@ def _write(path: Path, facts: dict[str, Any], rows: Sequence[Row], planned: int)
     write_json(path, content)
 
 
-def _name(task: Task | Row) -> str:
+def _name(task: Trial | TrialRow) -> str:
     return f"{task.code} {task.id}"
 
 
-def _key(task: Task | Row) -> tuple[str, str, str]:
+def _key(task: Trial | TrialRow) -> tuple[str, str, str]:
     return task.code, task.id, task.form
 
 
-def _told(row: Row) -> str:
+def _told(row: TrialRow) -> str:
     seconds = "" if row.seconds is None else f", {row.seconds:.1f} s"
     correct = "correct" if row.correct else "NOT correct"
     return f"{row.code} {row.id}: {row.ending}, {correct}{seconds}" + (f"; {row.message}" if row.message else "")

@@ -38,14 +38,14 @@ MEASURED = {
 
 
 @dataclass(frozen=True)
-class Extrapolated:
+class Limit:
     """A quantity on three grids, taken to the limit."""
 
     value: FloatArray
     uncertainty: float
 
     @classmethod
-    def of(cls, coarse: FloatArray, middle: FloatArray, fine: FloatArray) -> Extrapolated:
+    def of(cls, coarse: FloatArray, middle: FloatArray, fine: FloatArray) -> Limit:
         """From three grids, each with half the cells of the next; the uncertainty is the change by one level."""
         last, before = (4 * fine - middle) / 3, (4 * middle - coarse) / 3
         return cls(last, float(np.max(np.abs(last - before))))
@@ -90,7 +90,7 @@ def _outcome(name: str, state: State, states: list[PaperState], cells: Sequence[
     rows = [Against("independent code", METHOD).count("patches on every grid", patches,
                                                       [state.n_patches] * len(states))]  # fmt: skip
     for (quantity, unit_name, scale, computed, found), measured in zip(compared, MEASURED[name], strict=False):
-        limit = Extrapolated.of(*map(np.asarray, found))
+        limit = Limit.of(*map(np.asarray, found))
         rows.append(Against("independent code", f"{METHOD}; extrapolated", limit.uncertainty).row(
             quantity, unit_name, np.ravel(limit.value), np.ravel(computed), measured, OVER_STATES, scale))  # fmt: skip
     apart, sizes = [abs(fraction - state.contact_fraction) for fraction in fractions], column(states, "unknowns")

@@ -25,7 +25,7 @@ RELEASED = 1e-12
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TrialOutcome:
     """What became of a hard case."""
 
     id: str
@@ -39,7 +39,7 @@ class Outcome:
     kinds: tuple[str, ...] = ()  # kind of each finding, where a corpus counts them
 
 
-def run_case(case: HardCase, full: bool = False) -> Outcome:
+def run_case(case: HardCase, full: bool = False) -> TrialOutcome:
     """Solve a hard case, in its reduced form or the full one, and judge it."""
     tables = case.full if full else case.reduced
     expected = case.expectation(full)
@@ -52,7 +52,7 @@ def run_case(case: HardCase, full: bool = False) -> Outcome:
             result = solve(scene)
         except (SceneError, ArithmeticError, MemoryError) as error:
             reason = f"{type(error).__name__}: {error}"
-            return Outcome(case.id, expected, (), False, False, reason, (), time.process_time() - start)
+            return TrialOutcome(case.id, expected, (), False, False, reason, (), time.process_time() - start)
     seconds = time.process_time() - start
     targets = tuple(state.status for state in result.targets)
     observed = (result.status, *targets)
@@ -63,7 +63,7 @@ def run_case(case: HardCase, full: bool = False) -> Outcome:
         *(text for name in case.checks for text in CHECKS[name](tables, scene, result)),
     ]
     correct = not findings and bool(result.targets)
-    return Outcome(case.id, expected, observed, converged, correct, None, tuple(findings), seconds)
+    return TrialOutcome(case.id, expected, observed, converged, correct, None, tuple(findings), seconds)
 
 
 def judged(case: HardCase, result: Result, scene: Any) -> list[str]:

@@ -21,7 +21,7 @@ from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from fem_reference import Resolution
-from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.hard.hard_case_scenes import (
     JOHNSON,
     MODULUS,
@@ -120,7 +120,7 @@ def _fem_cases() -> list[FemCase]:
 FEM_CASES: tuple[FemCase, ...] = tuple(_fem_cases())
 
 
-def run_case(case: FemCase, full: bool = False) -> Outcome:
+def run_case(case: FemCase, full: bool = False) -> TrialOutcome:
     """Solve a hard case of the reference and judge it."""
     arguments = WAVE_LAYER | case.arguments | ((case.full or {}) if full else {"resolution": COARSE})
     expected, start = (case.expected,), time.process_time()
@@ -130,11 +130,11 @@ def run_case(case: FemCase, full: bool = False) -> Outcome:
         seconds, named = time.process_time() - start, getattr(error, "argument", "")
         observed = (f"refused: {named}",)
         expectation = observed == expected
-        return Outcome(case.id, expected, observed, False, expectation, str(error), (), seconds)
+        return TrialOutcome(case.id, expected, observed, False, expectation, str(error), (), seconds)
     seconds = time.process_time() - start
     findings = tuple(CHECKS[case.check](arguments, result))
     observed = (result.status,)
-    return Outcome(case.id, expected, observed, observed == expected, not findings, None, findings, seconds)
+    return TrialOutcome(case.id, expected, observed, observed == expected, not findings, None, findings, seconds)
 
 
 def wave(arguments: Table, result: fem_reference.Result) -> list[str]:

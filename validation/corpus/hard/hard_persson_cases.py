@@ -16,7 +16,7 @@ from scipy.special import erf
 
 import persson
 from persson.spectrum import Spectrum
-from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.hard.hard_case_scenes import MODULUS, PERIOD, RMS_HEIGHT, WORK, Table
 
 ROUTES = 4e-5  # of the contact fraction, between the routes; measured 1.6e-5 for one line, 2.4e-7 for the paper's
@@ -89,7 +89,7 @@ def _persson_cases() -> list[PerssonCase]:
 PERSSON_CASES: tuple[PerssonCase, ...] = tuple(_persson_cases())
 
 
-def run_case(case: PerssonCase, full: bool = False) -> Outcome:
+def run_case(case: PerssonCase, full: bool = False) -> TrialOutcome:
     """Solve a hard case of the theory by its first route and judge it."""
     spectrum = spectrum_of(case.spectrum | ((case.full or {}) if full else {}))
     material: Table = {"youngs_modulus": MODULUS, "poisson_ratio": 0.5, "resolution": 2.0 if full else 1.0}
@@ -99,7 +99,7 @@ def run_case(case: PerssonCase, full: bool = False) -> Outcome:
     except ValueError as error:
         seconds, argument = time.process_time() - start, str(error).split(":")[0]
         observed = (f"refused: {argument}",)
-        return Outcome(case.id, expected, observed, False, observed == expected, str(error), (), seconds)
+        return TrialOutcome(case.id, expected, observed, False, observed == expected, str(error), (), seconds)
     seconds = time.process_time() - start
     observed, dry = (
         (found.status,),
@@ -112,7 +112,7 @@ def run_case(case: PerssonCase, full: bool = False) -> Outcome:
         )
         assert isinstance(other, persson.AdhesiveContact)
         findings += judged(found, other, dry)
-    return Outcome(case.id, expected, observed, observed == expected, not findings, None, tuple(findings), seconds)
+    return TrialOutcome(case.id, expected, observed, observed == expected, not findings, None, tuple(findings), seconds)
 
 
 def spectrum_of(table: Table) -> Spectrum:
