@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from bem.scene.result import Result
 from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.hard.hard_case_checks import CHECKS
-from validation.corpus.hard.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples
+from validation.corpus.hard.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples, Table
 
 ROUNDED = 1e-5  # of a contact fraction that is to be reached; measured 1.9e-6 at 1e-5
 # Of E* h_rms^2 / period, besides the error that an event states: rounding of the energy that it releases.  Measured:
@@ -37,6 +38,42 @@ class TrialOutcome:
     findings: tuple[str, ...]  # what speaks against it
     seconds: float  # CPU time of the solution alone
     kinds: tuple[str, ...] = ()  # kind of each finding, where a corpus counts them
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """A hard case of a reference: one question, of which the status is expected."""
+
+    expected: str = "converged"  # status, or `refused: ARGUMENT`
+    full: Table | None = None  # what the full form changes of the question, besides the resolution
+
+    def expectation(self, full: bool) -> tuple[str, ...]:
+        """The status expected, of both forms."""
+        return (self.expected,)
+
+    def changed(self, question: Table, full: bool) -> Table:
+        """The question in a form."""
+        return question | ((self.full or {}) if full else {})
+
+
+def ended(
+    name: str,
+    expected: tuple[str, ...],
+    solve: Callable[[], Any],
+    refusals: tuple[type[Exception], ...],
+    judge: Callable[[Any], list[str]],
+) -> TrialOutcome:
+    """A question put to a reference, and its answer judged; a refusal names its argument, or begins with it."""
+    begun = time.process_time()
+    try:
+        found = solve()
+    except refusals as error:
+        seconds, named = time.process_time() - begun, getattr(error, "argument", str(error).split(":")[0])
+        observed = (f"refused: {named}",)
+        return TrialOutcome(name, expected, observed, False, observed == expected, str(error), (), seconds)
+    seconds, observed = time.process_time() - begun, (found.status,)
+    findings = tuple(judge(found))
+    return TrialOutcome(name, expected, observed, observed == expected, not findings, None, findings, seconds)
 
 
 def run_case(case: HardCase, full: bool = False) -> TrialOutcome:
