@@ -1,4 +1,4 @@
-"""What cases share: tolerances follow the error measured, references and columns of states are as said, work is summed."""
+"""What cases share: tolerances from the error measured, columns of states in their units, work summed, cases in words."""
 
 from types import SimpleNamespace
 
