@@ -13,15 +13,17 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from validation.harness.arrays import FloatArray
+from bem.scene.result import State
 from validation.harness.case import Outcome
-from validation.harness.figure_data import axes, drawn, marks, shaded, trace
-from validation.harness.schema import Figure, Table
-from validation.replicate.evidence import Evidence, jackknife, joined, mean_and_error
-from validation.replicate.members import LOADS, MODULUS
+from validation.harness.figure_data import axes, drawn, trace
+from validation.harness.schema import Table
+from validation.replicate.evidence import Evidence, estimate, jackknife, mean_and_error, scattered
+from validation.replicate.members import LOADS
 from validation.replicate.statements import Alternative, disagreement, statement
 
 FITTED = tuple(load for load in LOADS if load >= 0.005)
@@ -64,90 +66,69 @@ def curvature(load: ArrayLike, area: ArrayLike) -> float:
     return float(np.polynomial.legendre.legfit(scaled, values, 2)[2] / values[-1])
 
 
+def _area(state: State) -> float:
+    return state.contact_fraction
+
+
 def compute(evidence: Evidence) -> Outcome:
-    """Rows, figure and table."""
-    areas = evidence.values(lambda state: state.contact_fraction)
+    """Rows, figure and tables."""
+    areas, load = evidence.values(_area), np.array(LOADS)
     mean, error = mean_and_error(areas)
-    wet = np.array([evidence.with_adhesion[load].contact_fraction for load in LOADS])
-    dry = np.array([evidence.without_adhesion[load].contact_fraction for load in LOADS])
-    fitted = np.array([load in FITTED for load in LOADS])
-    compared = np.array([load in COMPARED for load in LOADS])
-    load = np.array(LOADS)
-    lines = np.array([line_through(load[fitted], one[fitted]) for one in areas])
-    (intercept, slope), (intercept_error, slope_error) = mean_and_error(lines)
+    wet, dry = (
+        np.array([theory[load].contact_fraction for load in LOADS])
+        for theory in (evidence.with_adhesion, evidence.without_adhesion)
+    )
+    fitted, compared = np.isin(load, FITTED), np.isin(load, COMPARED)
+    (intercept, slope), (intercept_error, slope_error) = (
+        map(float, both) for both in mean_and_error([line_through(load[fitted], one[fitted]) for one in areas])
+    )
     bend, bend_error = jackknife(lambda curve: curvature(load[fitted], curve[fitted]), areas)
-    ratio, ratio_error = mean_and_error((areas / wet)[:, compared].mean(axis=1)[:, None])
     theory_slope = line_through(load[fitted], wet[fitted])[1]
-    short = evidence.shortfall
+    says = partial(statement, shortfall=evidence.shortfall)
+    otherwise = partial(disagreement, shortfall=evidence.shortfall)
     rows = (
-        statement("contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
-                  float(ratio[0]), float(ratio_error[0]), 2.0, 0.2, Alternative(1.0, "the theory's own area"),
-                  measured=0.074, where="abstract: the theory underestimates the area by about 50 %",
-                  shortfall=short),
-        statement("curvature of the area over 0.005 to 0.025 E*, over the largest area", bend, bend_error, 0.0, 0.015,
-                  Alternative(curvature(load[fitted], np.sqrt(load[fitted])), "one Hertzian contact, A ~ sqrt p"),
-                  measured=0.0148, where="abstract: the area is linear in the load also with adhesion",
-                  shortfall=short, reported=f"{bend / bend_error:+.1f} standard errors from a straight line"),
-        disagreement("slope of the straight line over that of the theory with adhesion", float(slope / theory_slope),
-                     float(slope_error / theory_slope), 2.0, (0.75, 0.95), CAUSE,
-                     where="caption of the area figure: the theory's coefficient of proportionality is about half",
-                     shortfall=short),
-        disagreement("contact area over that of Persson's theory with adhesion at 0.001 E*", float(mean[0] / wet[0]),
-                     float(error[0] / wet[0]), 2.0, (1.2, 1.8), CAUSE,
-                     where="abstract: about 50 % for any given load", shortfall=short),
-        disagreement("theory's contact area with adhesion over that without, mean of 0.005 to 0.025 E*",
-                     float(np.mean((wet / dry)[compared])), 0.0, 1.0, (1.1, 1.25), GAIN,
-                     where="caption: not significantly different; text: only marginal, the adhesion energy is small",
-                     shortfall=short),
+        says("contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
+             *estimate((areas / wet)[:, compared].mean(axis=1)), 2.0, 0.2, Alternative(1.0, "the theory's own area"),
+             measured=0.074, where="abstract: the theory underestimates the area by about 50 %"),
+        says("curvature of the area over 0.005 to 0.025 E*, over the largest area", bend, bend_error, 0.0, 0.015,
+             Alternative(curvature(load[fitted], np.sqrt(load[fitted])), "one Hertzian contact, A ~ sqrt p"),
+             measured=0.0148, where="abstract: the area is linear in the load also with adhesion",
+             reported=f"{bend / bend_error:+.1f} standard errors from a straight line"),
+        otherwise("slope of the straight line over that of the theory with adhesion", slope / theory_slope,
+                  slope_error / theory_slope, 2.0, (0.75, 0.95), CAUSE,
+                  where="caption of the area figure: the theory's coefficient of proportionality is about half"),
+        otherwise("contact area over that of Persson's theory with adhesion at 0.001 E*", float(mean[0] / wet[0]),
+                  float(error[0] / wet[0]), 2.0, (1.2, 1.8), CAUSE, where="abstract: about 50 % for any given load"),
+        otherwise("theory's contact area with adhesion over that without, mean of 0.005 to 0.025 E*",
+                  float(np.mean((wet / dry)[compared])), 0.0, 1.0, (1.1, 1.25), GAIN,
+                  where="caption: not significantly different; text: only marginal, the adhesion energy is small"),
         statement("larger underestimate than for isotropic surfaces without adhesion", float("nan"), 0.0, 1.0, 0.4,
                   Alternative(0.0, "no larger"), measured=0.0, where="abstract: the discrepancy is larger than in 2D",
-                  shortfall=short or "not testable here: roughness in two directions is not computed"),
+                  shortfall=evidence.shortfall or "not testable here: roughness in two directions is not computed"),
     )  # fmt: skip
+    lines = [["bem, mean", intercept, intercept_error, slope, slope_error, slope / theory_slope]]
+    for name, theory in (("with", wet), ("without", dry)):
+        a, b = line_through(load[fitted], theory[fitted])
+        lines.append([f"Persson {name} adhesion", a, None, b, None, b / theory_slope])
     slopes = Table(
         caption="Straight lines A/A0 = a + b p/E* through 0.005 to 0.025 E*; errors are standard errors of the mean.",
         columns=["curve", "a", "error of a", "b", "error of b", "b over that of the theory with adhesion"],
-        rows=[
-            ["bem, mean", *map(float, (intercept, intercept_error, slope, slope_error, slope / theory_slope))],
-            ["Persson with adhesion", *_line_row(load[fitted], wet[fitted], theory_slope)],
-            ["Persson without adhesion", *_line_row(load[fitted], dry[fitted], theory_slope)],
-        ],
+        rows=lines,
     )
     points = Table(caption="Contact fractions at the loads asked for.",
                    columns=["p/E*", "bem, mean", "standard error", "Persson with adhesion", "Persson without",
                             "bem/with", "bem/without"],
-                   rows=[list(map(float, row))
-                         for row in zip(load, mean, error, wet, dry, mean / wet, mean / dry, strict=True)])  # fmt: skip
-    return Outcome(
-        rows=rows,
-        figures=(_figure(evidence, mean, error, wet, dry, (float(intercept), float(slope))),),
-        tables=(slopes, points),
-    )
-
-
-def _line_row(load: ArrayLike, area: ArrayLike, reference: float) -> list[float | None]:
-    intercept, slope = line_through(load, area)
-    return [intercept, None, slope, None, slope / reference]
-
-
-def _figure(
-    evidence: Evidence, mean: FloatArray, error: FloatArray, wet: FloatArray, dry: FloatArray, line: tuple[float, float]
-) -> Figure:
-    curves = [
-        ([s.mean_pressure / MODULUS for s in one.touching], [s.contact_fraction for s in one.touching])
-        for one in evidence.loading
-    ]
-    x, y = joined(curves)
-    loads = list(LOADS)
-    lower, upper = mean - error, mean + error
+                   rows=np.stack([load, mean, error, wet, dry, mean / wet, mean / dry], axis=1).tolist())  # fmt: skip
     ends = [FITTED[0], FITTED[-1]]
-    return drawn("landing-area-against-load",
-                 "Contact area against load: every realisation, their mean with its standard error and straight line, "
-                 "and both theories.",
-                 axes("mean pressure $p/E^*$", "contact fraction $A/A_0$",
-                      trace("realisations", x, y, "thin"),
-                      shaded("mean and standard error", loads, lower, upper, 0),
-                      marks("mean", loads, map(float, mean), hue=0),
-                      trace(f"line through the mean, slope {line[1]:.3g}", ends,
-                            [line[0] + line[1] * end for end in ends], "dashed", hue=0),
-                      trace("Persson with adhesion", [0.0, *loads], [0.0, *map(float, wet)], hue=1),
-                      trace("Persson without adhesion", [0.0, *loads], [0.0, *map(float, dry)], hue=2)))  # fmt: skip
+    figure = drawn(
+        "landing-area-against-load",
+        "Contact area against load: every realisation, their mean with its standard error and straight line, "
+        "and both theories.",
+        axes("mean pressure $p/E^*$", "contact fraction $A/A_0$",
+             *scattered([one.path(_area) for one in evidence.loading], LOADS, areas),
+             trace(f"line through the mean, slope {slope:.3g}", ends, [intercept + slope * end for end in ends],
+                   "dashed", hue=0),
+             trace("Persson with adhesion", [0.0, *LOADS], [0.0, *wet], hue=1),
+             trace("Persson without adhesion", [0.0, *LOADS], [0.0, *dry], hue=2)),
+    )  # fmt: skip
+    return Outcome(rows=rows, figures=(figure,), tables=(slopes, points))

@@ -22,6 +22,8 @@ from bem.geometry.profile import Profile
 from bem.scene.result import Result, State
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
 from validation.harness.arrays import FloatArray
+from validation.harness.figure_data import marks, shaded, trace
+from validation.harness.schema import Series
 from validation.replicate.members import LOADS, MODULUS, PAPER, Size
 
 SAME_LOAD = 1e-9  # of E*
@@ -46,6 +48,10 @@ class Realisation:
     def touching(self) -> list[State]:
         """States that carry a load > 0."""
         return [state for state in self.result.states if state.mean_pressure > 0]
+
+    def path(self, of: Callable[[State], float]) -> tuple[list[float], list[float]]:
+        """Loads over E* of the states that carry one, and a number of each."""
+        return [state.mean_pressure / MODULUS for state in self.touching], list(map(of, self.touching))
 
     @property
     def final_load(self) -> float:
@@ -117,7 +123,8 @@ class Evidence:
     @cached_property
     def without_adhesion(self) -> dict[float, NonadhesiveContact]:
         """Persson's theory without adhesion at every load of `LOADS`."""
-        return {load: solve_nonadhesive(self.lines, load * MODULUS, **_solid(self.loading[0])) for load in LOADS}
+        solid = self.loading[0].result.scene["solid"]
+        return {load: solve_nonadhesive(self.lines, load * MODULUS, **solid) for load in LOADS}
 
     def with_fields_at(self, load: float) -> tuple[Realisation, ...]:
         """The realisations that have a state at this load, for spectra and distributions."""
@@ -138,23 +145,11 @@ def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 
 
     A `detached_width` of 1/f^2 multiplies the detachment stress by f.
     """
-    work = one.result.scene["adhesion"]["work_of_adhesion"]
-    solid = one.result.scene["solid"]
-    found = solve(
-        lines_of(one),
-        load * MODULUS,
-        youngs_modulus=solid["youngs_modulus"],
-        poisson_ratio=solid["poisson_ratio"],
-        work_of_adhesion=work,
-        detached_width=detached_width,
-    )
+    scene = one.result.scene
+    work = scene["adhesion"]["work_of_adhesion"]
+    found = solve(lines_of(one), load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"])
     assert isinstance(found, AdhesiveContact)
     return found
-
-
-def _solid(one: Realisation) -> dict[str, float]:
-    table = one.result.scene["solid"]
-    return {"youngs_modulus": table["youngs_modulus"], "poisson_ratio": table["poisson_ratio"]}
 
 
 def mean_and_error(values: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -186,6 +181,18 @@ def jackknife(quantity: Callable[[FloatArray], float], values: ArrayLike) -> tup
     return quantity(total / n), float(np.sqrt((n - 1) / n * np.sum((without - without.mean()) ** 2)))
 
 
+def estimate(values: ArrayLike) -> tuple[float, float]:
+    """Mean over realisations of one number of each, and its standard error.
+
+    Examples
+    --------
+    >>> estimate([1.0, 3.0])
+    (2.0, 1.0)
+    """
+    mean, error = mean_and_error(values)
+    return float(mean), float(error)
+
+
 def joined(curves: Sequence[tuple[Sequence[float], Sequence[float]]]) -> tuple[list[float | None], list[float | None]]:
     """Curves as one series, with gaps between them."""
     x: list[float | None] = []
@@ -194,3 +201,20 @@ def joined(curves: Sequence[tuple[Sequence[float], Sequence[float]]]) -> tuple[l
         x += [*map(float, a), None]
         y += [*map(float, b), None]
     return x[:-1], y[:-1]
+
+
+def scattered(
+    curves: Sequence[tuple[Sequence[float], Sequence[float]]],
+    x: Sequence[float],
+    values: ArrayLike,
+    each: str = "realisations",
+    name: str = "",
+    hue: int | None = None,
+) -> list[Series]:
+    """Every realisation thin, and their values (n_realisations, n) at x by mean and standard error."""
+    mean, error = mean_and_error(values)
+    return [
+        trace(f"{name}{each}", *joined(curves), "thin", hue=hue),
+        shaded(f"{name}mean and standard error", x, mean - error, mean + error, hue or 0),
+        marks(f"{name}mean", x, mean, hue=hue or 0),
+    ]

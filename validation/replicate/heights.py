@@ -13,15 +13,17 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.figure_data import axes, drawn, marks, shaded, trace
+from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Table
-from validation.replicate.evidence import Evidence, joined, mean_and_error
+from validation.replicate.evidence import Evidence, estimate, mean_and_error, scattered
 from validation.replicate.members import RMS_HEIGHT
 from validation.replicate.statements import Alternative, disagreement, statement
 
@@ -36,31 +38,31 @@ CAUSE = (
 
 
 def compute(evidence: Evidence) -> Outcome:
-    """Rows, figure and table."""
+    """Rows, figure and tables."""
     heights = [one.surface.grid[1] / RMS_HEIGHT for one in evidence.loading]
-    rms = np.array([[np.sqrt(np.mean(h**2))] for h in heights])
+    rms = [float(np.sqrt(np.mean(h**2))) for h in heights]
     moments = np.array([[np.mean(h**3), np.mean(h**4) - 3] for h in heights])
     density = np.array([np.histogram(h, BOUNDS, density=True)[0] for h in heights])
-    (skewness, excess), (skewness_error, excess_error) = mean_and_error(moments)
+    (skewness, excess), (skewness_error, excess_error) = (map(float, both) for both in mean_and_error(moments))
     first = [order for order in FIRST_KEPT if order < evidence.size.harmonics / 2]
-    fourth = [_fourth_moment(evidence, order) for order in first]
-    where = "section 4: heights of the generated profiles are Gaussian"
-    short = evidence.shortfall
+    power = {order: _power_from(evidence, order) for order in first}
+    fourth = {order: _fourth_moment(evidence, order) for order in first}
+    says = partial(statement, where="section 4: heights of the generated profiles are Gaussian",
+                   shortfall=evidence.shortfall)  # fmt: skip
     rows = (
-        statement("rms height over the one asked for, every profile", rms[:, 0].tolist(), 0.0, [1.0] * len(rms), 1e-12,
-                  Alternative(1 + 1e-9, "a profile that is not scaled"), measured=2e-16, where=where, shortfall=short),
-        statement("skewness of the heights, mean over profiles", float(skewness), float(skewness_error), 0.0, 0.2,
-                  Alternative(1.0, "a profile of crests"), measured=0.074, where=where, shortfall=short),
+        says("rms height over the one asked for, every profile", rms, 0.0, [1.0] * len(rms), 1e-12,
+             Alternative(1 + 1e-9, "a profile that is not scaled"), measured=2e-16),
+        says("skewness of the heights, mean over profiles", skewness, skewness_error, 0.0, 0.2,
+             Alternative(1.0, "a profile of crests"), measured=0.074),
         compared("excess kurtosis of the heights, mean over profiles, against that of independent phases", "",
-                 Reference(kind="exact", source="-(3/2) sum h_m^4 / (sum h_m^2)^2"),
-                 [_excess_of_independent_phases(evidence)], [float(excess)], 0.25, 0.11, "absolute",
-                 uncertainty=float(excess_error)),
+                 Reference(kind="exact", source="-(3/2) sum h_m^4 / (sum h_m^2)^2"), [_excess(power[first[0]])],
+                 [excess], 0.25, 0.11, "absolute", uncertainty=excess_error),
         compared(f"fourth moment of the heights without the waves longer than order {first[-1]}, mean over "
                  "profiles, against a Gaussian's 3", "",
                  Reference(kind="exact", source="many waves of independent phases: Gaussian heights"), [3.0],
-                 [fourth[-1][0]], 0.17, 0.057, "absolute", uncertainty=fourth[-1][1]),
-        disagreement("fourth moment of the heights, mean over profiles, against a Gaussian's 3", float(excess) + 3,
-                     float(excess_error), 3.0, (0.6, 0.8), CAUSE, where=where, shortfall=short),
+                 [fourth[first[-1]][0]], 0.17, 0.057, "absolute", uncertainty=fourth[first[-1]][1]),
+        disagreement("fourth moment of the heights, mean over profiles, against a Gaussian's 3", excess + 3,
+                     excess_error, 3.0, (0.6, 0.8), CAUSE, **says.keywords),
     )  # fmt: skip
     table = Table(caption="Profiles of the loading ensemble.",
                   columns=["seed", "highest crest / um", "skewness", "excess kurtosis"],
@@ -70,37 +72,24 @@ def compute(evidence: Evidence) -> Outcome:
         caption="Why the heights are no Gaussian sample: the fourth moment over the square of the variance, with the "
         "waves below an order taken out; mean over the profiles, and what independent phases give.",
         columns=["orders from", "share of the longest wave", "fourth moment", "standard error", "independent phases"],
-        rows=[
-            [order, _longest_share(evidence, order), *moment, 3 + _excess_of_independent_phases(evidence, order)]
-            for order, moment in zip(first, fourth, strict=True)
-        ],
-    )
-    centre = ((BOUNDS[1:] + BOUNDS[:-1]) / 2).tolist()
-    mean, error = mean_and_error(density)
-    x, y = joined([(centre, one) for one in density])
-    smooth = np.linspace(BOUNDS[0], BOUNDS[-1], 141)
+        rows=[[order, float(power[order].max() / power[order].sum()), *fourth[order], 3 + _excess(power[order])]
+              for order in first],
+    )  # fmt: skip
+    centre, smooth = ((BOUNDS[1:] + BOUNDS[:-1]) / 2).tolist(), np.linspace(BOUNDS[0], BOUNDS[-1], 141)
     figure = drawn("height-distribution",
                    "Distribution of the heights: every profile, their mean with its standard error, the Gaussian.",
                    axes("height $h/h_{rms}$", "density",
-                        trace("profiles", x, y, "thin"),
-                        shaded("mean and standard error", centre, mean - error, mean + error, 0),
-                        marks("mean", centre, mean, hue=0),
+                        *scattered([(centre, one) for one in density], centre, density, "profiles"),
                         trace("Gaussian", smooth, np.exp(-(smooth**2) / 2) / np.sqrt(2 * np.pi), hue=1)))  # fmt: skip
     return Outcome(rows=rows, figures=(figure,), tables=(table, shares))
 
 
-def _excess_of_independent_phases(evidence: Evidence, first: int = 1) -> float:
-    power = _power_from(evidence, first)
+def _excess(power: FloatArray) -> float:
+    """Excess kurtosis of independent phases."""
     return float(-1.5 * np.sum(power**2) / np.sum(power) ** 2)
 
 
-def _longest_share(evidence: Evidence, first: int) -> float:
-    """Share of the longest wave kept in the variance of those kept."""
-    power = _power_from(evidence, first)
-    return float(power.max() / power.sum())
-
-
-def _power_from(evidence: Evidence, first: int) -> NDArray[np.float64]:
+def _power_from(evidence: Evidence, first: int) -> FloatArray:
     surface = evidence.loading[0].surface
     return np.asarray(surface.amplitudes[surface.orders >= first] ** 2)
 
@@ -108,11 +97,9 @@ def _power_from(evidence: Evidence, first: int) -> NDArray[np.float64]:
 def _fourth_moment(evidence: Evidence, first: int) -> tuple[float, float]:
     """Mean over the profiles, with the waves below an order taken out, and its standard error."""
     moments = []
-    for one in evidence.loading:
-        whole = one.surface
+    for whole in (one.surface for one in evidence.loading):
         kept = whole.orders >= first
         waves = Profile.from_harmonics(whole.period, whole.orders[kept], whole.amplitudes[kept], whole.phases[kept])
         heights = waves.grid[1]
-        moments.append([float(np.mean(heights**4) / np.mean(heights**2) ** 2)])
-    mean, error = mean_and_error(moments)
-    return float(mean[0]), float(error[0])
+        moments.append(float(np.mean(heights**4) / np.mean(heights**2) ** 2))
+    return estimate(moments)

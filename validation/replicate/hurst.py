@@ -12,19 +12,15 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.figure_data import drawn, loglog, marks, shaded, trace
+from validation.harness.figure_data import drawn, loglog, trace
 from validation.harness.schema import Row, Series, Table
-from validation.replicate.evidence import (
-    Evidence,
-    Realisation,
-    joined,
-    lines_of,
-    mean_and_error,
-    theory_with_adhesion,
-)
+from validation.replicate.evidence import Evidence, Realisation, lines_of, scattered, theory_with_adhesion
 from validation.replicate.paper_spectra import Exponent, banded, exponent, exponent_of, exponent_of_mean
 from validation.replicate.statements import Alternative, disagreement, statement
 
@@ -55,16 +51,9 @@ def compute(evidence: Evidence) -> Outcome:
                       found.error, found.low, found.high, alone.value, alone.error, said])  # fmt: skip
         rows.append(_row(value, found, alone, said, evidence.shortfall))
         bands = [banded(one, 16) for one in power]
-        mean, spread = mean_and_error([y for _, y in bands])
-        thin_x, thin_y = joined(bands)
-        x = bands[0][0]
-        every = [float(order) for order in range(1, orders + 1)]
-        series += [
-            trace(f"H = {value:g}, realisations", thin_x, thin_y, "thin", hue=hue),
-            shaded(f"H = {value:g}, mean and standard error", x, mean - spread, mean + spread, hue),
-            marks(f"H = {value:g}, mean", x, mean, hue=hue),
-            trace(f"H = {value:g}, Persson's A(q)/A0", every, theory.contact_fractions, hue=hue),
-        ]
+        series += scattered(bands, bands[0][0], [y for _, y in bands], name=f"H = {value:g}, ", hue=hue)
+        series.append(trace(f"H = {value:g}, Persson's A(q)/A0", range(1, orders + 1), theory.contact_fractions,
+                            hue=hue))  # fmt: skip
     table = Table(
         caption="Exponents of C_u / C near the last decade of orders, fitted to the mean of the realisations: mean "
         "over the windows, and the lowest and highest of them; and fitted to each realisation.",
@@ -86,15 +75,15 @@ def _row(value: float, found: Exponent, alone: Exponent, theory: float, short: s
     name = f"exponent of C_u / C at short waves, H = {value:g}"
     where = "section 5: full contact at short wavelengths as the theory, computed here, expects for H > 0.5"
     reported = f"{found.reported()}; fitted to each realisation {alone.value:.3f} +- {alone.error:.3f}"
+    told: dict[str, Any] = {"where": where, "shortfall": short, "reported": reported}
     if value < LEVEL:
-        return disagreement(f"{name}, over that of the theory", found.value, found.error, theory, (0.7, 0.97), CAUSE,
-                            where=where, shortfall=short, reported=reported)  # fmt: skip
-    return statement(name, found.value, found.error, theory, 0.25,
-                     Alternative(-(1 - 0.3), "the fall of H = 0.3, about -(1 - H)"), measured=0.137, where=where,
-                     reported=reported, shortfall=short)  # fmt: skip
+        name += ", over that of the theory"
+        return disagreement(name, found.value, found.error, theory, (0.7, 0.97), CAUSE, **told)
+    falls = Alternative(-(1 - 0.3), "the fall of H = 0.3, about -(1 - H)")
+    return statement(name, found.value, found.error, theory, 0.25, falls, measured=0.137, **told)
 
 
-def _followed(one: Realisation, orders: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _followed(one: Realisation, orders: int) -> FloatArray:
     """C_u / C at the last target, (n_orders,)."""
     last = len(one.result.targets) - 1
     q0 = one.surface.q0

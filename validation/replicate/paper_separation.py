@@ -12,14 +12,17 @@ J. Phys.: Condens. Matter 20 (2008) 215214, doi:10.1088/0953-8984/20/21/215214.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from bem.scene.result import State
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.figure_data import drawn, marks, semilogx, shaded, trace
-from validation.harness.schema import Figure, Row, Table
-from validation.replicate.evidence import Evidence, joined, mean_and_error
-from validation.replicate.members import LOADS, MODULUS, RMS_HEIGHT
+from validation.harness.figure_data import drawn, semilogx, trace
+from validation.harness.schema import Row, Table
+from validation.replicate.evidence import Evidence, estimate, mean_and_error, scattered
+from validation.replicate.members import LOADS, RMS_HEIGHT
 from validation.replicate.statements import Alternative, differs, disagreement, statement
 
 FITTED = (0.0025, 0.005, 0.0075, 0.01)  # of E*
@@ -35,84 +38,71 @@ BANDS = {0.015: (1.1, 1.4), 0.02: (1.2, 1.6), 0.025: (1.3, 1.75)}  # 1.25, 1.38,
 MEASURED = {0.005: 0.048, 0.01: 0.099}
 
 
+def _apart(state: State) -> float:
+    return state.separation / RMS_HEIGHT
+
+
 def compute(evidence: Evidence) -> Outcome:
     """Rows, figure and tables."""
-    separations = evidence.values(lambda state: state.separation / RMS_HEIGHT)
+    separations = evidence.values(_apart)
     mean, error = mean_and_error(separations)
     wet = np.array([evidence.with_adhesion[load].separation or np.nan for load in LOADS]) / RMS_HEIGHT
     dry = np.array([evidence.without_adhesion[load].separation for load in LOADS]) / RMS_HEIGHT
-    fitted = np.array([load in FITTED for load in LOADS])
+    fitted = np.isin(LOADS, FITTED)
     log_load = np.log(np.array(LOADS)[fitted])
-    lengths = np.array([[-1 / np.polyfit(one[fitted], log_load, 1)[0]] for one in separations])
-    length, length_error = mean_and_error(lengths)
-    theory_length = float(-1 / np.polyfit(wet[fitted], log_load, 1)[0])
+
+    def length_of(curve: FloatArray) -> float:
+        return float(-1 / np.polyfit(curve[fitted], log_load, 1)[0])
+
+    length, length_error = estimate([length_of(one) for one in separations])
     small = float(mean[LOADS.index(SMALL)] / wet[LOADS.index(SMALL)])
     rows = (
-        *(_row(load, separations[:, LOADS.index(load)], float(wet[LOADS.index(load)]), evidence.shortfall)
-          for load in JUDGED),
+        *(_row(load, separations[:, k] / wet[k], evidence.shortfall)
+          for k, load in enumerate(LOADS) if load in JUDGED),
         differs(f"separation at {SMALL:g} E* is off the theory's by more than {DIFFERENT:.0%}",
                 abs(small - 1) > DIFFERENT, f"over the theory's: {small:.2f}; {CAUSE}",
                 where="section 5: except at small loads", shortfall=evidence.shortfall),
-        disagreement("length u0 of ln(p/E*) = c - s/u0, over that of the theory with adhesion", float(length[0]),
-                     float(length_error[0]), theory_length, (0.6, 0.9), CAUSE, unit="h_rms",
+        disagreement("length u0 of ln(p/E*) = c - s/u0, over that of the theory with adhesion", length, length_error,
+                     length_of(wet), (0.6, 0.9), CAUSE, unit="h_rms",
                      where="section 5: the theory, computed here, predicts the separation very well",
                      shortfall=evidence.shortfall),
     )  # fmt: skip
     table = Table(
         caption="ln(p/E*) = c - s/u0 through 0.0025 to 0.01 E*: the length u0 in rms heights.",
         columns=["curve", "u0 / h_rms", "standard error"],
-        rows=[
-            ["bem, mean of realisations", float(length[0]), float(length_error[0])],
-            ["Persson with adhesion", theory_length, None],
-            ["Persson without adhesion", float(-1 / np.polyfit(dry[fitted], log_load, 1)[0]), None],
-        ],
-    )
+        rows=[["bem, mean of realisations", length, length_error], ["Persson with adhesion", length_of(wet), None],
+              ["Persson without adhesion", length_of(dry), None]],
+    )  # fmt: skip
+    columns = [np.array(LOADS), mean, error, wet, dry, mean / wet, (mean - wet) / error]
     points = Table(
         caption="Separation over h_rms at the loads asked for, which are ours.",
-        columns=[
-            "p/E*",
-            "bem, mean",
-            "standard error",
-            "Persson with adhesion",
-            "Persson without",
-            "bem over Persson with adhesion",
-            "difference in standard errors",
-        ],
-        rows=[
-            list(map(float, row))
-            for row in zip(LOADS, mean, error, wet, dry, mean / wet, (mean - wet) / error, strict=True)
-        ],
-    )
-    return Outcome(rows=rows, figures=(_figure(evidence, mean, error, wet, dry),), tables=(table, points))
+        columns=["p/E*", "bem, mean", "standard error", "Persson with adhesion", "Persson without",
+                 "bem over Persson with adhesion", "difference in standard errors"],
+        rows=np.stack(columns, axis=1).tolist(),
+    )  # fmt: skip
+    figure = drawn(
+        "separation-against-load",
+        "Separation of the mean planes against load, logarithmic in the load: every realisation, their mean "
+        "with its standard error, and both theories, which adhesion hardly sets apart.",
+        semilogx("mean pressure $p/E^*$", "separation $s/h_{rms}$",
+                 *scattered([one.path(_apart) for one in evidence.loading], LOADS, separations),
+                 trace("Persson with adhesion", LOADS, wet, hue=1),
+                 trace("Persson without adhesion", LOADS, dry, "dashed", hue=2)),
+    )  # fmt: skip
+    return Outcome(rows=rows, figures=(figure,), tables=(table, points))
 
 
-def _row(load: float, separations: FloatArray, theory: float, short: str) -> Row:
-    """The separation at a load over the theory's."""
-    ratio, error = mean_and_error(separations[:, None] / theory)
+def _row(load: float, over_theory: FloatArray, short: str) -> Row:
+    """The separation of every realisation at a load, over the theory's."""
+    ratio, error = estimate(over_theory)
     name = f"separation over that of Persson's theory with adhesion at {load:g} E*"
     where = "section 5: separation in very good agreement with the theory, computed here, except at small loads"
-    apart = f"{(ratio[0] - 1) / error[0]:+.1f} standard errors"
+    told: dict[str, Any] = {
+        "where": where,
+        "shortfall": short,
+        "reported": f"{(ratio - 1) / error:+.1f} standard errors",
+    }
     if load in BANDS:
-        return disagreement(name, float(ratio[0]), float(error[0]), 1.0, BANDS[load], HIGH, where=where,
-                            shortfall=short, reported=apart)  # fmt: skip
-    return statement(name, float(ratio[0]), float(error[0]), 1.0, 0.2, Alternative(0.5, "half of it"),
-                     measured=MEASURED[load], where=where, shortfall=short,
-                     reported=apart)  # fmt: skip
-
-
-def _figure(evidence: Evidence, mean: FloatArray, error: FloatArray, wet: FloatArray, dry: FloatArray) -> Figure:
-    curves = [
-        ([s.mean_pressure / MODULUS for s in one.touching], [s.separation / RMS_HEIGHT for s in one.touching])
-        for one in evidence.loading
-    ]
-    x, y = joined(curves)
-    loads = list(LOADS)
-    return drawn("separation-against-load",
-                 "Separation of the mean planes against load, logarithmic in the load: every realisation, their mean "
-                 "with its standard error, and both theories, which adhesion hardly sets apart.",
-                 semilogx("mean pressure $p/E^*$", "separation $s/h_{rms}$",
-                          trace("realisations", x, y, "thin"),
-                          shaded("mean and standard error", loads, mean - error, mean + error, 0),
-                          marks("mean", loads, mean, hue=0),
-                          trace("Persson with adhesion", loads, map(float, wet), hue=1),
-                          trace("Persson without adhesion", loads, map(float, dry), "dashed", hue=2)))  # fmt: skip
+        return disagreement(name, ratio, error, 1.0, BANDS[load], HIGH, **told)
+    half = Alternative(0.5, "half of it")
+    return statement(name, ratio, error, 1.0, 0.2, half, measured=MEASURED[load], **told)

@@ -13,17 +13,18 @@ every q, C_sigma ~ q^2 C.  Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.figure_data import drawn, loglog, semilogx, shaded, trace
+from validation.harness.figure_data import drawn, loglog, semilogx, trace
 from validation.harness.schema import Figure, Row, Series, Table
-from validation.replicate.evidence import Evidence, Realisation, jackknife, joined, mean_and_error
+from validation.replicate.evidence import Evidence, Realisation, estimate, jackknife, scattered
 from validation.replicate.members import HURST, LOADS, MODULUS, SPECTRA_AT
 from validation.replicate.statements import Alternative, differs, statement
 
@@ -90,9 +91,8 @@ def exponent_of(power: FloatArray, windows: Sequence[Window]) -> Exponent:
     if not windows:
         return Exponent(np.nan, 0.0, np.nan, np.nan)
     each = np.array([[exponent(one, window) for window in windows] for one in power])
-    value, error = mean_and_error(each.mean(axis=1)[:, None])
     by_window = each.mean(axis=0)
-    return Exponent(float(value[0]), float(error[0]), float(by_window.min()), float(by_window.max()))
+    return Exponent(*estimate(each.mean(axis=1)), float(by_window.min()), float(by_window.max()))
 
 
 def exponent_of_mean(power: FloatArray, windows: Sequence[Window]) -> Exponent:
@@ -110,27 +110,25 @@ def exponent_of_mean(power: FloatArray, windows: Sequence[Window]) -> Exponent:
     return Exponent(value, error, min(by_window), max(by_window))
 
 
-def displacement_spectra(realisations: tuple[Realisation, ...], load: float) -> FloatArray:
-    """C_u at a load in m^3, (n_realisations, n_orders)."""
-    return np.array([one.field("C_u", load) for one in realisations])
+def spectra(evidence: Evidence, load: float, name: str = "C_u") -> FloatArray:
+    """C_u at a load in m^3, or C_sigma, (n_realisations, n_orders)."""
+    every = [one.field(name, load) for one in evidence.with_fields_at(load)]
+    return np.array(every)[:, : evidence.size.harmonics]
 
 
 def compute(evidence: Evidence) -> Outcome:
     """Rows, figures and table of the loading ensemble and of the profile at high load."""
     rows: list[Row] = []
     lines: list[list[str | float | int | None]] = []
-    highest = evidence.size.harmonics
     for load in SPECTRA_AT:
-        power = displacement_spectra(evidence.with_fields_at(load), load)[:, :highest]
+        power = spectra(evidence, load)
         theory = evidence.with_adhesion[load].displacement_power(evidence.loading[0].surface.q0)
-        rows += _middle_rows(load, power, theory, evidence.shortfall)
-        rows += _shift_rows(load, power, theory, evidence.shortfall)
-        rows += _high_rows(load, power, evidence.shortfall)
+        for judge in (_middle_rows, _shift_rows, _high_rows):
+            rows += judge(load, power, theory, evidence.shortfall)
         for window in (*MIDDLE, HIGH, *OTHERS):
-            if window[1] <= highest:
-                found = exponent_of(power, [window])
+            if window[1] <= evidence.size.harmonics:
+                found, of_mean = exponent_of(power, [window]), exponent_of_mean(power, [window])
                 said = exponent(theory, window)
-                of_mean = exponent_of_mean(power, [window])
                 lines.append([load, len(power), f"{window[0]:g} to {window[1]:g}", found.value, found.error,
                               of_mean.value, of_mean.error, said, found.value + 2, said + 2])  # fmt: skip
     tables = [
@@ -159,18 +157,18 @@ def _middle_rows(load: float, power: FloatArray, theory: FloatArray, short: str)
     found = exponent_of(power, here)
     said = float(np.mean([exponent(theory, window) for window in here])) if here else np.nan
     of_mean = exponent_of_mean(power, here).value if here else np.nan
-    full = Alternative(FULL_CONTACT, "the exponent of full contact")
+    full, says = "the exponent of full contact", partial(statement, shortfall=short)
     return [
-        statement(f"exponent of C_u at {load:g} E*, middle range", found.value, found.error, PAPERS, 0.15, full,
-                  measured=MEASURED["C_u"][load], last_digit=0.005, where="section 5: -2.73, theory -2.7",
-                  shortfall=short, reported=f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}"),
-        statement(f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range", said, 0.0, -2.7, 0.1,
-                  full, measured=MEASURED["theory"][load], last_digit=0.05,
-                  where="section 5: theory -2.7", shortfall=short),
-        statement(f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)", found.value + 2,
-                  found.error, -HURST, 0.15, Alternative(FULL_CONTACT + 2, full.words),
-                  measured=MEASURED["C_sigma"][load], where="section 5: -H in the middle range",
-                  shortfall=short, reported=found.reported(2)),
+        says(f"exponent of C_u at {load:g} E*, middle range", found.value, found.error, PAPERS, 0.15,
+             Alternative(FULL_CONTACT, full), measured=MEASURED["C_u"][load], last_digit=0.005,
+             where="section 5: -2.73, theory -2.7",
+             reported=f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}"),
+        says(f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range", said, 0.0, -2.7, 0.1,
+             Alternative(FULL_CONTACT, full), measured=MEASURED["theory"][load], last_digit=0.05,
+             where="section 5: theory -2.7"),
+        says(f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)", found.value + 2, found.error,
+             -HURST, 0.15, Alternative(FULL_CONTACT + 2, full), measured=MEASURED["C_sigma"][load],
+             where="section 5: -H in the middle range", reported=found.reported(2)),
     ]  # fmt: skip
 
 
@@ -179,43 +177,38 @@ def _shift_rows(load: float, power: FloatArray, theory: FloatArray, short: str) 
     if power.shape[1] < SHIFTED[1]:
         return []
     inside = slice(int(SHIFTED[0]) - 1, int(SHIFTED[1]))
-    ratio, error = mean_and_error((power[:, inside] / theory[inside]).mean(axis=1)[:, None])
-    above = float(ratio[0]) - 1
+    ratio, error = estimate((power[:, inside] / theory[inside]).mean(axis=1))
     return [
         differs(f"C_u at {load:g} E* is off that of the theory with adhesion by more than {NEGLIGIBLE:.0%} and two "
-                "standard errors, orders 3 to 100", abs(above) > max(NEGLIGIBLE, 2 * float(error[0])),
-                f"over the theory's: {float(ratio[0]):.2f} +- {float(error[0]):.2f}",
+                "standard errors, orders 3 to 100", abs(ratio - 1) > max(NEGLIGIBLE, 2 * error),
+                f"over the theory's: {ratio:.2f} +- {error:.2f}",
                 where="section 5: a non-negligible shift, the exponents the same", shortfall=short)
     ]  # fmt: skip
 
 
-def _high_rows(load: float, power: FloatArray, short: str) -> list[Row]:
+def _high_rows(load: float, power: FloatArray, theory: FloatArray, short: str) -> list[Row]:
     """The exponent of C_sigma at the high end, and by how much it has risen from the middle."""
     if power.shape[1] < HIGH[1]:
         return []
     found = exponent_of(power, [HIGH])
-    rise = np.array([[exponent(one, HIGH) - np.mean([exponent(one, window) for window in MIDDLE])] for one in power])
-    change, error = mean_and_error(rise)
-    where = "section 5: from -H in the middle range to 1 - 2 H of full contact at high q"
+    rise = [exponent(one, HIGH) - np.mean([exponent(one, window) for window in MIDDLE]) for one in power]
+    says = partial(statement, where="section 5: from -H in the middle range to 1 - 2 H of full contact at high q",
+                   shortfall=short)  # fmt: skip
     return [
-        statement(f"exponent of C_sigma at {load:g} E*, orders 250 to 1000", found.value + 2, found.error,
-                  1 - 2 * HURST, 0.15, Alternative(-HURST, "that of the middle range"), measured=MEASURED["high"][load],
-                  where=where, shortfall=short),
-        statement(f"rise of the exponent of C_sigma to orders 250 to 1000, {load:g} E*", float(change[0]),
-                  float(error[0]), 1 - HURST, 0.15, Alternative(0.0, "no rise"), measured=MEASURED["rise"][load],
-                  where=where, shortfall=short),
+        says(f"exponent of C_sigma at {load:g} E*, orders 250 to 1000", found.value + 2, found.error, 1 - 2 * HURST,
+             0.15, Alternative(-HURST, "that of the middle range"), measured=MEASURED["high"][load]),
+        says(f"rise of the exponent of C_sigma to orders 250 to 1000, {load:g} E*", *estimate(rise), 1 - HURST, 0.15,
+             Alternative(0.0, "no rise"), measured=MEASURED["rise"][load]),
     ]  # fmt: skip
 
 
 def _high_load_row(one: Realisation, short: str) -> Row:
-    last = len(one.result.targets) - 1
-    ratio, error, _ = _closeness(one, last)
-    first = _closeness(one, 0)[0]
+    first, last = (one.result.targets[k].contact_fraction for k in (0, -1))
+    ratio, error, _ = _closeness(one, len(one.result.targets) - 1)
     return statement(
-        f"C_u over C at contact fraction {one.result.targets[last].contact_fraction:.4f}, mean over orders", ratio,
-        error, 1.0, 0.02, Alternative(first, f"its value at {one.result.targets[0].contact_fraction:.3f}"),
-        measured=0.0055, where="section 5: C_u tends to C at very high load", shortfall=short
-    )  # fmt: skip
+        f"C_u over C at contact fraction {last:.4f}, mean over orders", ratio, error, 1.0, 0.02,
+        Alternative(_closeness(one, 0)[0], f"its value at {first:.3f}"), measured=0.0055,
+        where="section 5: C_u tends to C at very high load", shortfall=short)  # fmt: skip
 
 
 def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[float]]:
@@ -238,17 +231,14 @@ def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[fl
 
 
 def _displacement_figure(evidence: Evidence) -> Figure:
-    order = _orders(evidence)
     q0 = evidence.loading[0].surface.q0
-    series = [trace("profile", order, evidence.lines.power(q0), hue=5)]
+    series = [trace("profile", _orders(evidence), evidence.lines.power(q0), hue=5)]
     for hue, load in enumerate(SPECTRA_AT):
-        power = displacement_spectra(evidence.with_fields_at(load), load)[:, : len(order)]
-        theory = evidence.with_adhesion[load].displacement_power(q0)
-        series += _curves(power, theory, f"{load:g} E*", hue)
-        if DRAWN[1] <= len(order):
-            slope, level = _mean_line(power, DRAWN)
+        power = spectra(evidence, load)
+        series += _curves(power, evidence.with_adhesion[load].displacement_power(q0), f"{load:g} E*", hue)
+        for slope, level, window in _fits(power, [DRAWN]):
             series += [
-                trace(f"{load:g} E*, fit, slope {slope:.2f}", *_power_law(slope, level), "dashed", hue=hue),
+                trace(f"{load:g} E*, fit, slope {slope:.2f}", *_power_law(slope, level, window), "dashed", hue=hue),
                 trace(f"{load:g} E*, the paper's slope {PAPERS}", *_power_law(PAPERS, level + MIDST * (slope - PAPERS)),
                       "dashed", hue=5),
             ]  # fmt: skip
@@ -257,40 +247,33 @@ def _displacement_figure(evidence: Evidence) -> Figure:
 
 
 def _pressure_figure(evidence: Evidence) -> Figure:
-    order = _orders(evidence)
-    q0 = evidence.loading[0].surface.q0
+    order, q0 = _orders(evidence), evidence.loading[0].surface.q0
     stiffness = evidence.with_adhesion[LOADS[-1]].plane_strain_modulus * q0 * np.array(order) / 2
     full = stiffness**2 * evidence.lines.power(q0) / MODULUS**2
     series = [trace("full contact, slope 1 - 2H", order, full, "dashed", hue=5)]
     for hue, load in enumerate(SPECTRA_AT):
-        power = np.array([one.field("C_sigma", load) for one in evidence.with_fields_at(load)])[:, : len(order)]
+        power = spectra(evidence, load, "C_sigma") / MODULUS**2
         theory = evidence.with_adhesion[load].pressure_power(q0) / MODULUS**2
-        series += _curves(power / MODULUS**2, theory, f"{load:g} E*", hue)
+        series += _curves(power, theory, f"{load:g} E*", hue)
         series += [
             trace(f"{load:g} E*, fit, slope {slope:.2f}", *_power_law(slope, level, window), "dashed", hue=hue)
-            for window in (DRAWN, HIGH)
-            if window[1] <= len(order)
-            for slope, level in [_mean_line(power / MODULUS**2, window)]
+            for slope, level, window in _fits(power, [DRAWN, HIGH])
         ]
     return drawn("pressure-spectrum", f"Spectrum C_sigma over E*^2 of the pressure against the order. {HOW_DRAWN}",
                  loglog("$q/q_0$", r"$C_\sigma/E^{*2}$ / m", *series))  # fmt: skip
 
 
-def _orders(evidence: Evidence) -> list[float]:
-    return list(map(float, range(1, evidence.size.harmonics + 1)))
+def _orders(evidence: Evidence) -> range:
+    return range(1, evidence.size.harmonics + 1)
 
 
 def _curves(power: FloatArray, theory: FloatArray, name: str, hue: int) -> list[Series]:
     """Mean of every order, single realisations and mean with its error in bands of orders, theory."""
-    bands = [banded(one) for one in power]
-    mean, error = mean_and_error([value for _, value in bands])
-    order = list(map(float, range(1, power.shape[1] + 1)))
-    single_x, single_y = joined(bands)
+    bands, order = [banded(one) for one in power], range(1, power.shape[1] + 1)
     return [
         trace(f"{name}, mean of every order", order, power.mean(axis=0), "dots", hue=hue),
-        trace(f"{name}, realisations", single_x, single_y, "thin", hue=hue),
-        shaded(f"{name}, mean and standard error", bands[0][0], mean - error, mean + error, hue),
-        trace(f"{name}, Persson with adhesion", order, map(float, theory), hue=hue),
+        *scattered(bands, bands[0][0], [value for _, value in bands], name=f"{name}, ", hue=hue)[:2],
+        trace(f"{name}, Persson with adhesion", order, theory, hue=hue),
     ]
 
 
@@ -302,12 +285,15 @@ def _line(power: FloatArray, window: Window) -> tuple[float, float]:
     return float(slope), float(level)
 
 
-def _mean_line(power: FloatArray, window: Window) -> tuple[float, float]:
-    """Mean slope of the lines fitted to each realisation, (n_realisations, n_orders), and the level of their mean."""
-    slope = float(np.mean([_line(one, window)[0] for one in power]))
+def _fits(power: FloatArray, windows: Sequence[Window]) -> Iterator[tuple[float, float, Window]]:
+    """Mean slope of the lines fitted to each realisation, the level of their mean, and the window; of those inside."""
     order = np.arange(1, power.shape[1] + 1)
-    inside = (order >= window[0]) & (order <= window[1])
-    return slope, float(np.mean(np.log(power.mean(axis=0)[inside]) - slope * np.log(order[inside])))
+    for window in windows:
+        if window[1] <= order.size:
+            slope = float(np.mean([exponent(one, window) for one in power]))
+            inside = (order >= window[0]) & (order <= window[1])
+            level = np.log(power.mean(axis=0)[inside]) - slope * np.log(order[inside])
+            yield slope, float(np.mean(level)), window
 
 
 def _power_law(slope: float, level: float, window: Window = DRAWN) -> tuple[list[float], list[float]]:
@@ -317,18 +303,13 @@ def _power_law(slope: float, level: float, window: Window = DRAWN) -> tuple[list
 
 def _ratio_figure(evidence: Evidence) -> Figure:
     """C_u / C in bands of orders: level where short waves are in full contact within the contact."""
-    q0 = evidence.loading[0].surface.q0
-    profile = evidence.lines.power(q0)
-    series: list[Series] = []
+    profile, series = evidence.lines.power(evidence.loading[0].surface.q0), list[Series]()
     for hue, load in enumerate(SPECTRA_AT):
-        power = displacement_spectra(evidence.with_fields_at(load), load)[:, : profile.size]
         theory = evidence.with_adhesion[load].contact_fractions
-        series += _curves(power / profile, theory, f"{load:g} E*", hue)[1:]
-    return drawn(
-        "displacement-over-profile",
-        "C_u / C of the profile, in bands of orders, beside the theory's A(q)/A0.",
-        loglog("$q/q_0$", "$C_u/C$", *series),
-    )
+        series += _curves(spectra(evidence, load) / profile, theory, f"{load:g} E*", hue)[1:]
+    return drawn("displacement-over-profile",
+                 "C_u / C of the profile, in bands of orders, beside the theory's A(q)/A0.",
+                 loglog("$q/q_0$", "$C_u/C$", *series))  # fmt: skip
 
 
 def _high_load_figure(one: Realisation) -> Figure:

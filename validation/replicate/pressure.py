@@ -26,6 +26,7 @@ from validation.replicate.double_gaussian_fit import FACTOR, Sample, window_figu
 from validation.replicate.evidence import (
     Evidence,
     Realisation,
+    estimate,
     jackknife,
     joined,
     mean_and_error,
@@ -140,11 +141,11 @@ def _tensile_row(evidence: Evidence, load: float) -> Row:
     for one in evidence.with_fields_at(load):
         limit = float(one.field("tail_coefficient", load)) / MODULUS**2
         exact = limit * (TAIL_BOUNDS[1:] ** -2 - TAIL_BOUNDS[:-1] ** -2) / 2 / np.diff(TAIL_BOUNDS)
-        ratios.append([float(np.mean((density(one, load, TAIL_BOUNDS) / exact)[inside]))])
-    ratio, error = mean_and_error(ratios)
+        ratios.append(float(np.mean((density(one, load, TAIL_BOUNDS) / exact)[inside])))
+    ratio, error = estimate(ratios)
     return compared(f"tensile tail P |sigma|^3 over its limit, -6 to -2 E*, at {load:g} E*", "",
                     Reference(kind="exact", source="JKR edges: P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3"), [1.0],
-                    [float(ratio[0])], 0.01, 0.0035, "absolute", uncertainty=float(error[0]))  # fmt: skip
+                    [ratio], 0.01, 0.0035, "absolute", uncertainty=error)  # fmt: skip
 
 
 def _figures(

@@ -34,6 +34,7 @@ from validation.harness.arrays import FloatArray
 from validation.harness.schema import Row
 from validation.references import fem_adapter
 
+COARSER = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 6, 16)}  # of many meshes: folds, moved edges
 RESOLUTIONS = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 8, 18)}
 NAMES = {2: "P2/P1", 4: "P4/P3"}
 ROUNDING = 1e-11  # of the scale: what a comparison of doubles that differ by nothing else leaves

@@ -155,7 +155,8 @@ CASES = (
     _prescribed_case("P4/P3", "standard"),
     _equilibrium_case("two-patches-thin", "P4/P3", "standard"),
     _equilibrium_case("without-adhesion", "P4/P3", "standard"),
-    _equilibrium_case("three-patches", "P4/P3", "standard"),
+    _equilibrium_case("three-patches", "P2/P1", "standard"),  # at the fine ones: fem-matrix, and in full
+    _equilibrium_case("three-patches", "P4/P3", "full"),
     _equilibrium_case("two-patches-load", "P4/P3", "full"),
     _equilibrium_case("three-patches-load", "P4/P3", "full"),
     _case("layers", "P4/P3", "full", _layers,

@@ -19,7 +19,7 @@ import numpy as np
 import bem
 from bem.scene.scene import Scene
 from fem_reference.energy_difference import energy_difference
-from validation.cases.finite_elements.fem_comparison import GROUP, RESOLUTIONS, beside, within
+from validation.cases.finite_elements.fem_comparison import COARSER, GROUP, beside, within
 from validation.cases.shared.checks import Against, case, posed
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
@@ -50,7 +50,7 @@ def _difference_of_bem(scene: Scene, edges: FloatArray, penetration: float) -> F
 def _rates(elements: str, label: str) -> Outcome:
     name, patches, changes = SCENES[label]
     scene = posed(name, **changes)
-    state, fem = bem.solve(scene).targets[-1], fem_adapter.solve_fem(scene, RESOLUTIONS[elements], patches)
+    state, fem = bem.solve(scene).targets[-1], fem_adapter.solve_fem(scene, COARSER[elements], patches)
     if state.status != "converged" or fem.status != "converged":
         raise ArithmeticError(f"{label}: boundary elements {state.status}, finite elements {fem.status}")
     found, uncertain = energy_difference(fem)

@@ -2,8 +2,9 @@
 
 What each expects is stated beforehand in hard_cases.py, hard_fem_cases.py and hard_persson_cases.py.  A row holds two
 answers apart: whether the case ended as expected, and whether nothing was found against its result.  A case that
-crashes is a row with its message.  At the quick level those run that take less than a third of a second, and the table
-lists the others too, so that the map of the report shows all.  Full forms: `python -m validation study stability`.
+crashes is a row with its message.  At the quick level those run that take less than a third of a second, at the
+standard level the others; the table of the first lists them too, so that the map of the report shows all.  Full forms:
+`python -m validation study stability`.
 """
 
 from __future__ import annotations
@@ -12,8 +13,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from validation.cases.shared.checks import Against, case
-from validation.corpus.endings import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
-from validation.corpus.endings import Row as HardRow
+from validation.corpus.endings import GOOD, Code, Trial, TrialRow, counts, measured, row_of, table_of, tasks_of
 from validation.harness.case import Outcome
 
 EXPECTED = Against("self", "the expectation stated beforehand, and the checks that each case names")
@@ -42,7 +42,8 @@ QUICK: dict[Code, tuple[str, ...]] = {
 
 
 def _hard_cases(code: Code) -> Outcome:
-    return _outcome([task for task in tasks_of(quick=True) if task.code == code])
+    """Those of a code that the quick level leaves to this one."""
+    return _outcome([task for task in tasks_of(quick=True) if task.code == code and task.id not in QUICK[code]])
 
 
 def _quick() -> Outcome:
@@ -50,7 +51,7 @@ def _quick() -> Outcome:
     return _outcome([task for task in every if task.id in QUICK[task.code]], every)
 
 
-def _outcome(planned: list[Task], every: Sequence[Task] = ()) -> Outcome:
+def _outcome(planned: list[Trial], every: Sequence[Trial] = ()) -> Outcome:
     """Tasks that are run; those of all that are not are left to a higher level."""
     ended = [_ended(task) for task in planned]
     found = counts(ended)
@@ -65,7 +66,7 @@ def _outcome(planned: list[Task], every: Sequence[Task] = ()) -> Outcome:
     return Outcome(rows=(total, *rows), tables=(table_of(ended, [task for task in every if task not in planned]),))
 
 
-def _ended(task: Task) -> HardRow:
+def _ended(task: Trial) -> TrialRow:
     """The row of a case, also when it crashes."""
     try:
         return row_of(task, measured(task))
