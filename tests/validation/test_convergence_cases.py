@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from validation.cases.rough_profiles import paper_method_audit
-from validation.cases.rough_profiles.paper_method_audit import Extrapolated
+from validation.cases.rough_profiles.paper_method_audit import Limit
 from validation.cases.suite import convergence_rates
 from validation.corpus.convergence_curves import paper_method_curve
 from validation.harness.verdict import verdict_of
@@ -21,14 +21,14 @@ def test_rate_off_on_either_side_deviates():
 
 def test_extrapolation_of_second_order_is_exact_for_it():
     grids = [np.array([1.0 + 0.3 / n**2]) for n in (8, 16, 32)]
-    found = Extrapolated.of(*grids)
+    found = Limit.of(*grids)
     assert found.value == pytest.approx(1.0, rel=1e-14)
     assert found.uncertainty < 1e-14
 
 
 def test_extrapolation_tells_its_own_error():
     grids = [np.array([1.0 + 0.3 / n**2 + 0.2 / n**3]) for n in (8, 16, 32)]
-    found = Extrapolated.of(*grids)
+    found = Limit.of(*grids)
     assert abs(found.value[0] - 1.0) < found.uncertainty < 20 * abs(found.value[0] - 1.0)
 
 

@@ -9,15 +9,15 @@ import pytest
 from validation import __main__ as command_line
 from validation.cases.suite import reduced_hard_cases as registered
 from validation.cases.suite.reduced_hard_cases import QUICK
-from validation.corpus.endings import ENDINGS, Task, counts, row_of, tasks_of
+from validation.corpus.endings import ENDINGS, Trial, counts, row_of, tasks_of
 from validation.harness import store
 from validation.harness.execution import Ended
 from validation.harness.verdict import verdict_of
 from validation.studies import stability
 from validation.studies.stability import summary
 
-FLAT = Task("bem", "flat", "reduced", 120.0)
-TASKS = (FLAT, Task("fem", "apart", "reduced", 120.0), Task("persson", "one_line", "reduced", 120.0))
+FLAT = Trial("bem", "flat", "reduced", 120.0)
+TASKS = (FLAT, Trial("fem", "apart", "reduced", 120.0), Trial("persson", "one_line", "reduced", 120.0))
 
 
 @pytest.mark.parametrize("quick", [True, False], ids=["reduced", "full"])

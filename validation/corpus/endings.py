@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from validation.corpus.hard import hard_case_run, hard_fem_cases, hard_persson_cases
-from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.hard.hard_case_scenes import HardCase
 from validation.corpus.hard.hard_cases import HARD_CASES
 from validation.corpus.random import random_trial
@@ -38,7 +38,7 @@ GOOD: tuple[Ending, ...] = ("converged", "refused as expected")
 
 
 @dataclass(frozen=True)
-class Task:
+class Trial:
     """A case of a code, in one of its forms, with the seconds it may take."""
 
     code: Code
@@ -48,7 +48,7 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Row:
+class TrialRow:
     """What became of a case; `correct` is False where there is no result to judge; `kinds` are those of findings."""
 
     code: Code
@@ -69,38 +69,38 @@ class Row:
         return self.ending in GOOD and self.correct
 
 
-def tasks_of(quick: bool) -> list[Task]:
+def tasks_of(quick: bool) -> list[Trial]:
     """All cases of the three corpora, in order."""
     form: Form = "reduced" if quick else "full"
-    return [Task(code, name, form, LIMITS[form]) for code, corpus in _corpora().items() for name in corpus]
+    return [Trial(code, name, form, LIMITS[form]) for code, corpus in _corpora().items() for name in corpus]
 
 
-def measured(task: Task) -> Outcome:
+def measured(task: Trial) -> TrialOutcome:
     """One case, in a process of its own."""
     return RUNNERS[task.code](_case(task), task.form == "full")
 
 
-def row_of(task: Task, answer: Outcome | Exception | None, seconds: float | None = None) -> Row:
+def row_of(task: Trial, answer: TrialOutcome | Exception | None, seconds: float | None = None) -> TrialRow:
     """The row of a case from its outcome, from the exception in its place, or from neither: then the time was up."""
     case = _case(task)
     name: tuple[Code, str, Form, str] = (task.code, task.id, task.form, case.reason)
-    if isinstance(answer, Outcome):
+    if isinstance(answer, TrialOutcome):
         message = "; ".join(filter(None, [answer.refused_reason, *answer.findings]))
         judged = (_ending(answer), answer.correct, message, answer.seconds)
-        return Row(*name, answer.expected, answer.observed, *judged, answer.kinds)
+        return TrialRow(*name, answer.expected, answer.observed, *judged, answer.kinds)
     expected = case.expectation(task.form == "full")
     if answer is None:
-        return Row(*name, expected, (), "timed out", False, f"no answer in {task.limit:g} s", seconds)
-    return Row(*name, expected, (), "crashed", False, f"{type(answer).__name__}: {answer}", seconds)
+        return TrialRow(*name, expected, (), "timed out", False, f"no answer in {task.limit:g} s", seconds)
+    return TrialRow(*name, expected, (), "crashed", False, f"{type(answer).__name__}: {answer}", seconds)
 
 
-def _ending(outcome: Outcome) -> Ending:
+def _ending(outcome: TrialOutcome) -> Ending:
     if outcome.refused_reason is not None:
         return "refused as expected" if outcome.observed == outcome.expected else "refused"
     return "converged" if outcome.converged else "not converged"
 
 
-def counts(rows: Iterable[Row]) -> dict[str, int]:
+def counts(rows: Iterable[TrialRow]) -> dict[str, int]:
     """How many cases ended how, and how many are correct; the endings sum up to the rows."""
     known = list(rows)
     found: dict[str, int] = {ending: sum(row.ending == ending for row in known) for ending in ENDINGS}
@@ -112,7 +112,7 @@ def counts(rows: Iterable[Row]) -> dict[str, int]:
 COLUMNS = ["code", "case", "expected", "observed", "ending", "correct", "CPU s"]
 
 
-def table_of(rows: Sequence[Row], left: Sequence[Task] = ()) -> Table:
+def table_of(rows: Sequence[TrialRow], left: Sequence[Trial] = ()) -> Table:
     """The rows as a table of a report, with tasks that are left to a higher level."""
     form = rows[0].form if rows else "reduced"
     return Table(
@@ -136,12 +136,12 @@ def _corpora() -> dict[Code, Mapping[str, _Hard]]:
     return {code: {case.id: case for case in cases} for code, cases in corpora.items()}
 
 
-def _case(task: Task) -> _Hard:
+def _case(task: Trial) -> _Hard:
     """The case of a task."""
     return random_trial.case_of(task.id) if task.code == "random" else _corpora()[task.code][task.id]
 
 
-RUNNERS: dict[Code, Callable[[Any, bool], Outcome]] = {
+RUNNERS: dict[Code, Callable[[Any, bool], TrialOutcome]] = {
     "bem": hard_case_run.run_case,
     "fem": hard_fem_cases.run_case,
     "persson": hard_persson_cases.run_case,
@@ -149,14 +149,14 @@ RUNNERS: dict[Code, Callable[[Any, bool], Outcome]] = {
 }
 
 
-def cells(row: Row) -> list[str | float | int | None]:
+def cells(row: TrialRow) -> list[str | float | int | None]:
     """A row as cells of the columns `COLUMNS`."""
     correct = "yes" if row.correct else "NO"
     seconds = None if row.seconds is None else round(row.seconds, 2)
     return [row.code, row.id, _short(row.expected), _short(row.observed), row.ending, correct, seconds]
 
 
-def _left(task: Task) -> list[str | float | int | None]:
+def _left(task: Trial) -> list[str | float | int | None]:
     """A task that is not run here as cells of the columns."""
     return [task.code, task.id, _short(_case(task).expectation(task.form == "full")), "", "not run", "–", None]
 

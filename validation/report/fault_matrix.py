@@ -10,13 +10,13 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure as Canvas
 
-from validation.report.figures import SETTINGS, save
+from validation.report.figures import save, styled
 
 DECADES = 12.0  # beyond which the colour no longer deepens
 
 
 @dataclass(frozen=True)
-class Line:
+class FaultLine:
     """A fault."""
 
     name: str
@@ -25,10 +25,10 @@ class Line:
     asked: Collection[str]  # cases that were shown it
 
 
-def write_matrix(path: Path, cases: Sequence[str], lines: Sequence[Line]) -> None:
+def write_matrix(path: Path, cases: Sequence[str], lines: Sequence[FaultLine]) -> None:
     """Draw faults (rows) against cases (columns, without those that were shown no fault) as SVG."""
     shown = [case for case in cases if any(case in line.asked for line in lines)]
-    with mpl.rc_context(SETTINGS):
+    with styled():
         labels = max(len(line.name) for line in lines), max(map(len, shown), default=0)
         size = (4.0 + 0.09 * labels[0] + 0.3 * len(shown), 3.0 + 0.09 * labels[1] + 0.22 * len(lines))
         canvas = Canvas(figsize=size, layout="constrained")

@@ -1,4 +1,4 @@
-"""Figures of the replication as files: SVG and PDF as they are in the report, and the numbers behind them as CSV.
+"""Figures as files: SVG and PDF as they are in the report, and the numbers behind them as CSV.
 
 A CSV has one line for each point: panel (`solution` or `error`), series, x, y, and upper for bands.
 """
@@ -7,12 +7,16 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure
 from validation.report.figures import canvas_of, save
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
 
 KINDS = ("svg", "pdf", "csv")
 
@@ -32,18 +36,27 @@ def linked(figure: Figure, folder: str) -> Figure:
 
 def write_figure(figure: Figure, folder: Path) -> None:
     """Write ID.svg, ID.pdf and ID.csv; equal numbers give equal files."""
-    canvas = canvas_of(figure)
+    write_files(canvas_of(figure), folder / figure.id, table_of(figure))
+
+
+def write_files(canvas: Canvas, path: Path, table: str) -> None:
+    """Write what is drawn as SVG and PDF, and the numbers behind it as CSV, at a path without an ending."""
     for kind in KINDS[:2]:
-        save(canvas, folder / f"{figure.id}.{kind}")
-    write_atomically(folder / f"{figure.id}.csv", table_of(figure))
+        save(canvas, path.with_name(f"{path.name}.{kind}"))
+    write_atomically(path.with_name(f"{path.name}.csv"), table)
 
 
 def table_of(figure: Figure) -> str:
     """The numbers of a figure as CSV."""
+    return csv_text(["panel", "series", "x", "y", "upper"], _lines(figure))
+
+
+def csv_text(head: Sequence[str], lines: Iterable[Sequence[str | float | None]]) -> str:
+    """Lines under their head as CSV."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["panel", "series", "x", "y", "upper"])
-    writer.writerows(_lines(figure))
+    writer.writerow(head)
+    writer.writerows(lines)
     return stream.getvalue()
 
 

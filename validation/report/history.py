@@ -27,7 +27,7 @@ FACTOR = 5.0  # 2.05 measured
 
 
 @dataclass(frozen=True)
-class Line:
+class Course:
     """A number of a case over n reports."""
 
     case: str
@@ -56,7 +56,7 @@ class History:
     """Reports by date, the lines of their cases, cases that ended in an error in report k, and cases that are gone."""
 
     reports: tuple[Report, ...]
-    lines: tuple[Line, ...]
+    lines: tuple[Course, ...]
     failed: tuple[tuple[int, str], ...]
     gone: tuple[str, ...]
 
@@ -116,7 +116,7 @@ def _values(report: Report) -> dict[tuple[str, str, Literal["error", "count"]], 
 
 def _line(
     case: str, quantity: str, kind: Literal["error", "count"], given: dict[int, _Value], kernels: list[tuple[str, ...]]
-) -> Line:
+) -> Course:
     n = len(kernels)
     bands: list[float | None] = []
     for k in range(n):
@@ -125,4 +125,4 @@ def _line(
         bands.append(None if not tops else max(tops) * (FACTOR if kind == "error" else 1.0))
     values = tuple(given[k].value if k in given else None for k in range(n))
     limits = tuple(given[k].limit if k in given else math.nan for k in range(n))
-    return Line(case, quantity, kind, values, limits, tuple(bands))
+    return Course(case, quantity, kind, values, limits, tuple(bands))

@@ -11,7 +11,7 @@ from validation.harness.figure_data import axes, drawn, semilogy, trace
 from validation.harness.schema import Figure, Report
 from validation.harness.verdict import counts
 from validation.report.figures import COLOURS, svg_of
-from validation.report.history import FACTOR, History, Line
+from validation.report.history import FACTOR, Course, History
 from validation.report.render import filled, number
 
 PAGE = "history.html"
@@ -73,7 +73,7 @@ def _report(report: Report, k: int, rises: int) -> list[tuple[str, float | str]]
             *((number(value), "" if value is None else float(value)) for value in numbers)]  # fmt: skip
 
 
-def _summary(name: str, lines: list[Line]) -> dict[str, Any]:
+def _summary(name: str, lines: list[Course]) -> dict[str, Any]:
     """The newest state of a case: whether it rose, its largest error over tolerance and over band, its counts."""
     errors = [line for line in lines if line.kind == "error"]
     return {
@@ -89,14 +89,14 @@ def _summary(name: str, lines: list[Line]) -> dict[str, Any]:
     }
 
 
-def _cells(line: Line) -> dict[str, Any]:
+def _cells(line: Course) -> dict[str, Any]:
     """A row of the table of a case."""
     changed = len({value for value in line.values if value is not None}) > 1
     values = [(number(value), line.rises(k)) for k, value in enumerate(line.values)]
     return {"quantity": line.quantity, "kind": line.kind, "band": line.bands[-1], "values": values, "changed": changed}
 
 
-def _figure(name: str, lines: list[Line]) -> Figure | None:
+def _figure(name: str, lines: list[Course]) -> Figure | None:
     """Errors over their tolerances, those nearest to them, and how counts changed since they were first known."""
     errors = [line for line in lines if line.kind == "error" and any(value for value in line.values)]
     errors.sort(key=lambda line: -(_largest([_over(v, t) for v, t in zip(line.values, line.limits, strict=True)]) or 0))
@@ -118,7 +118,7 @@ def _figure(name: str, lines: list[Line]) -> Figure | None:
     return drawn(name, whole, semilogy("report", "error / tolerance", *above), counted)
 
 
-def _trace(line: Line, y: list[float | None]) -> Any:
+def _trace(line: Course, y: list[float | None]) -> Any:
     """A curve over the reports; points where one is missing."""
     label = line.quantity if len(line.quantity) < 48 else f"{line.quantity[:46]}…"
     return trace(label, range(1, len(y) + 1), y, "points" if None in y else "line")

@@ -6,20 +6,17 @@ the largest value of the map, logarithmic where they lie more than a factor `DEC
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from bem.scene.atomic_file import write_atomically
-from validation.report.figures import SETTINGS, save
+from validation.report.figure_files import csv_text, write_files
+from validation.report.figures import styled
 
 DARK = 0.55  # of the colour scale, from where the text is white
 DECADES = 30.0
@@ -42,16 +39,13 @@ class Map:
 
 def write_map(found: Map, folder: Path) -> None:
     """Write NAME.svg, NAME.pdf and NAME.csv; equal numbers give equal files."""
-    canvas = draw(found)
-    for kind in ("svg", "pdf"):
-        save(canvas, folder / f"{found.name}.{kind}")
-    write_atomically(folder / f"{found.name}.csv", table_of(found))
+    write_files(draw(found), folder / found.name, table_of(found))
 
 
 def draw(found: Map) -> Figure:
     """The map as a figure."""
     values = np.array([[np.nan if value is None else value for value in line] for line in found.values])
-    with mpl.rc_context({**SETTINGS, "axes.grid": False}):
+    with styled(**{"axes.grid": False}):
         canvas = Figure(figsize=(1.6 + 0.85 * len(found.columns), 1.5 + 0.5 * len(found.rows)), layout="constrained")
         axes = canvas.subplots()
         norm = _scale(values)
@@ -89,10 +83,12 @@ def _words(value: float | None, error: float | None, note: str) -> tuple[str, fl
 
 def table_of(found: Map) -> str:
     """The numbers as CSV, one line for each cell."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow([found.row_label, found.column_label, found.title, "standard error", "note"])
-    for i, row in enumerate(found.rows):
-        for j, column in enumerate(found.columns):
-            writer.writerow([row, column, found.values[i][j], found.errors[i][j], found.notes[i][j]])
-    return stream.getvalue()
+    head = [found.row_label, found.column_label, found.title, "standard error", "note"]
+    return csv_text(
+        head,
+        (
+            [row, column, found.values[i][j], found.errors[i][j], found.notes[i][j]]
+            for i, row in enumerate(found.rows)
+            for j, column in enumerate(found.columns)
+        ),
+    )

@@ -69,7 +69,7 @@ class ReportError(ValueError):
 
 
 @dataclass(frozen=True)
-class Line:
+class RowView:
     """A row as the tables show it; what begins with `sort_` is the number behind a text, "" where there is none.
 
     `name` is its quantity without what the error is scaled with, which stands in `norm`.
@@ -96,7 +96,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Drawn:
+class DrawnFigure:
     """A figure of a case, drawn."""
 
     case: str
@@ -231,14 +231,14 @@ def failures(report: Report) -> list[tuple[str, str]]:
     return found
 
 
-def _worst_ratio(lines: dict[str, list[Line]]) -> Worst | None:
+def _worst_ratio(lines: dict[str, list[RowView]]) -> Worst | None:
     """The largest error over tolerance of all rows that have one; None when none has."""
     known = [(line.ratio, case) for case, given in lines.items() for line in given if line.ratio is not None]
     ratios = [Worst(ratio, case) for ratio, case in known if not math.isnan(ratio)]
     return max(ratios, key=lambda worst: worst.ratio, default=None)
 
 
-def _known(report: Report, lines: dict[str, list[Line]]) -> list[tuple[str, Line, bool]]:
+def _known(report: Report, lines: dict[str, list[RowView]]) -> list[tuple[str, RowView, bool]]:
     """Rows with a band: the case, the line, and whether its review is overdue at the date of the report."""
     today = str(report.provenance.get("date", ""))[:10]
     return [
@@ -256,13 +256,13 @@ def _is_before(review: str, today: str) -> bool:
         return False
 
 
-def _line(case: CaseRecord, place: int, row: Row) -> Line:
+def _line(case: CaseRecord, place: int, row: Row) -> RowView:
     allowed = f"{row.band.low:g} to {row.band.high:g}" if row.band else number(combined_tolerance(row))
     worst = worst_place(row)
     name, over = named(row.quantity, row.unit)
     budget = budget_of(row)
     scale = "" if row.scale == 1 else f"{number(row.scale)} {row.unit}".strip()
-    return Line(
+    return RowView(
         row=row,
         target=row_id(case, place),
         kind=kind_of(row),
@@ -304,19 +304,19 @@ def _sorted_as(value: float | None) -> float | str:
     return "" if value is None else value
 
 
-def _drawn(case: CaseRecord, place: str | None) -> list[Drawn]:
+def _drawn(case: CaseRecord, place: str | None) -> list[DrawnFigure]:
     """The figures of a case at a place of the first screen, or those that stand with the case."""
     return [
-        Drawn(case.id, figure.id, figure.caption, svg_of(figure, f"{case.id}-{figure.id}"), figure.files)
+        DrawnFigure(case.id, figure.id, figure.caption, svg_of(figure, f"{case.id}-{figure.id}"), figure.files)
         for figure in case.figures
         if place_of(figure) == place
     ]
 
 
-def _overview(report: Report) -> Drawn | None:
+def _overview(report: Report) -> DrawnFigure | None:
     """The figure of all results."""
     figure = scatter(report)
-    return None if figure is None else Drawn("", figure.id, figure.caption, svg_of(figure, "all-results"), [])
+    return None if figure is None else DrawnFigure("", figure.id, figure.caption, svg_of(figure, "all-results"), [])
 
 
 def _worst(case: CaseRecord) -> str:

@@ -10,12 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-from validation.report.figures import COLOURS, MARKERS, SETTINGS, save
+from validation.report.figures import COLOURS, MARKERS, save, styled
 from validation.report.tick_labels import PlainPowers, label_plainly
 
 WIDE = 64  # characters of a label with which two columns do not fit
@@ -54,7 +53,7 @@ class Plot:
 
 def draw(plot: Plot) -> Figure:
     """The figure; also for a look at it in another format."""
-    with mpl.rc_context(SETTINGS):
+    with styled():
         canvas = Figure(figsize=plot.size, layout="constrained")
         axes = canvas.subplots()
         for index, line in enumerate(plot.lines):

@@ -24,8 +24,8 @@ from validation.corpus.endings import (
     COLUMNS,
     LIMITS,
     Code,
-    Row,
-    Task,
+    Trial,
+    TrialRow,
     cells,
     counts,
     measured,
@@ -33,7 +33,7 @@ from validation.corpus.endings import (
     table_of,
     tasks_of,
 )
-from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.random import random_trial
 from validation.harness.execution import Listener, Note
 from validation.harness.executors import fresh_processes, local_processes
@@ -43,46 +43,33 @@ from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-stability/1"
 FILE, RANDOM_FILE, RANDOM_FOLDER = "stability.json", "stability_random.json", "random"
+Measure = Callable[[Trial], TrialOutcome]
 ASKED = 10.0  # s of CPU time for a reduced case, as asked for; reported, seconds never gate
 
 
-def random_tasks(number: int, seed: int) -> list[Task]:
+def random_tasks(number: int, seed: int) -> list[Trial]:
     """Scenes 0..number - 1 of a seed: each is the same whatever the number, and in whichever process."""
     names = (random_trial.RandomCase(seed, index).id for index in range(number))
-    return [Task("random", name, "reduced", LIMITS["reduced"]) for name in names]
+    return [Trial("random", name, "reduced", LIMITS["reduced"]) for name in names]
 
 
 def run(
     folder: Path,
     quick: bool,
     report: Listener,
-    tasks: Sequence[Task] | None = None,
-    measure: Callable[[Task], Outcome] | None = None,
+    tasks: Sequence[Trial] | None = None,
+    measure: Measure | None = None,
     jobs: int = 1,
     file: str = FILE,
 ) -> int:
-    """Run the study, print its table, write stability.json; 1 when a case fails.
+    """Run the study, print its table, write stability.json (or `file`); 1 when a case fails.
 
-    Parameters
-    ----------
-    quick : bool
-        The reduced forms instead of the full ones.
-    tasks : sequence of Task, optional
-        Others than those of the study.
-    measure : callable, optional
-        Another measurement than `measured`, importable by name.
-    jobs : int
-        Cases at a time; rows depend on it by their seconds only, as long as none reaches its limit by the clock.
-    file : str
-        Name of the file of rows.
-
-    Raises
-    ------
-    RuntimeError
-        Fewer rows than planned: a fault of this module.
+    Quick: the reduced forms instead of the full ones. Other tasks than those of the study may be given, and another
+    measurement than `measured`, importable by name. Rows depend on `jobs`, the cases at a time, by their seconds only,
+    as long as none reaches its limit by the clock. RuntimeError for fewer rows than planned: a fault of this module.
     """
     planned = tasks_of(quick) if tasks is None else list(tasks)
-    facts, rows, begun = provenance(), list[Row](), time.monotonic()
+    facts, rows, begun = provenance(), list[TrialRow](), time.monotonic()
     for row in _rows(measure or measured, planned, jobs, store_in(folder, report, each=False)):
         rows.append(row)
         elapsed = time.monotonic() - begun
@@ -102,12 +89,12 @@ def run(
     return 0 if all(row.stands for row in rows) else 1
 
 
-def kinds(rows: Iterable[Row]) -> dict[str, int]:
+def kinds(rows: Iterable[TrialRow]) -> dict[str, int]:
     """Cases with a finding of each kind, the most frequent first."""
     return dict(Counter(kind for row in rows for kind in sorted(set(row.kinds))).most_common())
 
 
-def summary(rows: Sequence[Row], planned: int) -> list[str]:
+def summary(rows: Sequence[TrialRow], planned: int) -> list[str]:
     """Counts of every code and of all, over the cases planned."""
     lines = [f"planned {planned}, reported {len(rows)}"]
     for code in (*get_args(Code), "all"):
@@ -122,28 +109,30 @@ def summary(rows: Sequence[Row], planned: int) -> list[str]:
     return lines + [f"FAILED {row.code} {row.id}: {_told(row)}" for row in rows if not row.stands]
 
 
-def _rows(measure: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int, store: Store) -> Iterator[Row]:
+def _rows(
+    measure: Callable[[Trial], TrialOutcome], tasks: Sequence[Trial], jobs: int, store: Store
+) -> Iterator[TrialRow]:
     """The rows of cases as they end, up to `jobs` at a time, each in a process of its own; random ones share theirs."""
     drawn = [task for task in tasks if task.code == "random"]
     others = [task for task in tasks if task.code != "random"]
     for some, opener in ((others, fresh_processes), (drawn, local_processes)):
-        found = store.answers(Row, partial(_row, measure), some, _named, jobs, opener, lambda task: task.limit)
+        found = store.answers(TrialRow, partial(_row, measure), some, _named, jobs, opener, lambda task: task.limit)
         for task, answer, seconds in found:
             late = isinstance(answer, TimeoutError)
-            yield answer if isinstance(answer, Row) else row_of(task, None if late else answer, seconds)
+            yield answer if isinstance(answer, TrialRow) else row_of(task, None if late else answer, seconds)
 
 
-def _row(measure: Callable[[Task], Outcome], task: Task) -> Row:
+def _row(measure: Measure, task: Trial) -> TrialRow:
     """In a worker: the row of a case that ends."""
     return row_of(task, measure(task))
 
 
-def _named(task: Task) -> tuple[str, str]:
+def _named(task: Trial) -> tuple[str, str]:
     """The name of a case, and what else decides its row."""
     return _name(task), task.form
 
 
-def _write(path: Path, facts: dict[str, Any], rows: Sequence[Row], planned: int) -> None:
+def _write(path: Path, facts: dict[str, Any], rows: Sequence[TrialRow], planned: int) -> None:
     """The file of the study with the rows so far."""
     content = {
         "schema": SCHEMA,
@@ -158,15 +147,15 @@ def _write(path: Path, facts: dict[str, Any], rows: Sequence[Row], planned: int)
     write_json(path, content)
 
 
-def _name(task: Task | Row) -> str:
+def _name(task: Trial | TrialRow) -> str:
     return f"{task.code} {task.id}"
 
 
-def _key(task: Task | Row) -> tuple[str, str, str]:
+def _key(task: Trial | TrialRow) -> tuple[str, str, str]:
     return task.code, task.id, task.form
 
 
-def _told(row: Row) -> str:
+def _told(row: TrialRow) -> str:
     seconds = "" if row.seconds is None else f", {row.seconds:.1f} s"
     correct = "correct" if row.correct else "NOT correct"
     return f"{row.code} {row.id}: {row.ending}, {correct}{seconds}" + (f"; {row.message}" if row.message else "")

@@ -127,7 +127,7 @@ def _figure(turning: Turning, found: Fold, before: Result) -> Figure:
 
 
 @dataclass(frozen=True)
-class Jump:
+class FemEvent:
     """An event by the finite elements: m and J/m^2."""
 
     kind: str
@@ -166,15 +166,15 @@ def touch(elements: str) -> Known:
     return places[-1] - gaps[-1][0] / slope(), gaps[-1][1] / abs(slope())
 
 
-def jumps(elements: str) -> list[Jump]:
+def jumps(elements: str) -> list[FemEvent]:
     """The four events of the loop, in their order."""
 
     def energy(found: Result) -> Known:
         return found.total_energy, float(np.max(found.uncertainty["total_energy"]))
 
-    def between(kind: str, place: Known, before: Known, after: Known) -> Jump:
+    def between(kind: str, place: Known, before: Known, after: Known) -> FemEvent:
         period = pressed.problem.period
-        return Jump(kind, place, ((before[0] - after[0]) / period, (before[1] + after[1]) / period))
+        return FemEvent(kind, place, ((before[0] - after[0]) / period, (before[1] + after[1]) / period))
 
     def turned(found: Fold) -> list[Known]:
         return [(found.values[name], found.uncertainty[name]) for name in ("penetration", "total_energy")]

@@ -59,7 +59,7 @@ CAPTION = (
 
 
 @dataclass(frozen=True)
-class Quantity:
+class ThreeAnswers:
     """A quantity by both codes and the closed form, with the uncertainties that the codes state, in one unit."""
 
     name: str
@@ -104,7 +104,7 @@ def _posed() -> Scene:
     )
 
 
-def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Quantity]:
+def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[ThreeAnswers]:
     """All that is compared; lengths along the period by it, heights by the amplitude, pressures by p*."""
     period, depth, star = WAVE.wavelength, WAVE.amplitude, WAVE.full_contact_pressure
     half = 0.5 * FRACTION * period
@@ -114,10 +114,10 @@ def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Qu
 
     def of(
         name: str, unit: str, exact: Any, ours: Any, theirs: Any, own: float | None, key: str, scale: float
-    ) -> Quantity:
+    ) -> ThreeAnswers:
         right, one, other = (np.ravel(np.asarray(value, dtype=np.float64)) for value in (exact, ours, theirs))
         per = period if unit == "J/m^2" else 1.0  # theirs are of one period
-        return Quantity(
+        return ThreeAnswers(
             name, unit, right, one, other, own or 0.0, float(np.max(np.asarray(fem.uncertainty[key]))) / per, scale
         )
 
@@ -135,9 +135,9 @@ def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Qu
            (estimate.contact_fraction or 0.0) * period, "edges", period),
         of("elastic energy per area", "J/m^2", energy, state.elastic_energy, fem.elastic_energy / period,
            estimate.elastic_energy, "elastic_energy", energy),
-        Quantity("pressure at points", "Pa", exact_pressure(distance[inside]), elastic.pressure(x[inside]),
+        ThreeAnswers("pressure at points", "Pa", exact_pressure(distance[inside]), elastic.pressure(x[inside]),
                  fem.interface.pressure[inside], 0.0, at("pressure", inside), star),
-        Quantity("gap at points", "m", exact_gap(distance[outside]), gap,
+        ThreeAnswers("gap at points", "m", exact_gap(distance[outside]), gap,
                  fem.gap(x[outside]), 0.0, at("gap", outside), depth),
     ]  # fmt: skip
 
@@ -152,7 +152,7 @@ def _from_crest(x: FloatArray) -> FloatArray:
     return np.asarray((x - CREST + 0.5 * WAVE.wavelength) % WAVE.wavelength - 0.5 * WAVE.wavelength)
 
 
-def _rows(found: list[Quantity], unknowns: int) -> list[Row]:
+def _rows(found: list[ThreeAnswers], unknowns: int) -> list[Row]:
     """Each quantity three times: both codes against the closed form, and against each other."""
     source = f"fem_reference, P4/P3, {unknowns} unknowns"
     rows = []
@@ -168,7 +168,7 @@ def _rows(found: list[Quantity], unknowns: int) -> list[Row]:
     return rows
 
 
-def _figure(found: list[Quantity], elastic: bem.ContactState, fem: Result) -> Figure:
+def _figure(found: list[ThreeAnswers], elastic: bem.ContactState, fem: Result) -> Figure:
     """Pressure and gap by all three; below, the differences of any two and the uncertainty stated."""
     period, star, depth = WAVE.wavelength, WAVE.full_contact_pressure, WAVE.amplitude
     half = 0.5 * FRACTION * period

@@ -104,7 +104,7 @@ def _steep() -> Row:
 
 
 @dataclass(frozen=True)
-class Posed:
+class PosedState:
     """A state handed to the solver's verdict: one patch from the closed form, and what is wrong with it."""
 
     name: str
@@ -141,7 +141,7 @@ class Posed:
         return stored.certificate.ok
 
 
-def _states() -> tuple[list[Posed], list[Posed]]:
+def _states() -> tuple[list[PosedState], list[PosedState]]:
     """States that are right, and wrong ones."""
     modulus, length = WAVE.modulus, WAVE.wavelength
     smooth = OnePatch(length, modulus, (1e-4,), WAVE.work_of_adhesion)
@@ -149,19 +149,19 @@ def _states() -> tuple[list[Posed], list[Posed]]:
     dented = OnePatch(length, modulus, (1e-4, -0.5e-4), 0.0)  # two crests with a dip between them
     free = replace(smooth, work=0.0)
     right = [
-        Posed("adhesive", smooth, 1.2),
-        Posed("without adhesion", free, 1.2, adhesive=False),
-        Posed("two crests pressed together", dented, DENTED[0], adhesive=False),
+        PosedState("adhesive", smooth, 1.2),
+        PosedState("without adhesion", free, 1.2, adhesive=False),
+        PosedState("two crests pressed together", dented, DENTED[0], adhesive=False),
     ]
     wrong = [
-        Posed("an edge moved", smooth, 1.2, shift=1e-6),
-        Posed("too deep", smooth, 1.2, deeper=1e-6),
-        Posed("negative eigenvalue", smooth, 1.2, eigenvalue=-1e-3),
-        Posed("beyond the fold", rippled, UNSTABLE),
-        Posed("crest inside the other body", rippled, INSIDE),
-        Posed("an edge moved without adhesion", free, 1.2, shift=1e-6, adhesive=False),
-        Posed("tension at the edges without adhesion", smooth, 1.2, adhesive=False),
-        Posed("tension inside without adhesion", dented, DENTED[1], adhesive=False),
+        PosedState("an edge moved", smooth, 1.2, shift=1e-6),
+        PosedState("too deep", smooth, 1.2, deeper=1e-6),
+        PosedState("negative eigenvalue", smooth, 1.2, eigenvalue=-1e-3),
+        PosedState("beyond the fold", rippled, UNSTABLE),
+        PosedState("crest inside the other body", rippled, INSIDE),
+        PosedState("an edge moved without adhesion", free, 1.2, shift=1e-6, adhesive=False),
+        PosedState("tension at the edges without adhesion", smooth, 1.2, adhesive=False),
+        PosedState("tension inside without adhesion", dented, DENTED[1], adhesive=False),
     ]
     return right, wrong
 

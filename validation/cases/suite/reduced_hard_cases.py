@@ -13,8 +13,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from validation.cases.shared.checks import Against, case
-from validation.corpus.endings import GOOD, Code, Task, counts, measured, row_of, table_of, tasks_of
-from validation.corpus.endings import Row as HardRow
+from validation.corpus.endings import GOOD, Code, Trial, TrialRow, counts, measured, row_of, table_of, tasks_of
 from validation.harness.case import Outcome
 
 EXPECTED = Against("self", "the expectation stated beforehand, and the checks that each case names")
@@ -52,7 +51,7 @@ def _quick() -> Outcome:
     return _outcome([task for task in every if task.id in QUICK[task.code]], every)
 
 
-def _outcome(planned: list[Task], every: Sequence[Task] = ()) -> Outcome:
+def _outcome(planned: list[Trial], every: Sequence[Trial] = ()) -> Outcome:
     """Tasks that are run; those of all that are not are left to a higher level."""
     ended = [_ended(task) for task in planned]
     found = counts(ended)
@@ -67,7 +66,7 @@ def _outcome(planned: list[Task], every: Sequence[Task] = ()) -> Outcome:
     return Outcome(rows=(total, *rows), tables=(table_of(ended, [task for task in every if task not in planned]),))
 
 
-def _ended(task: Task) -> HardRow:
+def _ended(task: Trial) -> TrialRow:
     """The row of a case, also when it crashes."""
     try:
         return row_of(task, measured(task))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from bem.scene.result import Result
 from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.hard.hard_case_checks import CHECKS
-from validation.corpus.hard.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples
+from validation.corpus.hard.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples, Table
 
 ROUNDED = 1e-5  # of a contact fraction that is to be reached; measured 1.9e-6 at 1e-5
 # Of E* h_rms^2 / period, besides the error that an event states: rounding of the energy that it releases.  Measured:
@@ -25,7 +26,7 @@ RELEASED = 1e-12
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TrialOutcome:
     """What became of a hard case."""
 
     id: str
@@ -39,7 +40,43 @@ class Outcome:
     kinds: tuple[str, ...] = ()  # kind of each finding, where a corpus counts them
 
 
-def run_case(case: HardCase, full: bool = False) -> Outcome:
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """A hard case of a reference: one question, of which the status is expected."""
+
+    expected: str = "converged"  # status, or `refused: ARGUMENT`
+    full: Table | None = None  # what the full form changes of the question, besides the resolution
+
+    def expectation(self, full: bool) -> tuple[str, ...]:
+        """The status expected, of both forms."""
+        return (self.expected,)
+
+    def changed(self, question: Table, full: bool) -> Table:
+        """The question in a form."""
+        return question | ((self.full or {}) if full else {})
+
+
+def ended(
+    name: str,
+    expected: tuple[str, ...],
+    solve: Callable[[], Any],
+    refusals: tuple[type[Exception], ...],
+    judge: Callable[[Any], list[str]],
+) -> TrialOutcome:
+    """A question put to a reference, and its answer judged; a refusal names its argument, or begins with it."""
+    begun = time.process_time()
+    try:
+        found = solve()
+    except refusals as error:
+        seconds, named = time.process_time() - begun, getattr(error, "argument", str(error).split(":")[0])
+        observed = (f"refused: {named}",)
+        return TrialOutcome(name, expected, observed, False, observed == expected, str(error), (), seconds)
+    seconds, observed = time.process_time() - begun, (found.status,)
+    findings = tuple(judge(found))
+    return TrialOutcome(name, expected, observed, observed == expected, not findings, None, findings, seconds)
+
+
+def run_case(case: HardCase, full: bool = False) -> TrialOutcome:
     """Solve a hard case, in its reduced form or the full one, and judge it."""
     tables = case.full if full else case.reduced
     expected = case.expectation(full)
@@ -52,7 +89,7 @@ def run_case(case: HardCase, full: bool = False) -> Outcome:
             result = solve(scene)
         except (SceneError, ArithmeticError, MemoryError) as error:
             reason = f"{type(error).__name__}: {error}"
-            return Outcome(case.id, expected, (), False, False, reason, (), time.process_time() - start)
+            return TrialOutcome(case.id, expected, (), False, False, reason, (), time.process_time() - start)
     seconds = time.process_time() - start
     targets = tuple(state.status for state in result.targets)
     observed = (result.status, *targets)
@@ -63,7 +100,7 @@ def run_case(case: HardCase, full: bool = False) -> Outcome:
         *(text for name in case.checks for text in CHECKS[name](tables, scene, result)),
     ]
     correct = not findings and bool(result.targets)
-    return Outcome(case.id, expected, observed, converged, correct, None, tuple(findings), seconds)
+    return TrialOutcome(case.id, expected, observed, converged, correct, None, tuple(findings), seconds)
 
 
 def judged(case: HardCase, result: Result, scene: Any) -> list[str]:

@@ -9,7 +9,6 @@ boundary elements at the same edges and penetration.  SI units.
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +20,7 @@ from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from fem_reference import Resolution
-from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_run import Asked, TrialOutcome, ended
 from validation.corpus.hard.hard_case_scenes import (
     JOHNSON,
     MODULUS,
@@ -40,19 +39,13 @@ ROUGH_ORDERS = 20
 
 
 @dataclass(frozen=True)
-class FemCase:
+class FemCase(Asked):
     """A hard case of the reference."""
 
     id: str
     reason: str
     arguments: Table  # of `fem_reference.solve`, beyond those of `WAVE_LAYER`
     check: str  # of CHECKS: what the result is held against
-    expected: str = "converged"  # status, or `refused: ARGUMENT`
-    full: Table | None = None  # what the full form changes besides the resolution
-
-    def expectation(self, full: bool) -> tuple[str, ...]:
-        """The status expected, of both forms."""
-        return (self.expected,)
 
 
 WAVE_LAYER: Table = {
@@ -120,21 +113,12 @@ def _fem_cases() -> list[FemCase]:
 FEM_CASES: tuple[FemCase, ...] = tuple(_fem_cases())
 
 
-def run_case(case: FemCase, full: bool = False) -> Outcome:
+def run_case(case: FemCase, full: bool = False) -> TrialOutcome:
     """Solve a hard case of the reference and judge it."""
-    arguments = WAVE_LAYER | case.arguments | ((case.full or {}) if full else {"resolution": COARSE})
-    expected, start = (case.expected,), time.process_time()
-    try:
-        result = fem_reference.solve(**arguments)
-    except (fem_reference.InvalidProblemError, fem_reference.SingularSystemError) as error:
-        seconds, named = time.process_time() - start, getattr(error, "argument", "")
-        observed = (f"refused: {named}",)
-        expectation = observed == expected
-        return Outcome(case.id, expected, observed, False, expectation, str(error), (), seconds)
-    seconds = time.process_time() - start
-    findings = tuple(CHECKS[case.check](arguments, result))
-    observed = (result.status,)
-    return Outcome(case.id, expected, observed, observed == expected, not findings, None, findings, seconds)
+    arguments = case.changed(WAVE_LAYER | case.arguments, full) | ({} if full else {"resolution": COARSE})
+    refusals = (fem_reference.InvalidProblemError, fem_reference.SingularSystemError)
+    return ended(case.id, (case.expected,), lambda: fem_reference.solve(**arguments), refusals,
+                 lambda result: CHECKS[case.check](arguments, result))  # fmt: skip
 
 
 def wave(arguments: Table, result: fem_reference.Result) -> list[str]:

@@ -8,15 +8,15 @@ adds area and takes away separation, which is not negative.  SI units.
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.special import erf
 
 import persson
 from persson.spectrum import Spectrum
-from validation.corpus.hard.hard_case_run import Outcome
+from validation.corpus.hard.hard_case_run import Asked, TrialOutcome, ended
 from validation.corpus.hard.hard_case_scenes import MODULUS, PERIOD, RMS_HEIGHT, WORK, Table
 
 ROUTES = 4e-5  # of the contact fraction, between the routes; measured 1.6e-5 for one line, 2.4e-7 for the paper's
@@ -27,7 +27,7 @@ PLANE_STRAIN = MODULUS / 0.75
 
 
 @dataclass(frozen=True)
-class PerssonCase:
+class PerssonCase(Asked):
     """A hard case of the theory."""
 
     id: str
@@ -35,12 +35,6 @@ class PerssonCase:
     spectrum: Table  # hurst, h_rms and either `lines` or `decades` (a continuous spectrum)
     pressure: float  # over E*
     work: float | None = WORK  # J/m^2
-    expected: str = "converged"  # status, or `refused: ARGUMENT`
-    full: Table | None = None  # what the full form changes of the spectrum
-
-    def expectation(self, full: bool) -> tuple[str, ...]:
-        """The status expected, of both forms."""
-        return (self.expected,)
 
 
 def lines(number: int, hurst: float = 0.7, h_rms: float = RMS_HEIGHT) -> Table:
@@ -62,11 +56,13 @@ def _persson_cases() -> list[PerssonCase]:
         PerssonCase("tiny_load_without_adhesion", "the same", lines(125), 1e-12, None, full=more),
         PerssonCase("nearly_complete_contact", "1e-5 of the area is missing", lines(125), 0.3),
         PerssonCase("complete_contact", "1e-12 is missing", lines(125), 0.5, expected="complete_contact"),
-        PerssonCase("complete_contact_without_adhesion", "the same", lines(125), 2.0, None, "complete_contact"),
+        PerssonCase(
+            "complete_contact_without_adhesion", "the same", lines(125), 2.0, None, expected="complete_contact"
+        ),
         PerssonCase("no_load", "the separation diverges", lines(125), 0.0, expected="refused: mean_pressure"),
         PerssonCase("tension", "no answer in tension", lines(125), -0.01, expected="refused: mean_pressure"),
         PerssonCase("nan_load", "not a number", lines(125), np.nan, expected="refused: mean_pressure"),
-        PerssonCase("much_adhesion", "contact persists at zero load", lines(125), 1e-3, 10.0, "branches"),
+        PerssonCase("much_adhesion", "contact persists at zero load", lines(125), 1e-3, 10.0, expected="branches"),
     ]
     for hurst in (0.01, 0.3, 0.99):
         cases.append(
@@ -75,7 +71,9 @@ def _persson_cases() -> list[PerssonCase]:
     for work in (1e-8, 1e-4, 1.0, 1e2):
         expected = "complete_contact" if work > 1 else "below_zero" if work == 1 else "converged"
         cases.append(
-            PerssonCase(f"work_{work:g}", "hardly any adhesion to far too much", lines(125), 0.02, work, expected)
+            PerssonCase(
+                f"work_{work:g}", "hardly any adhesion to far too much", lines(125), 0.02, work, expected=expected
+            )
         )
     for height in (1e-9, 1e-7, 1e-5, 1e-3):
         expected = "complete_contact" if height < 1e-6 else "below_zero" if height < 1e-4 else "converged"
@@ -89,30 +87,23 @@ def _persson_cases() -> list[PerssonCase]:
 PERSSON_CASES: tuple[PerssonCase, ...] = tuple(_persson_cases())
 
 
-def run_case(case: PerssonCase, full: bool = False) -> Outcome:
+def run_case(case: PerssonCase, full: bool = False) -> TrialOutcome:
     """Solve a hard case of the theory by its first route and judge it."""
-    spectrum = spectrum_of(case.spectrum | ((case.full or {}) if full else {}))
-    material: Table = {"youngs_modulus": MODULUS, "poisson_ratio": 0.5, "resolution": 2.0 if full else 1.0}
-    pressure, expected, start = case.pressure * PLANE_STRAIN, (case.expected,), time.process_time()
-    try:
-        found = persson.solve(spectrum, pressure, work_of_adhesion=case.work, **material)
-    except ValueError as error:
-        seconds, argument = time.process_time() - start, str(error).split(":")[0]
-        observed = (f"refused: {argument}",)
-        return Outcome(case.id, expected, observed, False, observed == expected, str(error), (), seconds)
-    seconds = time.process_time() - start
-    observed, dry = (
-        (found.status,),
-        persson.solve_nonadhesive(spectrum, pressure, youngs_modulus=MODULUS, poisson_ratio=0.5),
-    )
-    findings = without_adhesion(spectrum, pressure, dry)
-    if isinstance(found, persson.AdhesiveContact):
-        other = persson.solve(
-            spectrum, pressure, work_of_adhesion=case.work, route="volterra", with_separation=False, **material
-        )
-        assert isinstance(other, persson.AdhesiveContact)
-        findings += judged(found, other, dry)
-    return Outcome(case.id, expected, observed, observed == expected, not findings, None, tuple(findings), seconds)
+    spectrum, pressure = spectrum_of(case.changed(case.spectrum, full)), case.pressure * PLANE_STRAIN
+    solid: Table = {"youngs_modulus": MODULUS, "poisson_ratio": 0.5}
+    given: Table = solid | {"work_of_adhesion": case.work, "resolution": 2.0 if full else 1.0}
+
+    def judge(found: persson.AdhesiveContact | persson.NonadhesiveContact) -> list[str]:
+        dry = persson.solve_nonadhesive(spectrum, pressure, **solid)
+        findings = without_adhesion(spectrum, pressure, dry)
+        if isinstance(found, persson.AdhesiveContact):
+            other = persson.solve(spectrum, pressure, route="volterra", with_separation=False, **given)
+            assert isinstance(other, persson.AdhesiveContact)
+            findings += judged(found, other, dry)
+        return findings
+
+    solve = partial(persson.solve, spectrum, pressure, **given)
+    return ended(case.id, (case.expected,), solve, (ValueError,), judge)
 
 
 def spectrum_of(table: Table) -> Spectrum:

@@ -65,7 +65,7 @@ BALANCE = 1e-6  # of the energies of an interval
 
 
 @dataclass(frozen=True)
-class Finding:
+class Objection:
     """Something that speaks against a result."""
 
     kind: Kind
@@ -112,7 +112,7 @@ class Units:
         return height
 
 
-def findings_of(scene: Scene, result: Result) -> list[Finding]:
+def findings_of(scene: Scene, result: Result) -> list[Objection]:
     """All that a result itself says against it."""
     units = Units.of(scene)
     return [
@@ -125,23 +125,23 @@ def findings_of(scene: Scene, result: Result) -> list[Finding]:
     ]
 
 
-def vocabulary(result: Result) -> Iterator[Finding]:
+def vocabulary(result: Result) -> Iterator[Objection]:
     """Names of statuses, branches and events; and certificates, which every state kept must have."""
     names: list[tuple[str, tuple[str, ...]]] = [(result.status, STATUSES)]
     names += [(state.status, STATUSES) for state in result.states]
     names += [(state.branch, ("loading", "unloading")) for state in result.states]
     names += [(event.kind, EVENT_KINDS) for event in result.events]
     for name in dict.fromkeys(name for name, known in names if name not in known):
-        yield Finding("vocabulary", f"{name!r} is no name of the contract")
+        yield Objection("vocabulary", f"{name!r} is no name of the contract")
     for k, state in enumerate(result.states):
         if state.status in FINAL_STATUSES and not state.certificate.ok:
-            yield Finding("certificate", f"not ok in state {k}: {asdict(state.certificate)}")
+            yield Objection("certificate", f"not ok in state {k}: {asdict(state.certificate)}")
     counts = [0, *(state.events or 0 for state in result.states)]
     if np.any(np.diff(counts) < 0) or (result.status == "converged" and counts[-1] != len(result.events)):
-        yield Finding("vocabulary", f"{len(result.events)} events, counted {counts}")
+        yield Objection("vocabulary", f"{len(result.events)} events, counted {counts}")
 
 
-def targets(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
+def targets(scene: Scene, result: Result, units: Units) -> Iterator[Objection]:
     """Every target met in order, or a path that ends by name at one that may be out of reach."""
     goals, loading = list(scene.loading.targets), scene.loading
     stop = loading.stop_at_mean_pressure
@@ -157,20 +157,20 @@ def targets(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
             met += 1
             if loading.control == "separation" and goal == 0 and state.status != "complete_contact":
                 reported = f"{state.status}, contact fraction {state.contact_fraction:.9g}"
-                yield Finding("targets", f"separation 0 is complete contact, not {reported}")
+                yield Objection("targets", f"separation 0 is complete contact, not {reported}")
         elif any(abs(state.mean_pressure - p) <= TARGET * max(units.pressure, abs(p)) + digit for p in asked):
             if result.status == "converged" and state.mean_pressure == result.states[-1].mean_pressure and stop:
                 close = TARGET * max(units.pressure, stop) + digit
                 goals = goals[:met] if abs(state.mean_pressure - stop) <= close else goals
         else:
-            yield Finding("targets", f"{loading.control} {value:.17g} where {goal:.17g} is the target")
+            yield Objection("targets", f"{loading.control} {value:.17g} where {goal:.17g} is the target")
             return
     if result.status == "converged" and met < len(goals):
-        yield Finding("targets", f"converged with {met} of {len(goals)} targets met")
+        yield Objection("targets", f"converged with {met} of {len(goals)} targets met")
     if result.status == "unreachable" and not (met < len(goals) and _may_be_unreachable(scene, units, goals[met])):
-        yield Finding("unreachable", f"target {met} of {goals} can be reached")
+        yield Objection("unreachable", f"target {met} of {goals} can be reached")
     if result.status in ("separated", "complete_contact", "interrupted"):
-        yield Finding("targets", f"the path ends {result.status}")
+        yield Objection("targets", f"the path ends {result.status}")
 
 
 def _may_be_unreachable(scene: Scene, units: Units, goal: float) -> bool:
@@ -182,7 +182,7 @@ def _may_be_unreachable(scene: Scene, units: Units, goal: float) -> bool:
     return limited and goal > units.highest
 
 
-def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
+def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Objection]:
     """No NaN and no infinity, but for the load of complete contact where the control leaves it open.
 
     That includes the events at its ends: with adhesion the last gap closes, and opens, under a tension without bound.
@@ -197,7 +197,7 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
             values["mean_pressure"] = state.mean_pressure
         wrong = [name for name, value in values.items() if value is not None and not math.isfinite(value)]
         if wrong:
-            yield Finding("not finite", f"{', '.join(wrong)} of state {k} ({state.status})")
+            yield Objection("not finite", f"{', '.join(wrong)} of state {k} ({state.status})")
     for k, event in enumerate(result.events):
         unbounded = (
             free and scene.adhesion is not None and event.kind in ("complete_contact", "opening")
@@ -207,14 +207,14 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
         known = vars(event.error_estimate)
         values |= {f"error_estimate.{name}": known[name] for name in names if name in known}
         if any(value is not None and not math.isfinite(value) for value in values.values()):
-            yield Finding("not finite", f"event {k} ({event.kind}): {values}")
+            yield Objection("not finite", f"event {k} ({event.kind}): {values}")
     for name, array in result.fields.items():
         outside = name.startswith("pressure_")
         if np.any(np.isinf(array)) or (not outside and np.any(np.isnan(array))):
-            yield Finding("fields", f"{name} holds values that are not numbers")
+            yield Objection("fields", f"{name} holds values that are not numbers")
 
 
-def identities(result: Result, units: Units) -> Iterator[Finding]:
+def identities(result: Result, units: Units) -> Iterator[Objection]:
     """What the numbers of one state have to do with one another."""
     height = max(units.height, units.highest)
     for k, state in enumerate(result.states):
@@ -238,15 +238,15 @@ def identities(result: Result, units: Units) -> Iterator[Finding]:
         }
         reported = [f"{name} ({value:.1e})" for name, value in wrong.items() if value > IDENTITY]
         if reported:
-            yield Finding("identity", f"{', '.join(reported)} of state {k} ({state.status})")
+            yield Objection("identity", f"{', '.join(reported)} of state {k} ({state.status})")
 
 
-def released(result: Result, units: Units) -> Iterator[Finding]:
+def released(result: Result, units: Units) -> Iterator[Objection]:
     """No event takes energy up, beyond its own error: one that opens or closes continuously releases none."""
     for k, event in enumerate(result.events):
         error = RELEASED * units.energy + (event.error_estimate.energy_released or 0.0)
         if event.energy_released is not None and event.energy_released < -error:
-            yield Finding("energy released", f"event {k} ({event.kind}) releases {event.energy_released:.2e} J/m^2")
+            yield Objection("energy released", f"event {k} ({event.kind}) releases {event.energy_released:.2e} J/m^2")
 
 
 @dataclass(frozen=True)
@@ -270,7 +270,7 @@ class Balance:
     events: int
 
 
-def energy_balance(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
+def energy_balance(scene: Scene, result: Result, units: Units) -> Iterator[Objection]:
     """Work of the load = change of energy + released, between the stored states that resolve it.
 
     Flat profiles have exact answers and no events.
@@ -284,7 +284,7 @@ def energy_balance(scene: Scene, result: Result, units: Units) -> Iterator[Findi
         if not abs(part.missing) <= safety * part.quadrature + BALANCE * part.energies + EPS * units.energy:
             share, bar = part.missing / part.energies, part.quadrature / part.energies
             reported = f"{share:.1e} of the energies missing before state {part.state}, quadrature {bar:.1e}"
-            yield Finding("energy balance", f"{reported}, {part.events} events")
+            yield Objection("energy balance", f"{reported}, {part.events} events")
 
 
 def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:

@@ -26,7 +26,7 @@ from bem.scene.result import FINAL_STATUSES, Event, Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
 from validation.corpus.hard.hard_case_scenes import waves_of
-from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Kind, Units
+from validation.corpus.random.random_checks import EPS, ROUNDINGS, Kind, Objection, Units
 from validation.corpus.random.random_scenes import SCAN, Table
 
 LENGTH, MODULUS, SHIFT = 0.37, 290.0, 1.0  # no powers of two, whose products are exact
@@ -149,17 +149,17 @@ COPIES: tuple[Callable[[Table, Scene, Result, Path], Copy | None], ...] = (scale
 
 def compared(
     made: Copy, scene: Scene, result: Result, other: Result, nearness: Nearness | None = None
-) -> list[Finding]:
+) -> list[Objection]:
     """What the result `other` of a copy says against that of the original, of which scene and result are given.
 
     The nearness of events is by default that of the copy's kind.  Where a path goes by leaps its events are brackets,
     which depend on the increment.
     """
     if other.status != result.status:
-        return [Finding(made.kind, f"status {other.status}, not {result.status}")]
+        return [Objection(made.kind, f"status {other.status}, not {result.status}")]
     ours, theirs = _found(made, result, other)
     if len(ours) != len(theirs):
-        return [Finding(made.kind, f"{len(theirs)} targets, not {len(ours)}")]
+        return [Objection(made.kind, f"{len(theirs)} targets, not {len(ours)}")]
     found = _differing(list(_ways(made, scene.surface())), Units.of(scene), result, other, nearness)
     return [finding for finding in found if not (scene.leaps and finding.kind == "events at a smaller increment")]
 
@@ -188,7 +188,7 @@ def _ways(made: Copy, surface: Profile) -> Iterator[Copy]:
 
 def _differing(
     ways: Sequence[Copy], units: Units, result: Result, other: Result, nearness: Nearness | None
-) -> list[Finding]:
+) -> list[Objection]:
     """What differs; every state and avalanche is placed as suits it, because among equals each chooses anew."""
     made = ways[0]
     ours, theirs = _found(made, result, other)
@@ -196,12 +196,12 @@ def _differing(
     for k, (one, two) in enumerate(zip(ours, theirs, strict=True)):
         wrong = min((list(_differences(way, units, one, two)) for way in ways), key=len)
         if wrong:
-            findings.append(Finding(made.kind, f"target {k}: {', '.join(wrong)}"))
+            findings.append(Objection(made.kind, f"target {k}: {', '.join(wrong)}"))
     if made.last is None:
         near = nearness or (OTHER_INCREMENT if made.kind == "increment" else SAME_PATH)
         kind: Kind = "events at a smaller increment" if made.kind == "increment" else made.kind
         wrong = list(_other_events(ways, units, result.events, other.events, near))
-        findings += [Finding(kind, f"events: {', '.join(wrong)}")] if wrong else []
+        findings += [Objection(kind, f"events: {', '.join(wrong)}")] if wrong else []
     return findings
 
 

@@ -24,8 +24,8 @@ from bem.geometry.scaling import Solid
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
-from validation.corpus.hard.hard_case_run import Outcome
-from validation.corpus.random.random_checks import EPS, ROUNDINGS, Finding, Units, energy_balance, findings_of
+from validation.corpus.hard.hard_case_run import TrialOutcome
+from validation.corpus.random.random_checks import EPS, ROUNDINGS, Objection, Units, energy_balance, findings_of
 from validation.corpus.random.random_copies import COPIES, STATE, compared, smaller_increment
 from validation.corpus.random.random_scenes import Drawn, draw
 from validation.references.dense import dense_nodes
@@ -77,7 +77,7 @@ def case_of(name: str) -> RandomCase:
     return RandomCase(int(found[1]), int(found[2]))
 
 
-def run_case(case: RandomCase, full: bool = False) -> Outcome:
+def run_case(case: RandomCase, full: bool = False) -> TrialOutcome:
     """Solve and judge a random scene; `full` makes no difference.
 
     Whatever leaves `solve` besides a mistake of the scene is raised: that is the crash that the study counts.
@@ -94,13 +94,13 @@ def run_case(case: RandomCase, full: bool = False) -> Outcome:
         except SceneError as error:
             return _refused(drawn, error, time.process_time() - begun)
         seconds = time.process_time() - begun
-        findings = [Finding("warning", text) for text in sorted({str(warning.message) for warning in caught})]
+        findings = [Objection("warning", text) for text in sorted({str(warning.message) for warning in caught})]
         findings += judged(drawn, scene, result, folder)
     if drawn.expected == "a refusal":
-        findings.append(Finding("refusal", f"{drawn.special} is accepted"))
+        findings.append(Objection("refusal", f"{drawn.special} is accepted"))
     extreme = drawn.expected == "an answer or a refusal" and result.failure is not None
     named = result.status == "unreachable" or extreme
-    return Outcome(
+    return TrialOutcome(
         id=drawn.id,
         expected=(drawn.expected,),
         observed=(drawn.expected if named else result.status,),
@@ -115,7 +115,7 @@ def run_case(case: RandomCase, full: bool = False) -> Outcome:
     )
 
 
-def judged(drawn: Drawn, scene: Scene, result: Result, folder: Path) -> list[Finding]:
+def judged(drawn: Drawn, scene: Scene, result: Result, folder: Path) -> list[Objection]:
     """What speaks against a result; copies only of ordinary scenes that ended by name."""
     findings = findings_of(scene, result)
     if drawn.expected != "an answer" or result.status not in ("converged", "unreachable"):
@@ -133,11 +133,11 @@ def judged(drawn: Drawn, scene: Scene, result: Result, folder: Path) -> list[Fin
             if made.kind == "increment" and not any(energy_balance(made.scene, again, Units.of(made.scene))):
                 findings = [finding for finding in findings if finding.kind != "energy balance"]  # quadrature alone
         except Exception as error:
-            findings.append(Finding(made.kind, f"{type(error).__name__}: {error}"))
+            findings.append(Objection(made.kind, f"{type(error).__name__}: {error}"))
     return findings
 
 
-def dense_route(scene: Scene, result: Result) -> Iterator[Finding]:
+def dense_route(scene: Scene, result: Result) -> Iterator[Objection]:
     """The equilibrium that dense algebra finds next to stored edges, against the errors estimated."""
     touching = [state for state in result.targets if state.edges and _dense_work(scene, state) <= MOST_WORK]
     chosen = sorted({round(k) for k in np.linspace(0, len(touching) - 1, MOST_DENSE)}) if touching else []
@@ -150,11 +150,11 @@ def dense_route(scene: Scene, result: Result) -> Iterator[Finding]:
         try:
             known = reference(posed, state)
         except (NoReferenceError, np.linalg.LinAlgError, ValueError) as error:
-            yield Finding("dense route", f"{type(error).__name__}: {error}, at {scene.loading.control} {goal:g}")
+            yield Objection("dense route", f"{type(error).__name__}: {error}, at {scene.loading.control} {goal:g}")
             continue
         wrong = list(_missed(units, state, known))
         if wrong:
-            yield Finding("dense route", f"{', '.join(wrong)} at {scene.loading.control} {goal:g}")
+            yield Objection("dense route", f"{', '.join(wrong)} at {scene.loading.control} {goal:g}")
 
 
 def _dense_work(scene: Scene, state: State) -> float:
@@ -185,7 +185,7 @@ def _missed(units: Units, state: State, known: dict[str, float]) -> Iterator[str
             yield f"{name} differs by {error:.1e}, {estimate:.1e} estimated"
 
 
-def _refused(drawn: Drawn, error: SceneError, seconds: float) -> Outcome:
+def _refused(drawn: Drawn, error: SceneError, seconds: float) -> TrialOutcome:
     """A scene refused before it ran: right where it was expected and the mistake names the key.
 
     That the pressure shuts a flaw which is wider than half the shortest wave is known only when it is evaluated.
@@ -195,8 +195,8 @@ def _refused(drawn: Drawn, error: SceneError, seconds: float) -> Outcome:
         most = max(profile.get("orders", [profile.get("harmonics", 1)]))
         key = "loading.flaw" if 2 * flaw * most > profile.get("period", 0.0) else key
     right = bool(key) and any(key in mistake.path for mistake in error.mistakes)
-    findings = () if right else (Finding("refusal", f"of {drawn.expected}"),)
-    return Outcome(
+    findings = () if right else (Objection("refusal", f"of {drawn.expected}"),)
+    return TrialOutcome(
         id=drawn.id,
         expected=(drawn.expected,),
         observed=(drawn.expected if right else "refused",),

@@ -10,12 +10,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import matplotlib as mpl
 from markupsafe import Markup
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from validation.report.figures import COLOURS, SETTINGS, inline_svg
+from validation.report.figures import COLOURS, inline_svg, styled
 from validation.report.tick_labels import label_plainly
 
 HUES = (*COLOURS, "#b0306a", "#2f8f9d", "#6b8e23", "#a0522d")
@@ -35,7 +34,7 @@ class Curve:
 
 def drawn_standings(title: str, recorded: Sequence[Curve], judged: Curve | None = None) -> Figure:
     """Error against seconds on logarithmic axes; the judged solver as stars, or as a line where it has no seconds."""
-    with mpl.rc_context(SETTINGS):
+    with styled():
         canvas = Figure(figsize=SIZE, layout="constrained")
         axes = canvas.subplots()
         for index, curve in enumerate(recorded):

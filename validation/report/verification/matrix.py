@@ -61,7 +61,7 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Line:
+class ProblemLine:
     """A problem: its name, its case, and the entries of every column."""
 
     problem: str
@@ -78,7 +78,7 @@ class Line:
 class Matrix:
     """Lines, those on which most pairs meet first, and the comparisons that no column takes."""
 
-    lines: list[Line]
+    lines: list[ProblemLine]
     outside: list[tuple[str, str]]  # id of the row, its quantity
 
 
@@ -160,7 +160,7 @@ def matrix_of(cases: Iterable[CaseRecord]) -> Matrix:
         pair = CODES[code_of(case, row)][0] + REFERENCES[row.reference.kind][0]
         cells[column].setdefault(pair, []).append((row, target))
     made = [
-        Line(problem, case, tuple(tuple(_entry(pair, rows) for pair, rows in cell.items()) for cell in cells))
+        ProblemLine(problem, case, tuple(tuple(_entry(pair, rows) for pair, rows in cell.items()) for cell in cells))
         for problem, (case, cells) in lines.items()
     ]
     return Matrix(sorted(made, key=lambda line: (-len(line.pairs), "BF" not in line.pairs)), outside)

@@ -7,17 +7,17 @@ from dataclasses import asdict
 from typing import Any
 
 from validation.harness.verdict import case_verdicts
-from validation.report.fault_matrix import Line
+from validation.report.fault_matrix import FaultLine
 from validation.studies.faults.fault_findings import Finding
 from validation.studies.faults.fault_injection import Examined
 
 SCHEMA = "linecontact-faults/2"
 
 
-def lines_of(findings: Iterable[Finding]) -> list[Line]:
+def lines_of(findings: Iterable[Finding]) -> list[FaultLine]:
     """The findings as lines of the figure of faults against cases."""
     return [
-        Line(finding.fault.id, finding.excesses, {*finding.failed, *finding.apart}, finding.asked)
+        FaultLine(finding.fault.id, finding.excesses, {*finding.failed, *finding.apart}, finding.asked)
         for finding in findings
     ]
 
