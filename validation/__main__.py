@@ -25,10 +25,10 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.result_file import RESULT_FILE, CorruptResultError
 from bem.scene.scene import SceneError
 from validation.challenge import commands as challenge
+from validation.challenge.commands import positive, say
 from validation.harness import baseline
 from validation.harness.case import Case, CaseError, registry, select
 from validation.harness.entry_points.own_cases import own_cases
-from validation.harness.execution import Note
 from validation.harness.executors import ExecutorError, opener_of
 from validation.harness.provenance import provenance
 from validation.harness.runner import run_cases
@@ -128,7 +128,7 @@ def _run(options: argparse.Namespace) -> int:
     facts = provenance() | own  # before the run: sources that change meanwhile are not those of the report
     folder: Path = options.out
     begun = time.monotonic()
-    records = run_cases(cases, folder, options.jobs, _say, expected, opener, anew=bool(own))
+    records = run_cases(cases, folder, options.jobs, say, expected, opener, anew=bool(own))
     level = options.level if options.only is None else f"only {options.only}"
     made = Report(
         schema_=SCHEMA,
@@ -168,7 +168,7 @@ def _replicate(options: argparse.Namespace) -> int:
         size,
         options.jobs,
         opener_of(options.executor),
-        _say,
+        say,
         f"python -m validation replicate{form} --out {options.out.name}",
     )
     return _stored(made, options.out, options.json)
@@ -279,7 +279,7 @@ def _study(options: argparse.Namespace) -> int:
         asked = {"jobs": options.jobs or 1}
     if options.random is not None:
         asked |= {"tasks": run.random_tasks(options.random, options.seed), "file": run.RANDOM_FILE}
-    return int(run.run(options.out, options.quick, _say, **asked))
+    return int(run.run(options.out, options.quick, say, **asked))
 
 
 def _study_scene(options: argparse.Namespace, study: ModuleType) -> int:
@@ -289,11 +289,7 @@ def _study_scene(options: argparse.Namespace, study: ModuleType) -> int:
     asked = {"seeds": options.seeds, "budget": options.budget}
     given = {key: value for key, value in asked.items() if value is not None}
     plan = study.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
-    return int(study.run(options.scene, options.out, plan, _say))
-
-
-def _say(note: Note) -> None:
-    print(note.text, file=sys.stderr, flush=True)
+    return int(study.run(options.scene, options.out, plan, say))
 
 
 def _command(options: argparse.Namespace) -> str:
@@ -312,7 +308,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     run = commands.add_parser(run_name, help="run the cases of a level and write the report")
     run.add_argument("--level", default="quick", help="quick, standard or full (default: quick)")
     run.add_argument("--only", metavar="PATTERN", help="cases whose name or group matches, of any level")
-    run.add_argument("--jobs", type=_positive, default=cores, help=f"worker processes (default: {cores})")
+    run.add_argument("--jobs", type=positive, default=cores, help=f"worker processes (default: {cores})")
     run.add_argument("--executor", default="local", help="local (default) or dask://host:port")
     run.add_argument("--out", type=Path, required=True, help="folder of the report; what is there already is kept")
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
@@ -327,7 +323,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
 
     paper = commands.add_parser("replicate", help="the results of the paper from 11 realisations, as a report")
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there are kept")
-    paper.add_argument("--jobs", type=_positive, default=cores, help=f"worker processes (default: {cores})")
+    paper.add_argument("--jobs", type=positive, default=cores, help=f"worker processes (default: {cores})")
     paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
     paper.add_argument(
         "--quick", action="store_true", help="few realisations with few harmonics: shows only that it runs"
@@ -357,17 +353,17 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help=f"scene file (TOML) of study {OF_A_SCENE}")
     of_scene = (
         ("--seeds", _natural, "N", f"realisations besides its own (default: {SEEDS})"),
-        ("--budget", _positive, "SECONDS", f"CPU seconds it may take (default: {BUDGET:g})"),
+        ("--budget", positive, "SECONDS", f"CPU seconds it may take (default: {BUDGET:g})"),
     )
     for option, kind, name, words in of_scene:
         study.add_argument(option, type=kind, metavar=name, help=f"{OF_A_SCENE}: {words}")
     study.add_argument("--overwrite", action="store_true", help=f"{OF_A_SCENE}: replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
-    study.add_argument("--jobs", type=_positive, help=f"processes of: {that_take('jobs')}")
+    study.add_argument("--jobs", type=positive, help=f"processes of: {that_take('jobs')}")
     study.add_argument("--executor", default="local", help=f"for {that_take('executor')}: local or dask://host:port")
     study.add_argument("--peers", action="store_true", help=f"{that_take('peers')} beside FFT solvers only")
-    study.add_argument("--random", type=_positive, metavar="N", help=f"{that_take('random')}: N random scenes instead")
+    study.add_argument("--random", type=positive, metavar="N", help=f"{that_take('random')}: N random scenes instead")
     study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
     study.set_defaults(command=_alone(_study), perform=perform)
 
@@ -380,12 +376,6 @@ def _add_own(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--baselines", type=Path, metavar="DIR", help="of the cases (own cases: default DIR/baselines)"
     )
-
-
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 1 is needed")
-    return int(text)
 
 
 def _natural(text: str) -> int:

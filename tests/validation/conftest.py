@@ -12,11 +12,11 @@ def here(monkeypatch):
     """Tasks of studies in this process: starting another takes seconds."""
 
     def in_this_process(function, items, jobs, **options):
-        (item,) = items
-        try:
-            yield Ended(item, function(item))
-        except Exception as error:
-            yield Ended(item, error)
+        for item in items:
+            try:
+                yield Ended(item, function(item), 0.1)
+            except Exception as error:
+                yield Ended(item, error, 0.1)
 
     monkeypatch.setattr(store, "run_in_processes", in_this_process)
 

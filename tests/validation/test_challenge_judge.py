@@ -330,7 +330,7 @@ def test_a_baseline_fails_where_digits_are_lost_and_only_there(solvers, undrawn,
 def test_a_problem_without_answers_is_one_line(solvers, capsys):
     assert run("--solver", "mine:raises", "--only", "westergaard") == 1
     lines = capsys.readouterr().err.splitlines()
-    assert [line.startswith("westergaard: crashed, RuntimeError: boom") for line in lines] == [False, True]
+    assert sum(line.startswith("westergaard: crashed, RuntimeError: boom") for line in lines) == 1
 
 
 def test_half_a_digit_is_not_lost():

@@ -1,4 +1,4 @@
-"""What cases share: tolerances from the error measured, columns of states in their units, work summed, cases in words."""
+"""What cases share: tolerances from the error measured, columns of states in their units, work summed, their words."""
 
 from types import SimpleNamespace
 

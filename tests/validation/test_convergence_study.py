@@ -1,6 +1,7 @@
 """The convergence study: verdicts from manufactured curves, failures kept, the curves of each code, its files."""
 
 import json
+import pickle
 from dataclasses import replace
 
 import pytest
@@ -14,7 +15,7 @@ from validation.corpus.convergence_curves import (
     persson_curves,
 )
 from validation.studies import convergence
-from validation.studies.convergence import PathDrift, Step, figures_of, row_of
+from validation.studies.convergence import PathDrift, figures_of, row_of
 
 SIZES = (4.0, 8.0, 16.0, 32.0)
 SECOND = Curve(
@@ -28,8 +29,8 @@ TWICE = replace(
 
 
 def study(folder, *curves, increments=(0.05, 0.05)):
-    steps = [Step(curve.id, lambda curve=curve: (curve,)) for curve in curves]
-    return convergence.run(folder, True, lambda note: None, steps, increments)
+    parts = {curve.id: lambda curve=curve: curve for curve in curves}
+    return convergence.run(folder, True, lambda note: None, parts, increments)
 
 
 @pytest.mark.parametrize(
@@ -48,7 +49,7 @@ def test_verdict_of_a_manufactured_curve(curve, good):
     assert (row_of(curve)[-1] == "met") is good
 
 
-def test_study_writes_table_figures_and_verdict(tmp_path, capsys, monkeypatch):
+def test_study_writes_table_figures_and_verdict(here, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1], 3))
     assert study(tmp_path, SECOND, TWICE) == 0
     stored = json.loads((tmp_path / "convergence.json").read_text())
@@ -58,47 +59,19 @@ def test_study_writes_table_figures_and_verdict(tmp_path, capsys, monkeypatch):
     assert "second" in capsys.readouterr().out
 
 
-def test_curve_that_fails_is_a_line_and_fails_the_study(tmp_path, capsys, monkeypatch):
+def test_curve_that_fails_is_a_line_and_fails_the_study(here, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1], 3))
 
     def broken():
         raise ArithmeticError("singular")
 
-    steps = [Step("broken", broken), Step("second", lambda: (SECOND,))]
-    assert convergence.run(tmp_path, True, lambda note: None, steps, (0.05,)) == 1
+    parts = {"broken": broken, "second": lambda: (SECOND,)}
+    assert convergence.run(tmp_path, True, lambda note: None, parts, (0.05,)) == 1
     assert "FAILED: broken: ArithmeticError: singular" in capsys.readouterr().out
     assert [curve["id"] for curve in json.loads((tmp_path / "convergence.json").read_text())["curves"]] == ["second"]
 
 
-def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
-    computed = []
-
-    def step(curve, interrupted=False):
-        def compute():
-            if interrupted:
-                raise KeyboardInterrupt
-            computed.append(curve.id)
-            return (curve,)
-
-        return Step(curve.id, compute)
-
-    def path(harmonics, increment):
-        computed.append("path")
-        return [0.1], 3
-
-    monkeypatch.setattr(convergence, "path_targets", path)
-    whole, broken = tmp_path / "whole", tmp_path / "broken"
-    convergence.run(whole, True, lambda note: None, [step(SECOND), step(TWICE)], (0.05,))
-    with pytest.raises(KeyboardInterrupt):
-        convergence.run(broken, True, lambda note: None, [step(SECOND), step(TWICE, interrupted=True)], (0.05,))
-    computed.clear()
-    assert convergence.run(broken, True, lambda note: None, [step(SECOND), step(TWICE)], (0.05,)) == 0
-    assert computed == ["twice", "path"]
-    first, second = (json.loads((folder / "convergence.json").read_text()) for folder in (whole, broken))
-    assert first | {"provenance": None} == second | {"provenance": None}
-
-
-def test_path_that_depends_on_its_increments_fails_the_study(tmp_path, monkeypatch):
+def test_path_that_depends_on_its_increments_fails_the_study(here, tmp_path, monkeypatch):
     monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1 + 2e-5 * increment], 3))
     assert study(tmp_path, SECOND, increments=(0.2, 0.05)) == 1
 
@@ -108,14 +81,19 @@ def test_path_drift_is_against_the_finest():
     assert PathDrift((0.2, 0.05), (0.9e-6, 0.0), (1, 2)).met
 
 
-def test_path_that_does_not_converge_is_told(monkeypatch):
+def test_path_that_does_not_converge_is_told(here, tmp_path, capsys, monkeypatch):
     def lost(harmonics, increment):
         raise ArithmeticError("not_converged")
 
     monkeypatch.setattr(convergence, "path_targets", lost)
-    failures = []
-    assert convergence.path_drift(10, (0.1,), failures) is None
-    assert failures == ["path: ArithmeticError: not_converged"]
+    assert study(tmp_path, SECOND) == 1
+    assert "FAILED: path: ArithmeticError: not_converged" in capsys.readouterr().out
+
+
+def test_parts_of_the_study_reach_other_processes():
+    for quick in (True, False):
+        parts = convergence.curves_of(quick)
+        assert repr(pickle.loads(pickle.dumps(parts))) == repr(parts)
 
 
 @pytest.mark.parametrize(

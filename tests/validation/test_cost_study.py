@@ -8,8 +8,6 @@ from types import SimpleNamespace
 import example_runs as examples
 import pytest
 
-from validation.harness import store
-from validation.harness.execution import Ended
 from validation.studies import cost, cost_breakdown
 from validation.studies.cost import Drift, Realisation, drifts_of, exponents_of, judged, measured, realisations_of
 from validation.studies.cost_breakdown import dissected
@@ -207,30 +205,6 @@ def test_breakdown_is_told_and_stored(here, tmp_path, capsys):
         "cost-patches.svg",
         "cost-stages.svg",
     }
-
-
-def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
-    begun = []
-
-    def in_this_process(function, items, jobs, **options):
-        (item,) = items
-        if item == stop:
-            raise KeyboardInterrupt
-        begun.append(item)
-        yield Ended(item, function(item))
-
-    monkeypatch.setattr(store, "run_in_processes", in_this_process)
-    stop = None
-    study(tmp_path / "whole", examples.converge, PAIR, examples.apart)
-    stop = PAIR[1]
-    with pytest.raises(KeyboardInterrupt):
-        study(tmp_path / "broken", examples.converge, PAIR, examples.apart)
-    stop = None
-    begun.clear()
-    assert study(tmp_path / "broken", examples.converge, PAIR, examples.apart) == 0
-    assert begun == [PAIR[1], 100]
-    first, second = (json.loads((tmp_path / name / "cost.json").read_text()) for name in ("whole", "broken"))
-    assert first | {"provenance": None} == second | {"provenance": None}
 
 
 def test_breakdown_that_fails_is_told(here, tmp_path, capsys):

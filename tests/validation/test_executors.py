@@ -180,6 +180,10 @@ def test_task_of_a_killed_worker_is_run_again_and_counted_once(two_workers, tmp_
     assert set(runs(victim)) > {pid}  # by another process
 
 
+def test_where_nothing_waits_no_executor_is_asked():
+    assert list(run_in_processes(len, [], 2, opener=opener_of("dask://nowhere:1"))) == []
+
+
 @pytest.mark.parametrize("code", [0, 1])
 def test_item_that_ends_its_process_is_told_whatever_the_exit_code(forked, code):
     (_, ended) = run_in_processes(os._exit, [code], 1)

@@ -9,6 +9,7 @@ import pytest
 from in_this_process import forking
 
 from validation.__main__ import main
+from validation.harness import store
 from validation.harness.execution import run_in_processes
 from validation.harness.runner import record_of
 from validation.harness.schema import Band
@@ -209,10 +210,10 @@ def test_interrupted_study_goes_on_to_the_same_report(studied, example, tmp_path
         begun.extend(task.fault and task.fault.id for task in tasks)
         yield from run_in_processes(function, tasks, jobs, **options)
 
-    monkeypatch.setattr(faults, "run_in_processes", interrupted)
+    monkeypatch.setattr(store, "run_in_processes", interrupted)
     with pytest.raises(KeyboardInterrupt):
         faults.run(tmp_path, True, silent, example.STUDIED)
-    monkeypatch.setattr(faults, "run_in_processes", noted)
+    monkeypatch.setattr(store, "run_in_processes", noted)
     for asked in (["off"], []):  # the control run is not repeated, then nothing is
         assert faults.run(tmp_path, True, silent, example.STUDIED) == 0
         assert begun == asked

@@ -11,6 +11,7 @@ from browser import BROWSER, found_at
 
 from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main
+from validation.harness import store
 from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
 from validation.references.one_patch import OnePatch
@@ -266,12 +267,12 @@ def in_process(monkeypatch):
     """Settings are solved in this process; the names of those that were."""
     done = []
 
-    def events(function, items, jobs):
+    def events(function, items, jobs, **options):
         for item in items:
             done.append(item.name)
             yield Ended(item, function(item))
 
-    monkeypatch.setattr(own_scene, "run_in_processes", events)
+    monkeypatch.setattr(store, "run_in_processes", events)
     return done
 
 
@@ -285,13 +286,18 @@ def scene_file(folder, **tables):
     return path
 
 
+def solved_here(function, items, jobs, **options):
+    for item in items:
+        yield Ended(item, function(item))
+
+
 @pytest.fixture(scope="module")
 def studied(tmp_path_factory):
     """A study that is there: its scene file, its folder and the notes."""
     folder, notes = tmp_path_factory.mktemp("studied"), []
     path = scene_file(folder)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(own_scene, "run_in_processes", lambda f, items, jobs: (Ended(item, f(item)) for item in items))
+        patch.setattr(store, "run_in_processes", solved_here)
         assert run(path, folder / "out", QUICK, notes.append) == 0
     return path, folder / "out", [note.text for note in notes]
 

@@ -112,7 +112,7 @@ def here(monkeypatch):
             except Exception as error:
                 yield Ended(item, error)
 
-    monkeypatch.setattr(stability, "run_in_processes", in_this_process)
+    monkeypatch.setattr(store, "run_in_processes", in_this_process)
     return begun
 
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 
 import pytest
 
+from validation.harness import store
+from validation.harness.execution import Ended
 from validation.harness.route import Answer
 from validation.harness.runner import failed_record
 from validation.harness.store import Store
@@ -92,3 +94,49 @@ def test_name_of_a_file_says_what_it_is(answers):
     answers.keep(Measured, Measured(1.0), "layer, reference: finite elements")
     (path,) = answers.folder.iterdir()
     assert path.name.startswith("layer-reference-finite-elements-")
+
+
+def half(number):
+    if number == 0:
+        raise ZeroDivisionError("no half")
+    return number / 2
+
+
+@pytest.fixture
+def asked(answers, monkeypatch):
+    """What a loop over numbers gives, and which of them it worked on; `stop` interrupts it."""
+    begun = []
+
+    def loop(numbers, stop=None, **options):
+        def work(function, items, jobs, **given):
+            for item in items:
+                begun.append(item)
+                if item == stop:
+                    raise KeyboardInterrupt
+                try:
+                    yield Ended(item, function(item), 1.0)
+                except ZeroDivisionError as error:
+                    yield Ended(item, error, 1.0)
+
+        monkeypatch.setattr(store, "run_in_processes", work)
+        begun.clear()
+        found = answers.answers(float, half, numbers, lambda number: (f"half of {number}", number), **options)
+        return {item: answer for item, answer, _ in found}
+
+    loop.begun = begun
+    return loop
+
+
+def test_an_interrupted_loop_goes_on_to_the_same_answers(asked):
+    with pytest.raises(KeyboardInterrupt):
+        asked([1, 2, 3], stop=2)
+    assert asked([1, 2, 3]) == {1: 0.5, 2: 1.0, 3: 1.5}
+    assert asked.begun == [2, 3]
+    assert asked([3, 1]) == {3: 1.5, 1: 0.5} and asked.begun == []
+
+
+def test_what_failed_or_is_refused_is_tried_again(asked):
+    assert isinstance(asked([0])[0], ZeroDivisionError)
+    assert asked([4], keeps=lambda answer: answer != 2.0) == {4: 2.0}
+    asked([0, 4])
+    assert asked.begun == [0, 4]

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from validation.harness import store
-from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
 from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, numbers_of, scenes
 from validation.studies.work_precision import work_precision
@@ -43,28 +41,6 @@ def test_setting_that_fails_stays_with_its_message(here, tmp_path, capsys):
     assert (failed["setting"], failed["status"]) == ("0.25", "ArithmeticError: the matrix is singular")
     assert "the matrix is singular" in capsys.readouterr().out
     assert "the matrix is singular" in (tmp_path / "work-precision-sinusoid.svg").read_text()
-
-
-def test_interrupted_study_goes_on_to_the_same_report(tmp_path, monkeypatch):
-    methods = [example.method(), example.method(name="second")]
-    begun = []
-
-    def in_this_process(function, items, jobs, **options):
-        (item,) = items
-        begun.append(getattr(getattr(item, "method", None), "name", "reference"))
-        if begun[-1] == "second" and begun.count("second") == 1:
-            raise KeyboardInterrupt
-        yield Ended(item, function(item))
-
-    monkeypatch.setattr(store, "run_in_processes", in_this_process)
-    with pytest.raises(KeyboardInterrupt):
-        study(tmp_path, methods, example.TRUTH)
-    first = json.loads((tmp_path / "work-precision.json").read_text())["points"]
-    assert study(tmp_path, methods, example.TRUTH) == 0
-    assert begun == ["reference", "halving", "second", "second"]
-    whole = json.loads((tmp_path / "work-precision.json").read_text())["points"]
-    assert whole[: len(first)] == first
-    assert [point["method"] for point in whole[len(first) :]] == ["second"] * len(first)
 
 
 def test_method_that_fails_everywhere_fails_the_study(here, tmp_path, capsys):

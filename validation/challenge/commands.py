@@ -75,16 +75,14 @@ def _judge(options: argparse.Namespace) -> int:
     """Judge, and write what came out; 1 where an answer is missing or wrong, or digits were lost to a baseline."""
     from validation.challenge import run_judge
 
-    workers = (options.jobs, opener_of(options.executor)) if (options.jobs, options.executor) != (1, LOCAL) else None
+    opener = opener_of(options.executor)
     problems = run_judge.chosen(options.only)
     before = () if options.baseline is None else run_judge.earlier(options.baseline, problems)
     with locked(options.out):
         if options.solver is not None:
             name = options.solver
-            spec = solvers().get(name, name)
-            found = run_judge.solved(
-                spec, problems, options.time_limit, options.out, _say, workers, options.memory_limit
-            )
+            asked = problems, options.time_limit, options.out, say, options.jobs, opener, options.memory_limit
+            found = run_judge.solved(solvers().get(name, name), *asked)
         else:
             name = options.submission.name
             found = run_judge.submitted(options.submission, problems)
@@ -126,7 +124,7 @@ def _standings(options: argparse.Namespace) -> int:
     from validation.challenge.record_standings import record
 
     with locked(options.out):
-        path = record(options.out, options.solvers, options.time_limit, _say)
+        path = record(options.out, options.solvers, options.time_limit, say)
     print(path)
     return DONE
 
@@ -162,7 +160,7 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     one.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder of challenge.html and challenge.json"
     )
-    one.add_argument("--jobs", type=_count, default=1, metavar="N", help="problems at a time (default: 1)")
+    one.add_argument("--jobs", type=positive, default=1, metavar="N", help="problems at a time (default: 1)")
     one.add_argument("--executor", default=LOCAL, metavar="SPEC", help="local (default) or dask://host:port")
     one.add_argument("--json", action="store_true", help="print the summary as JSON")
     one.set_defaults(command=_judge, perform=perform)
@@ -201,11 +199,13 @@ def _gigabytes(text: str) -> float:
     return _positive(MOST_MEMORY, f"a number of GB > 0, at most {MOST_MEMORY:g}", text)
 
 
-def _count(text: str) -> int:
+def positive(text: str) -> int:
+    """An argument that is a whole number > 0."""
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: a whole number > 0 is needed")
+        raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 1 is needed")
     return int(text)
 
 
-def _say(note: Note) -> None:
+def say(note: Note) -> None:
+    """Progress goes to stderr."""
     print(note.text, file=sys.stderr, flush=True)

@@ -12,8 +12,7 @@ import hashlib
 import importlib.util
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatch
 from functools import partial
@@ -28,8 +27,8 @@ from validation.challenge.judging import Judged, judged, lost
 from validation.challenge.problem import ChallengeError, Shipped, names, problem
 from validation.challenge.solver_process import look_up, returned
 from validation.challenge.submission import read_submission
-from validation.harness.execution import Ended, Listener, Note, run_in_processes
-from validation.harness.executors import Opener
+from validation.harness.execution import Listener, Note
+from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance, versions
 from validation.harness.route import Answer
 from validation.harness.store import FOLDER, Store, plain
@@ -37,7 +36,6 @@ from validation.report.challenge.challenge_page import render_challenge
 
 SCHEMA = "linecontact-challenge/1"
 JSON_FILE, PAGE = "challenge.json", "challenge.html"
-KEPT = ("answered", "not offered")
 SOLVERS = ("bem", "fem_reference", "persson", "validation/references", "validation/routes")
 
 
@@ -87,46 +85,35 @@ def solved(
     limit: float,
     folder: Path,
     report: Listener,
-    workers: tuple[int, Opener] | None = None,
+    jobs: int = 1,
+    opener: Opener = local_processes,
     memory: float | None = None,
 ) -> Iterator[Answer]:
     """What a solver, "package.module:function", returns for each problem; from `folder` where it is kept there.
 
-    `limit` is in seconds for each problem, `memory` in GB for each process of the solver; `workers` says how many at a
-    time, and where: by default one after the other, on this machine. ChallengeError where the solver cannot be
-    imported.
+    `limit` is in seconds for each problem, `memory` in GB for each process of the solver; `jobs` and `opener` say how
+    many at a time, and where. ChallengeError where the solver cannot be imported.
     """
     look_up(spec)
     store, source = Store(folder / FOLDER, _key(), report), _digest(spec)
-    decides = {one.name: (spec, source, hashlib.sha256(one.text.encode()).hexdigest()) for one in problems}
-    kept = {one.name: store.kept(Answer, one.name, *decides[one.name]) for one in problems}
-    found = {name: answer for name, answer in kept.items() if answer is not None}
-    texts = {one.name: one.text for one in problems if one.name not in found}
-    for name, answer in _returned(partial(returned, spec, limit=limit, memory=memory), texts, workers):
-        found[name] = answer
+    names_of = {one.text: one.name for one in problems}
+
+    def task_of(text: str) -> tuple[str, ...]:
+        return names_of[text], spec, source, hashlib.sha256(text.encode()).hexdigest()
+
+    ask, found = partial(returned, spec, limit=limit, memory=memory), dict[str, Answer]()
+    for text, answer, _ in store.answers(Answer, ask, names_of, task_of, jobs, opener, keeps=_kept):
+        if isinstance(answer, Exception):  # of the process that asked
+            answer = Answer("crashed", f"{type(answer).__name__}: {answer}")
+        found[names_of[text]] = answer
         spent = "" if answer.seconds is None else f" in {answer.seconds:.3g} s"
-        report(Note(f"{name}: {answer.status}{spent}{': ' + answer.message if answer.message else ''}"))
-        if answer.status in KEPT:
-            store.keep(Answer, answer, name, *decides[name])
+        report(Note(f"{names_of[text]}: {answer.status}{spent}{': ' + answer.message if answer.message else ''}"))
     return iter([found[one.name] for one in problems])
 
 
-def _returned(
-    ask: Callable[[str], Answer], texts: dict[str, str], workers: tuple[int, Opener] | None
-) -> Iterator[tuple[str, Answer]]:
-    """Names of problems and what `ask` gives for their texts, as they end."""
-    if workers is None:
-        for name, text in texts.items():
-            yield name, ask(text)
-        return
-    jobs, opener = workers
-    names_of = {text: name for name, text in texts.items()}
-    with closing(run_in_processes(ask, texts.values(), jobs, opener=opener)) as events:
-        for event in events:
-            if isinstance(event, Ended):
-                answer = event.answer
-                died = Answer("crashed", f"{type(answer).__name__}: {answer}")
-                yield names_of[event.item], answer if isinstance(answer, Answer) else died
+def _kept(answer: Answer) -> bool:
+    """Whether an answer stands: what crashed or took too long or too much memory is tried again."""
+    return answer.status in ("answered", "not offered")
 
 
 def submitted(path: Path, problems: Sequence[Shipped]) -> Iterator[Answer]:

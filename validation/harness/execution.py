@@ -94,6 +94,8 @@ def run_in_processes(
     """
     waiting, suspects = deque((item, False) for item in items), deque[Item]()
     running: dict[Future[Answer], _Run[Item]] = {}
+    if not waiting:
+        return
     with opener(min(jobs, len(waiting))) as pool:
         while waiting or running or suspects:
             if not waiting and not running:

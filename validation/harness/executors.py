@@ -139,6 +139,7 @@ class Processes(Executor):
         slot = self._busy.pop(future)
         if self._fresh or isinstance(future.exception(), BrokenProcessPool):
             slot.shutdown(wait=False)
+            del self._process[slot]
         else:
             self._idle.append(slot)
 

@@ -14,8 +14,7 @@ import hashlib
 import json
 import math
 import re
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +25,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness.execution import Ended, Listener, Note, Running, run_in_processes
-from validation.harness.executors import fresh_processes
+from validation.harness.executors import Opener, fresh_processes
 from validation.harness.provenance import sources_digest, versions
 from validation.harness.schema import ID
 
@@ -79,25 +78,49 @@ class Store:
         whole = {"key": self._key(name, decides), "sha256": _digest(content), "answer": content}
         write_atomically(self.path(name, *decides), json.dumps(whole, indent=1) + "\n")
 
+    def answers(
+        self,
+        form: type[Kept],
+        function: Callable[[Item], Kept],
+        items: Iterable[Item],
+        task_of: Callable[[Item], tuple[Any, ...]],
+        jobs: int = 1,
+        opener: Opener = fresh_processes,
+        limit: Callable[[Item], float] | None = None,
+        keeps: Callable[[Kept], bool] = lambda answer: True,
+    ) -> Iterator[tuple[Item, Kept | Exception, float]]:
+        """Items with their answers and seconds, as they come: first those that are kept, then those of a function.
+
+        The name of an item and what else decides its answer are `task_of(item)`; function, jobs, opener and limit are
+        those of `run_in_processes`. Exceptions in place of answers are not kept, nor is what `keeps` refuses.
+        """
+        missing = []
+        for item in items:
+            known = self.kept(form, *task_of(item))
+            if known is None:
+                missing.append(item)
+            else:
+                yield item, known, 0.0
+        with closing(run_in_processes(function, missing, jobs, opener=opener, limit=limit)) as events:
+            for event in events:
+                if isinstance(event, Ended):
+                    answer = event.answer
+                    if not isinstance(answer, Exception) and keeps(answer):
+                        self.keep(form, answer, *task_of(event.item))
+                    yield event.item, answer, event.seconds
+                elif isinstance(event, Running):
+                    passed = zip(event.items, event.seconds, strict=True)
+                    self.report(Note("; ".join(f"{task_of(item)[0]}: {seconds:.0f} s" for item, seconds in passed)))
+                else:
+                    self.report(Note(f"{task_of(event.item)[0]}: started"))
+
     def alone(
         self, form: type[Kept], function: Callable[[Item], Kept], item: Item, name: str, *decides: Any
     ) -> Kept | Exception:
         """The answer of a task that is kept, or that of a function in a process of its own, or its exception."""
-        known = self.kept(form, name, *decides)
-        if known is not None:
-            return known
-        self.report(Note(f"{name}: started"))
-        begun = time.monotonic()
-        answer: Kept | Exception = RuntimeError("no answer")
-        with closing(run_in_processes(function, [item], 1, opener=fresh_processes)) as events:
-            for event in events:
-                if isinstance(event, Running):
-                    self.report(Note(f"{name}: {event.seconds[0]:.0f} s"))
-                elif isinstance(event, Ended):
-                    answer = event.answer
-        self.report(Note(f"{name}: {time.monotonic() - begun:.1f} s"))
-        if not isinstance(answer, Exception):
-            self.keep(form, answer, name, *decides)
+        ((_, answer, seconds),) = self.answers(form, function, [item], lambda item: (name, *decides))
+        if seconds:
+            self.report(Note(f"{name}: {seconds:.1f} s"))
         return answer
 
     def _read(self, form: type[Kept], name: str, decides: tuple[Any, ...]) -> Kept | None:

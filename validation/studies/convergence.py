@@ -9,13 +9,13 @@ computed is a line with its message.  Finished parts are kept (harness/store.py)
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from validation.corpus.convergence_curves import (
     Curve,
@@ -28,9 +28,9 @@ from validation.corpus.convergence_curves import (
     predicted_line,
 )
 from validation.corpus.rates import RateError
-from validation.harness.execution import Listener, Note
+from validation.harness.execution import Listener
 from validation.harness.provenance import provenance
-from validation.harness.store import Store, store_in, write_json
+from validation.harness.store import store_in, write_json
 from validation.report.study_figures import Line, Plot, write_svg
 from validation.studies.shown import text_table
 
@@ -39,14 +39,7 @@ FILE = "convergence.json"
 DRIFT = 1e-6  # largest change of a contact fraction with the increments of the path
 INCREMENTS = (0.4, 0.2, 0.1, 0.05, 0.0125)  # of the path, in rms heights
 PLATEAU = 1e-12  # largest plateau of a geometric curve
-
-
-@dataclass(frozen=True)
-class Step:
-    """A part of the study: a name and what computes its curves."""
-
-    name: str
-    compute: Callable[[], Sequence[Curve]]
+COLUMNS = ["curve", "knob", "predicted", "fitted", "low", "high", "fitted over", "plateau", "met"]
 
 
 @dataclass(frozen=True)
@@ -63,87 +56,75 @@ class PathDrift:
         return all(drift <= DRIFT for drift in self.drifts)
 
 
-def steps_of(quick: bool) -> list[Step]:
-    """The parts in order."""
+def curves_of(quick: bool) -> dict[str, Callable[[], Curve | Sequence[Curve]]]:
+    """What computes the curves, by name, in order."""
     graded = (4, 8, 16) if quick else (4, 8, 16, 32)
     uniform = (8, 16, 32) if quick else (8, 16, 32, 64)
-    steps = [
-        Step("bem, contact fraction 0.9", lambda: bem_curves(0.9, range(4, 49, 4))),
-        Step("bem, contact fraction 0.95", lambda: bem_curves(0.95, range(4, 69, 4))),
-        Step("fem, quadratic elements, graded", lambda: (fem_curve(2, graded, True),)),
-        Step("fem, quadratic elements, uniform", lambda: (fem_curve(2, uniform, False),)),
-        Step("fem, quartic elements, uniform", lambda: (fem_curve(4, uniform[:3], False),)),
-        Step("persson", lambda: persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100))),
-        Step("paper's method", lambda: (paper_method_curve((8, 16, 32, 64)),)),
-        Step("ensemble", lambda: (ensemble_curve(*((12, 24) if quick else (30, 256))),)),
-    ]
-    if not quick:
-        steps.insert(5, Step("fem, quartic elements, graded", lambda: (fem_curve(4, (4, 6, 8, 12), True),)))
-    return steps
+    quartic = {} if quick else {"fem, quartic elements, graded": partial(fem_curve, 4, (4, 6, 8, 12), True)}
+    return {
+        "bem, contact fraction 0.9": partial(bem_curves, 0.9, range(4, 49, 4)),
+        "bem, contact fraction 0.95": partial(bem_curves, 0.95, range(4, 69, 4)),
+        "fem, quadratic elements, graded": partial(fem_curve, 2, graded, True),
+        "fem, quadratic elements, uniform": partial(fem_curve, 2, uniform, False),
+        "fem, quartic elements, uniform": partial(fem_curve, 4, uniform[:3], False),
+        **quartic,
+        "persson": partial(persson_curves, (25, 50, 100, 200, 400), (6, 12, 25, 50, 100)),
+        "paper's method": partial(paper_method_curve, (8, 16, 32, 64)),
+        "ensemble": partial(ensemble_curve, *((12, 24) if quick else (30, 256))),
+    }
 
 
 def run(
     folder: Path,
     quick: bool,
     report: Listener,
-    steps: Sequence[Step] | None = None,
+    parts: Mapping[str, Callable[[], Curve | Sequence[Curve]]] | None = None,
     increments: tuple[float, ...] | None = None,
 ) -> int:
     """Run the study; 1 when a rate is outside its bounds, a curve fails, or the path depends on its increments.
 
-    The folder gets convergence.json and the figures. Quick: fewer sizes, fewer realisations. Steps and increments,
+    The folder gets convergence.json and the figures. Quick: fewer sizes, fewer realisations. Parts and increments,
     where they are given, are others than those of the study.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    chosen = steps_of(quick) if steps is None else list(steps)
-    facts, answers = provenance(), store_in(folder, report)
+    facts, store = provenance(), store_in(folder, report)
     curves: list[Curve] = []
     failures: list[str] = []
-    with threadpool_limits(limits=1, user_api="blas"):
-        for done, step in enumerate(chosen, 1):
-            report(Note(f"[{done}/{len(chosen) + 1}] {step.name}"))
-            try:
-                curves += _computed(step, quick, answers)
-            except Exception as error:  # a line with its message, never a missing one
-                failures.append(f"{step.name}: {type(error).__name__}: {error}")
-        report(Note(f"[{len(chosen) + 1}/{len(chosen) + 1}] path"))
-        asked = 30 if quick else 100, increments or (INCREMENTS[::2] if quick else INCREMENTS)
-        path = answers.kept(PathDrift, "path", asked)
-        if path is None and (path := path_drift(*asked, failures)) is not None:
-            answers.keep(PathDrift, path, "path", asked)
-    rows = [row_of(curve) for curve in curves]
-    columns = ["curve", "knob", "predicted", "fitted", "low", "high", "fitted over", "plateau", "met"]
-    print(text_table(columns, rows))
-    if path is not None:
+    for name, compute in (parts or curves_of(quick)).items():
+        answer = store.alone(list[Curve], _listed, compute, name, quick)
+        if isinstance(answer, Exception):  # a line with its message, never a missing one
+            failures.append(f"{name}: {type(answer).__name__}: {answer}")
+        else:
+            curves += answer
+    asked = 30 if quick else 100, increments or (INCREMENTS[::2] if quick else INCREMENTS)
+    path = store.alone(PathDrift, path_drift, asked, "path", asked)
+    print(text_table(COLUMNS, [row_of(curve) for curve in curves]))
+    if isinstance(path, Exception):
+        failures.append(f"path: {type(path).__name__}: {path}")
+    else:
         drifts = [[i, d, n] for i, d, n in zip(path.increments, path.drifts, path.evaluations, strict=True)]
         print("\npath (self-convergence: no digits)")
         print(text_table(["increment / h_rms", "change against the finest", "evaluations"], drifts))
     for message in failures:
         print(f"FAILED: {message}")
-    good = not failures and path is not None and path.met and all(_met(curve) for curve in curves)
-    write_json(folder / FILE, _content(facts, quick, curves, path, failures, good))
+    known = path if isinstance(path, PathDrift) else None
+    good = not failures and known is not None and known.met and all(_met(curve) for curve in curves)
+    write_json(folder / FILE, _content(facts, quick, curves, known, failures, good))
     for name, plot in figures_of(curves):
         write_svg(plot, folder / f"{name}.svg")
     return 0 if good else 1
 
 
-def _computed(step: Step, quick: bool, answers: Store) -> Sequence[Curve]:
-    """The curves of a part, kept or computed and kept."""
-    known = answers.kept(list[Curve], step.name, quick)
-    if known is not None:
-        return known
-    curves = list(step.compute())
-    answers.keep(list[Curve], curves, step.name, quick)
-    return curves
+def _listed(compute: Callable[[], Curve | Sequence[Curve]]) -> list[Curve]:
+    """In a worker: the curves of a part."""
+    found = compute()
+    return [found] if isinstance(found, Curve) else list(found)
 
 
-def path_drift(harmonics: int, increments: Sequence[float], failures: list[str]) -> PathDrift | None:
-    """How far the states at targets move with the increments; None, and a message, when a path fails."""
-    try:
-        paths = [path_targets(harmonics, increment) for increment in increments]
-    except Exception as error:
-        failures.append(f"path: {type(error).__name__}: {error}")
-        return None
+def path_drift(asked: tuple[int, Sequence[float]]) -> PathDrift:
+    """How far the states at targets move with the increments, for a number of harmonics."""
+    harmonics, increments = asked
+    paths = [path_targets(harmonics, increment) for increment in increments]
     finest = np.array(paths[-1][0])
     drifts = tuple(float(np.max(np.abs(np.array(targets) - finest))) for targets, _ in paths)
     return PathDrift(tuple(increments), drifts, tuple(count for _, count in paths))

@@ -15,8 +15,8 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
@@ -35,10 +35,10 @@ from validation.corpus.endings import (
 )
 from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.random import random_trial
-from validation.harness.execution import Ended, Listener, Note, Running, run_in_processes
+from validation.harness.execution import Listener, Note
 from validation.harness.executors import fresh_processes, local_processes
 from validation.harness.provenance import provenance
-from validation.harness.store import store_in, write_json
+from validation.harness.store import Store, store_in, write_json
 from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-stability/1"
@@ -61,39 +61,18 @@ def run(
     jobs: int = 1,
     file: str = FILE,
 ) -> int:
-    """Run the study, print its table, write stability.json; 1 when a case fails.
+    """Run the study, print its table, write stability.json (or `file`); 1 when a case fails.
 
-    Parameters
-    ----------
-    quick : bool
-        The reduced forms instead of the full ones.
-    tasks : sequence of Trial, optional
-        Others than those of the study.
-    measure : callable, optional
-        Another measurement than `measured`, importable by name.
-    jobs : int
-        Cases at a time; rows depend on it by their seconds only, as long as none reaches its limit by the clock.
-    file : str
-        Name of the file of rows.
-
-    Raises
-    ------
-    RuntimeError
-        Fewer rows than planned: a fault of this module.
+    Quick: the reduced forms instead of the full ones. Other tasks than those of the study may be given, and another
+    measurement than `measured`, importable by name. Rows depend on `jobs`, the cases at a time, by their seconds only,
+    as long as none reaches its limit by the clock. RuntimeError for fewer rows than planned: a fault of this module.
     """
     planned = tasks_of(quick) if tasks is None else list(tasks)
-    facts, answers = provenance(), store_in(folder, lambda note: None)
-    rows = [row for task in planned if (row := answers.kept(TrialRow, _name(task), task.form)) is not None]
-    if rows:
-        report(Note(f"{len(rows)} of {len(planned)} cases are there already"))
-    there, begun = {_key(row) for row in rows}, time.monotonic()
-    missing = [task for task in planned if _key(task) not in there]
-    for row in _rows(measure or measured, missing, jobs, report):
+    facts, rows, begun = provenance(), list[TrialRow](), time.monotonic()
+    for row in _rows(measure or measured, planned, jobs, store_in(folder, report, each=False)):
         rows.append(row)
-        if row.ending not in ("crashed", "timed out"):  # which are tried again
-            answers.keep(TrialRow, row, _name(row), row.form)
         elapsed = time.monotonic() - begun
-        report(Note(f"[{len(rows)}/{len(planned)}] {_told(rows[-1])}; {elapsed:.0f} s so far"))
+        report(Note(f"[{len(rows)}/{len(planned)}] {_told(row)}; {elapsed:.0f} s so far"))
         _write(folder / file, facts, rows, len(planned))
     order = {_key(task): place for place, task in enumerate(planned)}
     rows.sort(key=lambda row: order[_key(row)])
@@ -130,22 +109,26 @@ def summary(rows: Sequence[TrialRow], planned: int) -> list[str]:
 
 
 def _rows(
-    measure: Callable[[Trial], TrialOutcome], tasks: Sequence[Trial], jobs: int, report: Listener
+    measure: Callable[[Trial], TrialOutcome], tasks: Sequence[Trial], jobs: int, store: Store
 ) -> Iterator[TrialRow]:
     """The rows of cases as they end, up to `jobs` at a time, each in a process of its own; random ones share theirs."""
     drawn = [task for task in tasks if task.code == "random"]
     others = [task for task in tasks if task.code != "random"]
     for some, opener in ((others, fresh_processes), (drawn, local_processes)):
-        with closing(run_in_processes(measure, some, jobs, opener=opener, limit=lambda task: task.limit)) as events:
-            for event in events:
-                if isinstance(event, Ended):
-                    late = isinstance(event.answer, TimeoutError)
-                    yield row_of(event.item, None if late else event.answer, event.seconds)
-                elif isinstance(event, Running):
-                    passed = zip(event.items, event.seconds, strict=True)
-                    report(Note(", ".join(f"{_name(task)}: {seconds:.0f} s" for task, seconds in passed)))
-                else:
-                    report(Note(f"{_name(event.item)}: started"))
+        found = store.answers(TrialRow, partial(_row, measure), some, _named, jobs, opener, lambda task: task.limit)
+        for task, answer, seconds in found:
+            late = isinstance(answer, TimeoutError)
+            yield answer if isinstance(answer, TrialRow) else row_of(task, None if late else answer, seconds)
+
+
+def _row(measure: Callable[[Trial], TrialOutcome], task: Trial) -> TrialRow:
+    """In a worker: the row of a case that ends."""
+    return row_of(task, measure(task))
+
+
+def _named(task: Trial) -> tuple[str, str]:
+    """The name of a case, and what else decides its row."""
+    return _name(task), task.form
 
 
 def _write(path: Path, facts: dict[str, Any], rows: Sequence[TrialRow], planned: int) -> None:

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -26,8 +25,7 @@ from tempfile import TemporaryDirectory
 
 from validation.harness import baseline
 from validation.harness.case import registry
-from validation.harness.execution import Ended, Listener, Note, run_in_processes
-from validation.harness.executors import fresh_processes
+from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
 from validation.harness.store import Store, store_in, write_json
 from validation.harness.verdict import case_verdicts
@@ -57,25 +55,17 @@ class Runs:
 
         Those of an earlier run are taken; that a process ended is no answer to keep.  The control must not end its own.
         """
-        known = {place: self.kept.kept(Examined, _name(task), task) for place, task in enumerate(tasks)}
-        found = {place: answer for place, answer in known.items() if answer is not None}
-        missing = [task for place, task in enumerate(tasks) if place not in found]
+        found: dict[int, Examined] = {}
         with TemporaryDirectory() as copies:
             function = partial(examine, self.studied, Path(copies).resolve())
-            with closing(run_in_processes(function, missing, self.jobs, opener=fresh_processes)) as events:
-                for event in events:
-                    if not isinstance(event, Ended):
-                        continue
-                    place = next(at for at, task in enumerate(tasks) if task is event.item)
-                    answer = event.answer
-                    if isinstance(answer, FaultError) or (isinstance(answer, Exception) and event.item.fault is None):
-                        raise answer
-                    if isinstance(answer, Exception):
-                        answer = Examined((), {}, tuple((name, str(answer)) for name, _ in event.item.cases))
-                    else:
-                        self.kept.keep(Examined, answer, _name(event.item), event.item)
-                    found[place] = answer
-                    self.kept.report(Note(f"[{len(found)}/{len(tasks)}] {_name(event.item)}"))
+            answers = self.kept.answers(Examined, function, tasks, lambda task: (_name(task), task), self.jobs)
+            for task, answer, _ in answers:
+                if isinstance(answer, FaultError) or (isinstance(answer, Exception) and task.fault is None):
+                    raise answer
+                if isinstance(answer, Exception):
+                    answer = Examined((), {}, tuple((name, str(answer)) for name, _ in task.cases))
+                found[next(place for place, one in enumerate(tasks) if one is task)] = answer
+                self.kept.report(Note(f"[{len(found)}/{len(tasks)}] {_name(task)}"))
         return [found[place] for place in range(len(tasks))]
 
 

@@ -14,7 +14,6 @@ import json
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,8 @@ from typing import Any
 from bem.scene.effects import predicted_seconds
 from bem.scene.result_file import digest
 from bem.scene.scene import SceneError, load_scene, parse_scene
-from validation.harness.execution import Ended, Listener, Note, Running, run_in_processes
+from validation.harness.execution import Listener, Note
+from validation.harness.executors import local_processes
 from validation.harness.provenance import provenance
 from validation.harness.store import Store, store_in, write_json
 from validation.report.render import ReportError
@@ -161,42 +161,27 @@ def _predicted(setting: Setting, base: Path) -> float | Solved:
 
 def _solve_all(expected: Mapping[Setting, float], least_limit: float, desk: Desk) -> dict[Setting, Solved]:
     """Solve settings that have no answer yet; each may take SLACK times its seconds, or `least_limit`."""
-    found: dict[Setting, Solved] = {}
-    tasks: dict[str, Setting] = {}
-    for setting in expected:
-        kept = desk.answers.kept(Solved, _name(setting), setting.tables)
-        if kept is not None and kept.status != "stopped":
-            found[setting] = kept
-        else:
-            tasks[_name(setting)] = setting
-    waiting = [
-        ToSolve(
-            name, setting.tables, str(desk.base), max(SLACK * expected[setting], least_limit), setting.kind == "base"
-        )
-        for name, setting in tasks.items()
+    settings = {_name(setting): setting for setting in expected}
+    tasks = [
+        ToSolve(name, one.tables, str(desk.base), max(SLACK * expected[one], least_limit), one.kind == "base")
+        for name, one in settings.items()
     ]
-    left, took, seen = sum(expected[setting] for setting in tasks.values()), 0.0, 0.0
-    with closing(run_in_processes(solved, waiting, desk.options.jobs)) as events:
-        for event in events:
-            if isinstance(event, Running):
-                running = zip(event.items, event.seconds, strict=True)
-                desk.report(Note("; ".join(f"{item.name}: running for {seconds:.0f} s" for item, seconds in running)))
-            elif isinstance(event, Ended):
-                setting = tasks.pop(event.item.name)
-                found[setting] = answer = _kept(event, setting, desk.answers)
-                took, seen, left = took + answer.seconds, seen + expected[setting], left - expected[setting]
-                ahead = f"; {left * took / seen:.3g} s to go by the pace so far" if tasks and seen else ""
-                said = f"[{len(waiting) - len(tasks)}/{len(waiting)}] {event.item.name}: {answer.status}"
-                desk.report(Note(f"{said}, {answer.seconds:.3g} s{ahead}"))
+    found: dict[Setting, Solved] = {}
+    took = seen = 0.0
+    for task, answer, _ in desk.answers.answers(
+        Solved, solved, tasks, lambda task: (task.name, task.tables), desk.options.jobs, local_processes,
+        keeps=lambda answer: answer.status != "stopped",
+    ):  # fmt: skip
+        if isinstance(answer, Exception):
+            answer = Solved("error", f"{type(answer).__name__}: {answer}")
+        setting = settings[task.name]
+        found[setting] = answer
+        took, seen = took + answer.seconds, seen + expected[setting]
+        left = sum(expected[one] for one in settings.values() if one not in found)
+        ahead = f"; {left * took / seen:.3g} s to go by the pace so far" if left and seen else ""
+        said = f"[{len(found)}/{len(tasks)}] {task.name}: {answer.status}"
+        desk.report(Note(f"{said}, {answer.seconds:.3g} s{ahead}"))
     return found
-
-
-def _kept(event: Ended[ToSolve, Solved], setting: Setting, answers: Store) -> Solved:
-    """What came of a setting, which is kept unless its process failed."""
-    if isinstance(event.answer, Exception):
-        return Solved("error", f"{type(event.answer).__name__}: {event.answer}")
-    answers.keep(Solved, event.answer, event.item.name, setting.tables)
-    return event.answer
 
 
 def _name(setting: Setting) -> str:

@@ -63,18 +63,8 @@ def run(
 ) -> int:
     """Run the study; 1 when a realisation failed or is not certified, or a row of the report fails.
 
-    Parameters
-    ----------
-    folder : Path
-        Gets members/, calibration.json, theory-correction.json, report.json and report.html.
-    quick : bool
-        A few small profiles that show that everything runs; calibrates and judges nothing of use.
-    report : callable
-        Gets a `Note` for every step.
-    jobs : int
-        Local processes.
-    opener : callable
-        Opens the executor (executors.py).
+    The folder gets members/, calibration.json, theory-correction.json, report.json and report.html. Quick: a few small
+    profiles that show that everything runs; calibrates and judges nothing of use.
     """
     facts = provenance()
     chosen_groups = groups(quick)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -76,40 +76,65 @@ def computed_reference(item: tuple[Source, Posed]) -> Yardstick:
     return source.compute(posed)
 
 
+@dataclass
+class Results:
+    """What a run of the study has so far, and what was asked of it."""
+
+    quick: bool
+    methods: Sequence[Method]
+    posed: dict[str, Posed]
+    facts: dict[str, Any] = field(default_factory=provenance)
+    points: list[Point] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+    prices: list[Price] = field(default_factory=list)
+
+    @property
+    def conclusion(self) -> list[str]:
+        """What the points say, in words, scene by scene."""
+        said = [line for scene in self.posed for line in sentences(scene, curves_of(self.points, scene))]
+        return [*said, *peer_sentences(self.points)]
+
+    def write(self, folder: Path) -> None:
+        """work-precision.json, and what validation/corpus keeps of it."""
+        content = {
+            "schema": SCHEMA,
+            "provenance": self.facts,
+            "quick": self.quick,
+            "threads": 1,
+            "scenes": {name: asdict(posed) for name, posed in self.posed.items()},
+            "methods": [
+                {"name": m.name, "knob": m.knob, "fixed": m.fixed, "settings": [str(s) for s in m.settings],
+                 "scenes": list(m.scenes), "not run on": dict(m.cannot)}
+                for m in self.methods
+            ],
+            "points": [
+                asdict(point) | {"error": point.error, "within_uncertainty": point.grey} for point in self.points
+            ],
+            "peers": cohesive_grid.missing() or "installed",
+            "conclusion": self.conclusion,
+            "prices": [asdict(price) | {"digits": price.digits} for price in self.prices],
+            "failures": self.failures,
+        }  # fmt: skip
+        write_json(folder / FILE, content)
+        write_json(folder / STORED, asdict(kept_costs(self.points, self.facts)))
+
+
 def run(
     folder: Path,
     quick: bool,
     report: Listener,
     methods: Sequence[Method] = METHODS,
-    sources: dict[str, tuple[Source, ...]] | None = None,
+    sources: dict[str, tuple[Source, ...]] = SOURCES,
     with_prices: bool = True,
     peers: bool = False,
 ) -> int:
     """Run the study, print points, price list and conclusion, write work-precision.json and a figure for each scene.
 
-    Parameters
-    ----------
-    quick : bool
-        Fewer scenes, settings and repeats.
-    methods : sequence of Method
-        Others than those of the study, without the peers.
-    sources : dict, optional
-        Other references than those of the study, by scene.
-    with_prices : bool
-        Whether the price list of the effects belongs to it.
-    peers : bool
-        The scenes of the FFT peers only, side by side; else they take part where their extra is installed.
-
-    Returns
-    -------
-    int
-        1 when a reference fails, or a method on every setting of a scene, or the price list, or when the bare scene
-        loads a module of an effect that it does not have.
-
-    Raises
-    ------
-    PeersError
-        The peers are asked for and not installed.
+    1 when a reference fails, or a method on every setting of a scene, or the price list, or when the bare scene loads
+    a module of an effect that it does not have. Quick: fewer scenes, settings and repeats. Other methods and
+    references (by scene) than those of the study may be given, and the price list left out. `peers`: the scenes of the
+    FFT peers only, side by side; else they take part where their extra is installed. PeersError where they are asked
+    for and not installed.
     """
     absent = cohesive_grid.missing()
     if peers and absent:
@@ -117,50 +142,56 @@ def run(
     if methods is METHODS and not absent:
         methods = (*METHODS, *FFT_METHODS)
     folder.mkdir(parents=True, exist_ok=True)
-    known = SOURCES if sources is None else sources
-    chosen = {name: posed for name, posed in scenes().items() if not quick or name in QUICK_SCENES}
-    if peers:
-        chosen = {name: posed for name, posed in chosen.items() if name in FFT_METHODS[0].scenes}
-    repeats, seconds = SECONDS if quick else REPEATS
-    facts, points, failures = provenance(), list[Point](), list[str]()
-    answers = store_in(folder, report)
+    chosen = {
+        name: posed
+        for name, posed in scenes().items()
+        if (not quick or name in QUICK_SCENES) and (not peers or name in FFT_METHODS[0].scenes)
+    }
+    results, store = Results(quick, methods, chosen), store_in(folder, report)
     for posed in chosen.values():
         taking_part = [method for method in methods if posed.id in method.scenes]
-        references = _references(posed, taking_part, known, answers, failures)
+        references = _references(posed, taking_part, sources, store, results.failures)
         for method in taking_part:
-            task = Sweep(posed, method, method.settings_for(posed.id, quick), repeats, seconds)
-            name = f"{posed.id}, {method.name}"
-            decides = (posed, method.fixed, task.settings, repeats, seconds)
-            answer = answers.alone(list[Timed], measured, task, name, *decides)
-            timed = answer if isinstance(answer, list) else [Timed("all", f"{type(answer).__name__}: {answer}")]
-            reference = references.get(source_for(posed.id, method, known).name)
-            points += [point_of(posed, method, entry, reference) for entry in timed]
-            if all(math.isnan(point.error) for point in points if _is(point, posed.id, method.name)):
-                failures.append(f"{posed.id}, {method.name}: no setting has an answer")
-            _write(folder, facts, quick, points, methods, chosen, failures, [])
-    prices, reported = _prices(quick, answers, failures) if with_prices and not peers else ([], [])
-    _write(folder, facts, quick, points, methods, chosen, failures, prices)
+            reference = references.get(source_for(posed.id, method, sources).name)
+            found = [point_of(posed, method, timed, reference) for timed in _swept(posed, method, quick, store)]
+            results.points += found
+            if all(math.isnan(point.error) for point in found):
+                results.failures.append(f"{posed.id}, {method.name}: no setting has an answer")
+            results.write(folder)
+    told = _prices(results, store) if with_prices and not peers else []
+    results.write(folder)
+    _print(results, told)
+    for name, plot in figures_of(results.points, chosen):
+        write_svg(plot, folder / f"{name}.svg")
+    return 1 if results.failures else 0
+
+
+def _swept(posed: Posed, method: Method, quick: bool, store: Store) -> list[Timed]:
+    """All settings of a method on a scene, kept or measured in a process of their own."""
+    sweep = Sweep(posed, method, method.settings_for(posed.id, quick), *(SECONDS if quick else REPEATS))
+    decides = (posed, method.fixed, sweep.settings, sweep.repeats, sweep.seconds)
+    answer = store.alone(list[Timed], measured, sweep, f"{posed.id}, {method.name}", *decides)
+    return answer if isinstance(answer, list) else [Timed("all", f"{type(answer).__name__}: {answer}")]
+
+
+def _print(results: Results, told: Sequence[str]) -> None:
+    """Points, what is fixed and not run, prices, conclusion and failures."""
     columns = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall/s", "spread", "cpu/s",
                "MB", "repeats", "status"]  # fmt: skip
-    print(text_table(columns, [_row(point) for point in points]))
-    for method in methods:
+    print(text_table(columns, [_row(point) for point in results.points]))
+    for method in results.methods:
         print(f"{method.name}: {method.knob} is the knob; fixed: {method.fixed}")
         for scene, reason in method.cannot.items():
-            if scene in chosen:
+            if scene in results.posed:
                 print(f"  not run on {scene}: {reason}")
-    if absent:
+    if absent := cohesive_grid.missing():
         print(f"fft: not run: {absent}")
-    elif compared := peer_table(points):
+    elif compared := peer_table(results.points):
         print(text_table(PEER_COLUMNS, compared))
-    if prices:
-        print(text_table(PRICE_COLUMNS, [_price_row(price) for price in prices]))
-    for line in [*conclusion(points, tuple(chosen)), *peer_sentences(points), *reported]:
+    if results.prices:
+        print(text_table(PRICE_COLUMNS, [_price_row(price) for price in results.prices]))
+    for line in [*results.conclusion, *told, *(f"FAILED: {message}" for message in results.failures)]:
         print(line)
-    for message in failures:
-        print(f"FAILED: {message}")
-    for name, plot in figures_of(points, chosen):
-        write_svg(plot, folder / f"{name}.svg")
-    return 1 if failures else 0
 
 
 def point_of(posed: Posed, method: Method, timed: Timed, reference: Yardstick | None) -> Point:
@@ -184,11 +215,6 @@ def curves_of(points: Sequence[Point], scene: str) -> list[MethodCurve]:
             )
             curves.append(MethodCurve(name, known[0].reference, marks, known[0].floor))
     return curves
-
-
-def conclusion(points: Sequence[Point], names: Sequence[str]) -> list[str]:
-    """What the points say, in words, scene by scene."""
-    return [line for scene in names for line in sentences(scene, curves_of(points, scene))]
 
 
 def figures_of(points: Sequence[Point], chosen: dict[str, Posed]) -> Iterator[tuple[str, Plot]]:
@@ -246,17 +272,18 @@ def _timed(task: Sweep, setting: Any) -> Timed:
     )
 
 
-def _prices(quick: bool, answers: Store, failures: list[str]) -> tuple[list[Price], list[str]]:
-    """The price list and what it says in words."""
-    harmonics, runs = QUICK_PRICES if quick else PRICES
-    answer = answers.alone(list[Price], priced, (harmonics, runs), f"price list, {harmonics} harmonics", runs)
-    loaded = answers.alone(list[str], loaded_for_nothing, harmonics, "the bare scene, alone", harmonics)
+def _prices(results: Results, store: Store) -> list[str]:
+    """The price list added, and what it says in words."""
+    harmonics, runs = QUICK_PRICES if results.quick else PRICES
+    answer = store.alone(list[Price], priced, (harmonics, runs), f"price list, {harmonics} harmonics", runs)
+    loaded = store.alone(list[str], loaded_for_nothing, harmonics, "the bare scene, alone", harmonics)
     if not isinstance(answer, list) or not isinstance(loaded, list):
-        failures.append(f"price list: {answer if isinstance(answer, Exception) else loaded}")
-        return [], []
+        results.failures.append(f"price list: {answer if isinstance(answer, Exception) else loaded}")
+        return []
     if loaded:
-        failures.append(f"the bare scene loads {', '.join(loaded)}")
-    return answer, price_sentences(answer, loaded)
+        results.failures.append(f"the bare scene loads {', '.join(loaded)}")
+    results.prices = answer
+    return price_sentences(answer, loaded)
 
 
 def _references(
@@ -294,38 +321,6 @@ def _row(point: Point) -> list[Any]:
     reported = timed.status if timed.found is None or not point.grey else "within the uncertainty of its reference"
     return [point.scene, point.method, timed.setting, unknowns, point.error, point.floor, timed.wall_seconds,
             timed.spread, timed.cpu_seconds, timed.peak_megabytes, timed.repeats, reported]  # fmt: skip
-
-
-def _write(
-    folder: Path,
-    facts: dict[str, Any],
-    quick: bool,
-    points: Sequence[Point],
-    methods: Sequence[Method],
-    chosen: dict[str, Posed],
-    failures: Sequence[str],
-    prices: Sequence[Price],
-) -> None:
-    reported = [asdict(point) | {"error": point.error, "within_uncertainty": point.grey} for point in points]
-    content = {
-        "schema": SCHEMA,
-        "provenance": facts,
-        "quick": quick,
-        "threads": 1,
-        "scenes": {name: asdict(posed) for name, posed in chosen.items()},
-        "methods": [
-            {"name": m.name, "knob": m.knob, "fixed": m.fixed, "settings": [str(s) for s in m.settings],
-             "scenes": list(m.scenes), "not run on": dict(m.cannot)}
-            for m in methods
-        ],
-        "points": reported,
-        "peers": cohesive_grid.missing() or "installed",
-        "conclusion": [*conclusion(points, tuple(chosen)), *peer_sentences(points)],
-        "prices": [asdict(price) | {"digits": price.digits} for price in prices],
-        "failures": list(failures),
-    }  # fmt: skip
-    write_json(folder / FILE, content)
-    write_json(folder / STORED, asdict(kept_costs(points, facts)))
 
 
 def kept_costs(points: Sequence[Point], facts: Mapping[str, Any]) -> AccuracyCosts:
