@@ -360,9 +360,13 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study.add_argument("--overwrite", action="store_true", help=f"{OF_A_SCENE}: replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
-    study.add_argument("--jobs", type=positive, help=f"processes of: {that_take('jobs')}")
+    study.add_argument(
+        "--jobs", type=positive, help=f"processes of {that_take('jobs')} (default: {cores}; scene, stability: 1)"
+    )
     study.add_argument("--executor", default="local", help=f"for {that_take('executor')}: local or dask://host:port")
-    study.add_argument("--peers", action="store_true", help=f"{that_take('peers')} beside FFT solvers only")
+    study.add_argument(
+        "--peers", action="store_true", help=f"{that_take('peers')} beside FFT solvers only (extra `peers`)"
+    )
     study.add_argument("--random", type=positive, metavar="N", help=f"{that_take('random')}: N random scenes instead")
     study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
     study.set_defaults(command=_alone(_study), perform=perform)

@@ -2,11 +2,11 @@
 
 import os
 
-from validation.studies.cost import Cost, Realisation
+from validation.studies.cost import Cost, PaperRun
 from validation.studies.cost_breakdown import Breakdown, Evaluated
 
 
-def converge(task: Realisation) -> Cost:
+def converge(task: PaperRun) -> Cost:
     return Cost(
         **vars(task),
         status="converged",
@@ -24,13 +24,13 @@ def converge(task: Realisation) -> Cost:
     )
 
 
-def crash(task: Realisation) -> Cost:
+def crash(task: PaperRun) -> Cost:
     if task.seed == 1:
         raise ZeroDivisionError("the matrix is singular")
     return converge(task)
 
 
-def die(task: Realisation) -> Cost:
+def die(task: PaperRun) -> Cost:
     if task.seed == 1:
         os._exit(9)
     return converge(task)
@@ -47,7 +47,7 @@ def never_apart(harmonics: int) -> Breakdown:
     raise ZeroDivisionError("no stages")
 
 
-def crash_without_adhesion(task: Realisation) -> Cost:
+def crash_without_adhesion(task: PaperRun) -> Cost:
     if task.load is not None:
         raise ZeroDivisionError("the grid")
     return converge(task)

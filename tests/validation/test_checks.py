@@ -1,4 +1,4 @@
-"""What cases share: tolerances from the error measured, columns of states in their units, work summed, their words."""
+"""What cases share: tolerances from the error measured, columns of states in their units, work summed, words."""
 
 from types import SimpleNamespace
 

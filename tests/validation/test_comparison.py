@@ -13,7 +13,7 @@ import bem
 from bem.scene.result import ErrorEstimate
 from bem.scene.result_file import write_result
 from validation.command_line import comparison
-from validation.command_line.comparison import LIMIT, Difference, _numbers, compare_reports, compare_results
+from validation.command_line.comparison import LIMIT, Apart, _numbers, compare_reports, compare_results
 from validation.command_line.front_door import main
 from validation.harness.schema import CaseRecord, Report, with_checksum
 from validation.report.render import ReportError
@@ -100,7 +100,7 @@ def test_results_without_a_common_target_are_not_comparable(result):
     ("a", "b", "ratio"), [(1.0, 1.0, 0.0), (math.nan, math.nan, 0.0), (1.0, math.nan, math.inf), (1.0, 2.0, math.inf)]
 )
 def test_a_difference_without_uncertainty(a, b, ratio):
-    assert Difference("x", "here", a, b, 0.0).ratio == ratio
+    assert Apart("x", "here", a, b, 0.0).ratio == ratio
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_a_difference_without_uncertainty(a, b, ratio):
     ],
 )
 def test_differences_are_told_in_percent_above_rounding(a, b, told):
-    assert f", {told}, " in str(Difference("x", "here", a, b, 1.0))
+    assert f", {told}, " in str(Apart("x", "here", a, b, 1.0))
 
 
 def test_reports_do_not_differ_by_rounding(monkeypatch):

@@ -2,12 +2,12 @@
 
 import pytest
 
-from validation.studies.work_precision.conclusion import DIGITS, Mark, MethodCurve, cheapest, crossing, sentences
+from validation.studies.work_precision.conclusion import DIGITS, MethodCurve, Spot, cheapest, crossing, sentences
 
 
 def power(name, constant, slope, exponents=range(1, 13), **more):
     """Seconds = constant * error^-slope at errors 10^-exponent."""
-    marks = tuple(Mark(f"{name}-{k}", 10.0**-k, constant * 10.0 ** (slope * k)) for k in exponents)
+    marks = tuple(Spot(f"{name}-{k}", 10.0**-k, constant * 10.0 ** (slope * k)) for k in exponents)
     return MethodCurve(name, "exact", marks, **more)
 
 
@@ -21,18 +21,18 @@ def test_cheapest_setting_for_given_digits(digits):
 
 
 def test_cheapest_is_not_the_coarsest_that_will_do_but_the_quickest():
-    curve = MethodCurve("a", "exact", (Mark("coarse", 1e-3, 2.0), Mark("fine", 1e-9, 1.0)))
+    curve = MethodCurve("a", "exact", (Spot("coarse", 1e-3, 2.0), Spot("fine", 1e-9, 1.0)))
     assert cheapest(curve, 2).setting == "fine"
 
 
 def test_of_times_that_differ_by_noise_the_coarsest_setting_is_named():
-    curve = MethodCurve("a", "exact", (Mark("8", 1e-5, 1.05), Mark("12", 1e-10, 1.0), Mark("16", 1e-14, 1.2)))
+    curve = MethodCurve("a", "exact", (Spot("8", 1e-5, 1.05), Spot("12", 1e-10, 1.0), Spot("16", 1e-14, 1.2)))
     assert [cheapest(curve, digits).setting for digits in (2, 6)] == ["8", "12"]
 
 
 def test_words_when_two_curves_cross_twice():
-    bent = MethodCurve("bent", "exact", (Mark("", 1e-2, 0.1), Mark("", 1e-4, 9.9), Mark("", 1e-9, 10.0)))
-    even = MethodCurve("even", "exact", (Mark("", 1e-2, 1.0), Mark("", 1e-4, 1.0), Mark("", 1e-9, 1e4)))
+    bent = MethodCurve("bent", "exact", (Spot("", 1e-2, 0.1), Spot("", 1e-4, 9.9), Spot("", 1e-9, 10.0)))
+    even = MethodCurve("even", "exact", (Spot("", 1e-2, 1.0), Spot("", 1e-4, 1.0), Spot("", 1e-9, 1e4)))
     reported = (
         "bent is cheaper than even down to an error of 9.9e-04, from there even down to 5.7e-06; then the other way."
     )
@@ -63,7 +63,7 @@ def test_curves_cross_in_error_not_in_their_order():
 
 
 def test_points_that_others_beat_do_not_count():
-    worse = MethodCurve("steep", "exact", (*STEEP.marks, Mark("bad", 1e-2, 1e3)))
+    worse = MethodCurve("steep", "exact", (*STEEP.marks, Spot("bad", 1e-2, 1e3)))
     assert crossing(FLAT, worse) == pytest.approx([1e-6], rel=1e-9)
 
 

@@ -9,18 +9,18 @@ import example_runs as examples
 import pytest
 
 from validation.studies import cost, cost_breakdown
-from validation.studies.cost import Drift, Realisation, drifts_of, exponents_of, judged, measured, realisations_of
+from validation.studies.cost import Drift, PaperRun, drifts_of, exponents_of, judged, measured, realisations_of
 from validation.studies.cost_breakdown import dissected
 
 
 @pytest.fixture
 def pair():
     """A run and the same at a quarter of the increment."""
-    return [examples.converge(Realisation(0, 1000, increment)) for increment in (0.05, 0.0125)]
+    return [examples.converge(PaperRun(0, 1000, increment)) for increment in (0.05, 0.0125)]
 
 
 STEADY = (Drift(0, 1e-9, 1e-9),)
-PAIR = (Realisation(0, 100, 0.05), Realisation(0, 100, 0.0125))
+PAIR = (PaperRun(0, 100, 0.05), PaperRun(0, 100, 0.0125))
 
 
 def unmet(runs, drifts=STEADY):
@@ -107,7 +107,7 @@ def test_missing_load_is_infinite_drift(pair):
 
 
 def test_exponent_of_a_power_law_is_found():
-    runs = [examples.converge(Realisation(0, harmonics, 0.05)) for harmonics in (125, 500, 4000)]
+    runs = [examples.converge(PaperRun(0, harmonics, 0.05)) for harmonics in (125, 500, 4000)]
     found = exponents_of(runs)
     assert found["cpu_seconds"] == pytest.approx(2.0, abs=1e-12)
     assert found["unknowns"] == pytest.approx(1.0, abs=1e-12)
@@ -117,9 +117,7 @@ def test_exponent_of_a_power_law_is_found():
 @pytest.mark.parametrize(("power", "expected"), [(1.1, []), (1.3, ["CPU seconds to a contact fraction of 0.2 grow"])])
 def test_growth_beyond_the_exponent_asked_for_is_named(pair, power, expected):
     sweep = [
-        replace(
-            examples.converge(Realisation(0, size, 0.05)), cpu_seconds=1.0, cpu_seconds_to_a_fifth=1e-3 * size**power
-        )
+        replace(examples.converge(PaperRun(0, size, 0.05)), cpu_seconds=1.0, cpu_seconds_to_a_fifth=1e-3 * size**power)
         for size in (250, 2000, 8000)
     ]
     assert [name.split(" no faster")[0] for name in unmet([*pair, *sweep])] == expected
@@ -133,8 +131,8 @@ def test_seconds_to_a_fraction_are_interpolated_between_states():
 
 @pytest.mark.parametrize("change", [{"status": "error"}, {"seed": 1}, {"increment": 0.0125}])
 def test_exponent_leaves_out_other_runs(change):
-    runs = [examples.converge(Realisation(0, harmonics, 0.05)) for harmonics in (125, 500)]
-    outlier = replace(examples.converge(Realisation(0, 4000, 0.05)), cpu_seconds=1e6, **change)
+    runs = [examples.converge(PaperRun(0, harmonics, 0.05)) for harmonics in (125, 500)]
+    outlier = replace(examples.converge(PaperRun(0, 4000, 0.05)), cpu_seconds=1e6, **change)
     assert exponents_of([*runs, outlier]) == exponents_of(runs)
 
 
@@ -154,7 +152,7 @@ def test_loads_without_adhesion_are_told_stored_and_gate(measure, code, here, tm
 
 
 def test_a_load_without_adhesion_for_real():
-    found = measured(Realisation(0, 50, load=0.01))
+    found = measured(PaperRun(0, 50, load=0.01))
     assert found.status == "converged"
     assert 0 < found.contact_fractions[0] < 1
     assert found.worst_closure < 1e-8
@@ -179,7 +177,7 @@ def test_run_that_dies_is_a_line_with_its_message(forked, tmp_path, capsys):
 
 
 def assert_told(tmp_path, capsys, measure, message):
-    tasks = (Realisation(1, 100, 0.05), Realisation(0, 100, 0.05), Realisation(0, 100, 0.0125))
+    tasks = (PaperRun(1, 100, 0.05), PaperRun(0, 100, 0.05), PaperRun(0, 100, 0.0125))
     assert study(tmp_path, measure, tasks) == 1
     reported = capsys.readouterr().out
     assert "NOT MET: every load reached: seed 1, 100: " + message in reported
@@ -189,10 +187,10 @@ def assert_told(tmp_path, capsys, measure, message):
 
 def test_breakdown_is_told_and_stored(here, tmp_path, capsys):
     tasks = (
-        Realisation(0, 100, 0.05),
-        Realisation(0, 100, 0.0125),
-        Realisation(0, 200, 0.05),
-        Realisation(0, 200, 0.0125),
+        PaperRun(0, 100, 0.05),
+        PaperRun(0, 100, 0.0125),
+        PaperRun(0, 200, 0.05),
+        PaperRun(0, 200, 0.0125),
     )
     assert study(tmp_path, examples.converge, tasks, examples.apart) == 0
     stored = json.loads((tmp_path / "cost.json").read_text())
@@ -228,7 +226,7 @@ def test_path_taken_apart_for_real():
 
 
 def test_measurement_reaches_the_loads_and_counts():
-    found = measured(Realisation(0, 20, 0.05))
+    found = measured(PaperRun(0, 20, 0.05))
     assert (found.status, len(found.separations)) == ("converged", 8)
     assert (found.failed_states, found.certificates_not_ok) == (0, 0)
     assert found.worst_closure < 1e-8

@@ -13,7 +13,7 @@ from validation.routes import cohesive_grid
 from validation.routes.cohesive_grid import cohesive_range, missing
 from validation.studies.work_precision import work_precision
 from validation.studies.work_precision.peers import FFT_METHODS, peer_sentences, peer_table
-from validation.studies.work_precision.points import Point, Timed
+from validation.studies.work_precision.points import MethodPoint, Timed
 from validation.studies.work_precision.references import source_for
 
 SINUSOID = scenes()["sinusoid"]
@@ -24,7 +24,7 @@ def point(method, setting, error, seconds, area, scene="rough"):
     reported = {"cohesive range / m": 1e-6} if method.startswith("fft") else {}
     found = Answer(values=values, unknowns=setting, details=reported)
     errors = {"contact_fraction": error, "mean_pressure": error / 10}
-    return Point(scene, method, Timed(str(setting), found=found, cpu_seconds=seconds), errors, 1e-9, "bem")
+    return MethodPoint(scene, method, Timed(str(setting), found=found, cpu_seconds=seconds), errors, 1e-9, "bem")
 
 
 POINTS = [

@@ -12,7 +12,7 @@ from validation.references.closed_forms import Sinusoid
 from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, numbers_of, scenes
 from validation.studies.work_precision import work_precision
 from validation.studies.work_precision.methods import METHODS
-from validation.studies.work_precision.points import Point, Timed
+from validation.studies.work_precision.points import MethodPoint, Timed
 from validation.studies.work_precision.references import SOURCES, source_for
 from validation.studies.work_precision.work_precision import Sweep, measured, point_of
 
@@ -82,7 +82,7 @@ def test_errors_are_over_the_scales_of_the_scene():
 
 def test_point_below_the_uncertainty_is_grey():
     def point(error):
-        return Point("sinusoid", "m", Timed("1"), {"contact_fraction": error}, floor=1e-6)
+        return MethodPoint("sinusoid", "m", Timed("1"), {"contact_fraction": error}, floor=1e-6)
 
     assert point(0.9e-6).grey
     assert not point(1.1e-6).grey

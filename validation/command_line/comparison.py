@@ -32,7 +32,7 @@ WORDS = ("n_patches", "status")  # of a state, which are the same or not
 
 
 @dataclass(frozen=True)
-class Difference:
+class Apart:
     """A number of A and of B, the unit in which they are compared, and how many of it they may be apart."""
 
     quantity: str
@@ -75,10 +75,10 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ComparedFolders:
     """Numbers compared, sentences on what else differs, and notes on what was different to begin with."""
 
-    numbers: tuple[Difference, ...]
+    numbers: tuple[Apart, ...]
     others: tuple[str, ...]
     notes: tuple[str, ...] = ()
 
@@ -87,9 +87,9 @@ class Comparison:
         """All else that differs, and of each quantity that does the largest difference, one sentence each."""
         return [*self.others, *(str(number) for number in self.worst() if number.differs)]
 
-    def worst(self) -> list[Difference]:
+    def worst(self) -> list[Apart]:
         """The largest ratio of each quantity, over all places."""
-        found: dict[str, Difference] = {}
+        found: dict[str, Apart] = {}
         for number in self.numbers:
             kept = found.setdefault(number.quantity, number)
             if number.ratio > kept.ratio:
@@ -97,7 +97,7 @@ class Comparison:
         return list(found.values())
 
 
-def compare(a: Path, b: Path) -> Comparison:
+def compare(a: Path, b: Path) -> ComparedFolders:
     """Compare the results or the reports of two folders.
 
     ReportError where they are not of one kind or have nothing in common, CorruptResultError where a result cannot be
@@ -148,7 +148,7 @@ def _kind(folder: Path) -> str:
     raise ReportError(f"{folder}: neither {RESULT_FILE} nor {REPORT_FILE} there")
 
 
-def compare_results(a: Result, b: Result) -> Comparison:
+def compare_results(a: Result, b: Result) -> ComparedFolders:
     """Compare states at common targets, and events; ReportError for another control, or no target in common."""
     control, other = (result.scene["loading"]["control"] for result in (a, b))
     if control != other:
@@ -156,7 +156,7 @@ def compare_results(a: Result, b: Result) -> Comparison:
     pairs, alone = _paired(a, b, control)
     if not pairs:
         raise ReportError(f"not comparable: no target of {control} in common, by value and branch")
-    numbers: list[Difference] = []
+    numbers: list[Apart] = []
     others = [f"only in {name}: {place}" for name, places in alone.items() for place in places]
     for left, right in pairs:
         place = _place(left, control)
@@ -171,16 +171,16 @@ def compare_results(a: Result, b: Result) -> Comparison:
             numbers += _numbers(before, after, EventError, f"event {k}, {before.kind.replace('_', ' ')}")
     else:
         others.append(f"events: {_counts(kinds[0])} and {_counts(kinds[1])}")
-    return Comparison(tuple(numbers), tuple(others), tuple(_scene_notes(a.scene, b.scene)))
+    return ComparedFolders(tuple(numbers), tuple(others), tuple(_scene_notes(a.scene, b.scene)))
 
 
-def compare_reports(a: Report, b: Report) -> Comparison:
+def compare_reports(a: Report, b: Report) -> ComparedFolders:
     """Compare the quantities of common cases, and the verdicts; ReportError where no case is in common."""
     left, right = ({case.id: case for case in report.cases} for report in (a, b))
     both = [name for name in left if name in right]
     if not both:
         raise ReportError("not comparable: no case in common")
-    numbers: list[Difference] = []
+    numbers: list[Apart] = []
     others = [f"only in A: case {name}" for name in left if name not in right]
     others += [f"only in B: case {name}" for name in right if name not in left]
     for name in both:
@@ -194,8 +194,8 @@ def compare_reports(a: Report, b: Report) -> Comparison:
         for key in (key for key in found[0] if key in found[1]):
             mine, theirs = found[0][key], found[1][key]
             allowed = max(mine.atol + mine.rtol * abs(mine.value), ROUNDING * max(abs(mine.value), abs(theirs.value)))
-            numbers.append(Difference(f"{name}: {key}", "case", mine.value, theirs.value, allowed, 1.0))
-    return Comparison(tuple(numbers), tuple(others))
+            numbers.append(Apart(f"{name}: {key}", "case", mine.value, theirs.value, allowed, 1.0))
+    return ComparedFolders(tuple(numbers), tuple(others))
 
 
 def _paired(a: Result, b: Result, control: str) -> tuple[list[tuple[State, State]], dict[str, list[str]]]:
@@ -221,14 +221,14 @@ def _place(state: State, control: str) -> str:
     return f"{control.replace('_', ' ')} {getattr(state, control):.6g} ({state.branch})"
 
 
-def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) -> Iterator[Difference]:
+def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) -> Iterator[Apart]:
     """The numbers that have an estimated error on both sides."""
     for name in (item.name for item in fields(estimates)):
         errors = [getattr(side.error_estimate, name) for side in (a, b)]
         values = [getattr(side, name) for side in (a, b)]
         if None not in errors and None not in values:
             apart = max(sum(errors), ROUNDING * max(map(abs, values)))  # older results know no floor
-            yield Difference(name.replace("_", " "), where, values[0], values[1], apart)
+            yield Apart(name.replace("_", " "), where, values[0], values[1], apart)
 
 
 def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:

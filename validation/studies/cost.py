@@ -55,7 +55,7 @@ FITTED = (
 
 
 @dataclass(frozen=True)
-class Realisation:
+class PaperRun:
     """The paper's profile on a path with a largest increment (rms heights), or without adhesion at a load over E*."""
 
     seed: int
@@ -113,22 +113,22 @@ class Drift:
     separation: float
 
 
-def realisations_of(quick: bool) -> list[Realisation]:
+def realisations_of(quick: bool) -> list[PaperRun]:
     """The realisations of the study, in order; those without adhesion last, in its short form the smaller ones."""
     seeds = SEEDS if quick else ALL_SEEDS
-    paths = [Realisation(seed, PAPER_HARMONICS, step) for step in (INCREMENT, INCREMENT / 4) for seed in seeds]
+    paths = [PaperRun(seed, PAPER_HARMONICS, step) for step in (INCREMENT, INCREMENT / 4) for seed in seeds]
     if not quick:
-        paths += [Realisation(0, harmonics) for harmonics in HARMONICS if harmonics != PAPER_HARMONICS]
+        paths += [PaperRun(0, harmonics) for harmonics in HARMONICS if harmonics != PAPER_HARMONICS]
     sizes = BARE_HARMONICS[: 2 if quick else None]
-    return paths + [Realisation(0, harmonics, load=load) for harmonics in sizes for load in BARE_LOADS]
+    return paths + [PaperRun(0, harmonics, load=load) for harmonics in sizes for load in BARE_LOADS]
 
 
 def run(
     folder: Path,
     quick: bool,
     report: Listener,
-    realisations: Sequence[Realisation] | None = None,
-    measure: Callable[[Realisation], Cost] | None = None,
+    realisations: Sequence[PaperRun] | None = None,
+    measure: Callable[[PaperRun], Cost] | None = None,
     dissect: Callable[[int], Breakdown] | None = dissected,
 ) -> int:
     """Run the study, print its table, write cost.json; 1 when anything that gates is not reached.
@@ -166,7 +166,7 @@ def run(
     return 0 if all(good for _, _, good, gates in met if gates) else 1
 
 
-def measured(one: Realisation) -> Cost:
+def measured(one: PaperRun) -> Cost:
     """A realisation, in a process of its own: its peak memory is that of the process."""
     posed = _posed(one)
     last: list[Progress] = []
@@ -203,7 +203,7 @@ def measured(one: Realisation) -> Cost:
     )
 
 
-def _posed(one: Realisation) -> Scene:
+def _posed(one: PaperRun) -> Scene:
     """The scene of a realisation."""
     profile = {"seed": one.seed, "harmonics": one.harmonics}
     paper = adapters.scene("paper_profile")

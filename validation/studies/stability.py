@@ -43,6 +43,7 @@ from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-stability/1"
 FILE, RANDOM_FILE, RANDOM_FOLDER = "stability.json", "stability_random.json", "random"
+Measure = Callable[[Trial], TrialOutcome]
 ASKED = 10.0  # s of CPU time for a reduced case, as asked for; reported, seconds never gate
 
 
@@ -57,7 +58,7 @@ def run(
     quick: bool,
     report: Listener,
     tasks: Sequence[Trial] | None = None,
-    measure: Callable[[Trial], TrialOutcome] | None = None,
+    measure: Measure | None = None,
     jobs: int = 1,
     file: str = FILE,
 ) -> int:
@@ -121,7 +122,7 @@ def _rows(
             yield answer if isinstance(answer, TrialRow) else row_of(task, None if late else answer, seconds)
 
 
-def _row(measure: Callable[[Trial], TrialOutcome], task: Trial) -> TrialRow:
+def _row(measure: Measure, task: Trial) -> TrialRow:
     """In a worker: the row of a case that ends."""
     return row_of(task, measure(task))
 

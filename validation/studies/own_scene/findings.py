@@ -20,7 +20,7 @@ import numpy as np
 from validation.corpus.rates import RateError, geometric
 from validation.studies.own_scene.settings import BASE, FINEST, Kind, Setting
 from validation.studies.own_scene.solved_setting import Reading, Solved
-from validation.studies.work_precision.conclusion import Mark, MethodCurve, cheapest
+from validation.studies.work_precision.conclusion import MethodCurve, Spot, cheapest
 
 DIGITS = (2, 4, 8)
 LEAST_SHARE = 0.1  # of the largest number of its kind on the path: smaller ones are measured by that
@@ -265,7 +265,7 @@ def _advice(
     """For each number of digits the setting with the fewest evaluations."""
     by_name = {f"{one.setting.source} {one.setting.name}": one for one in numerical}
     marks = [
-        Mark(name, floor if one.setting == finest else max(one.error, floor), float(one.solved.evaluations))
+        Spot(name, floor if one.setting == finest else max(one.error, floor), float(one.solved.evaluations))
         for name, one in by_name.items()
     ]
     left = largest([one for one in uncertain if one.kind != "numerical"])

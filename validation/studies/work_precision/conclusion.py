@@ -20,7 +20,7 @@ SAMPLES = 400  # of the error between the ends that two curves share
 
 
 @dataclass(frozen=True)
-class Mark:
+class Spot:
     """A point of a curve: setting, error, seconds, and whether its error is one that the reference resolves."""
 
     setting: str
@@ -35,17 +35,17 @@ class MethodCurve:
 
     method: str
     reference: str
-    marks: tuple[Mark, ...]
+    marks: tuple[Spot, ...]
     floor: float = 0.0  # uncertainty of the reference in the error: no finer digits are claimed
     independent: bool = True  # whether the reference is of another code, or exact; self-convergence gives no digits
 
 
-def cheapest(curve: MethodCurve, digits: int) -> Mark | None:
+def cheapest(curve: MethodCurve, digits: int) -> Spot | None:
     """The least seconds, within TIE, for an error of at most 10^-digits; None when no point or reference is that good.
 
     Examples
     --------
-    >>> curve = MethodCurve("a", "exact", (Mark("4", 1e-3, 0.1), Mark("8", 1e-5, 0.3), Mark("16", 1e-7, 2.0)))
+    >>> curve = MethodCurve("a", "exact", (Spot("4", 1e-3, 0.1), Spot("8", 1e-5, 0.3), Spot("16", 1e-7, 2.0)))
     >>> cheapest(curve, 4).setting, cheapest(curve, 8)
     ('8', None)
     """
@@ -63,8 +63,8 @@ def crossing(first: MethodCurve, second: MethodCurve) -> list[float]:
 
     Examples
     --------
-    >>> slow = MethodCurve("slow", "exact", (Mark("", 1e-2, 1.0), Mark("", 1e-6, 1.0)))
-    >>> steep = MethodCurve("steep", "exact", (Mark("", 1e-2, 0.1), Mark("", 1e-6, 10.0)))
+    >>> slow = MethodCurve("slow", "exact", (Spot("", 1e-2, 1.0), Spot("", 1e-6, 1.0)))
+    >>> steep = MethodCurve("steep", "exact", (Spot("", 1e-2, 0.1), Spot("", 1e-6, 10.0)))
     >>> [round(math.log10(error), 6) for error in crossing(slow, steep)]
     [-4.0]
     """
@@ -154,7 +154,7 @@ def _shared(one: Sequence[tuple[float, float]], other: Sequence[tuple[float, flo
 def _envelope(curve: MethodCurve) -> list[tuple[float, float]]:
     """Points (log10 error, log10 seconds), errors falling, of those that no other beats in both."""
     marks = sorted((m for m in curve.marks if m.error > 0 and m.seconds > 0), key=lambda m: (m.error, m.seconds))
-    kept: list[Mark] = []
+    kept: list[Spot] = []
     for mark in marks:  # from the smallest error: a larger one is worth keeping only when it is quicker
         if not kept or mark.seconds < kept[-1].seconds:
             kept.append(mark)

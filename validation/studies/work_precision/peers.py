@@ -10,7 +10,7 @@ from validation.harness.case import CaseError
 from validation.harness.route import Answer, Problem
 from validation.routes import cohesive_grid
 from validation.studies.work_precision.methods import Method
-from validation.studies.work_precision.points import Point
+from validation.studies.work_precision.points import MethodPoint
 
 POINTS = tuple(2**k for k in range(10, 17))
 
@@ -44,7 +44,7 @@ def _method(spacings: int, finest: int, finest_rough: int) -> Method:
 FFT_METHODS: tuple[Method, ...] = (_method(8, 2**15, 2**16), _method(16, 2**16, 2**13))
 
 
-def peer_table(points: Sequence[Point]) -> list[list[Any]]:
+def peer_table(points: Sequence[MethodPoint]) -> list[list[Any]]:
     """Rows of scene, method, points, cohesive range, errors of area and mean pressure, seconds."""
     return [
         [
@@ -64,7 +64,7 @@ def peer_table(points: Sequence[Point]) -> list[list[Any]]:
 PEER_COLUMNS = ("scene", "peer", "points", "rho/um", "error of area", "of mean pressure", "cpu/s")
 
 
-def peer_sentences(points: Sequence[Point]) -> Iterator[str]:
+def peer_sentences(points: Sequence[MethodPoint]) -> Iterator[str]:
     """Who needs what time for which error, and how much the area still depends on the cohesive range."""
     known = [point for point in points if point.timed.found is not None and point.errors]
     peers = {method.name for method in FFT_METHODS}
@@ -77,7 +77,7 @@ def peer_sentences(points: Sequence[Point]) -> Iterator[str]:
         yield from _dependence([point for point in known if point.scene == scene and point.method in peers])
 
 
-def _beside(best: Point, others: Sequence[Point]) -> str:
+def _beside(best: MethodPoint, others: Sequence[MethodPoint]) -> str:
     """The best of a peer, and what the other methods take for as small an error."""
     found = best.timed.found
     rho = found.details["cohesive range / m"] if found is not None else float("nan")
@@ -96,7 +96,7 @@ def _beside(best: Point, others: Sequence[Point]) -> str:
     )
 
 
-def _dependence(peers: Sequence[Point]) -> Iterator[str]:
+def _dependence(peers: Sequence[MethodPoint]) -> Iterator[str]:
     """How much the area changes with the cohesive range on the finest grid that two ranges share, and in all."""
     areas: dict[int, dict[str, float]] = {}
     for point in peers:

@@ -25,7 +25,7 @@ class Timed:
 
 
 @dataclass(frozen=True)
-class Point:
+class MethodPoint:
     """A setting of a method on a scene, with its errors."""
 
     scene: str

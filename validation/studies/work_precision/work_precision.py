@@ -28,10 +28,10 @@ from validation.references.posed_contacts import Posed, numbers_of, scenes
 from validation.report.study_figures import Line, Plot, write_svg
 from validation.routes import cohesive_grid
 from validation.studies.shown import peak_megabytes, text_table
-from validation.studies.work_precision.conclusion import Mark, MethodCurve, sentences
+from validation.studies.work_precision.conclusion import MethodCurve, Spot, sentences
 from validation.studies.work_precision.methods import METHODS, Method
 from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
-from validation.studies.work_precision.points import SHOWN, Point, Timed
+from validation.studies.work_precision.points import SHOWN, MethodPoint, Timed
 from validation.studies.work_precision.price_list import Price, digits_of, priced
 from validation.studies.work_precision.price_list import sentences as price_sentences
 from validation.studies.work_precision.references import SOURCES, Source, Yardstick, source_for
@@ -84,7 +84,7 @@ class Results:
     methods: Sequence[Method]
     posed: dict[str, Posed]
     facts: dict[str, Any] = field(default_factory=provenance)
-    points: list[Point] = field(default_factory=list)
+    points: list[MethodPoint] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     prices: list[Price] = field(default_factory=list)
 
@@ -194,16 +194,16 @@ def _print(results: Results, told: Sequence[str]) -> None:
         print(line)
 
 
-def point_of(posed: Posed, method: Method, timed: Timed, reference: Yardstick | None) -> Point:
+def point_of(posed: Posed, method: Method, timed: Timed, reference: Yardstick | None) -> MethodPoint:
     """A setting with its errors against a reference; without errors where either failed."""
     if timed.found is None or reference is None:
-        return Point(posed.id, method.name, timed)
+        return MethodPoint(posed.id, method.name, timed)
     floor = reference.floor(posed, SHOWN)
     errors = posed.errors(numbers_of(timed.found.values), reference.answer)
-    return Point(posed.id, method.name, timed, errors, floor, f"{reference.source} ({reference.kind})")
+    return MethodPoint(posed.id, method.name, timed, errors, floor, f"{reference.source} ({reference.kind})")
 
 
-def curves_of(points: Sequence[Point], scene: str) -> list[MethodCurve]:
+def curves_of(points: Sequence[MethodPoint], scene: str) -> list[MethodCurve]:
     """Curves of a scene as the conclusion takes them."""
     names = dict.fromkeys(point.method for point in points if point.scene == scene)
     curves = []
@@ -211,13 +211,13 @@ def curves_of(points: Sequence[Point], scene: str) -> list[MethodCurve]:
         known = [point for point in points if _is(point, scene, name) and not math.isnan(point.error)]
         if known:
             marks = tuple(
-                Mark(point.timed.setting, max(point.error, point.floor), point.timed.cpu_seconds) for point in known
+                Spot(point.timed.setting, max(point.error, point.floor), point.timed.cpu_seconds) for point in known
             )
             curves.append(MethodCurve(name, known[0].reference, marks, known[0].floor))
     return curves
 
 
-def figures_of(points: Sequence[Point], chosen: dict[str, Posed]) -> Iterator[tuple[str, Plot]]:
+def figures_of(points: Sequence[MethodPoint], chosen: dict[str, Posed]) -> Iterator[tuple[str, Plot]]:
     """A figure for every scene."""
     for scene, posed in chosen.items():
         here = [point for point in points if point.scene == scene]
@@ -306,7 +306,7 @@ def _references(
     return found
 
 
-def _is(point: Point, scene: str, method: str) -> bool:
+def _is(point: MethodPoint, scene: str, method: str) -> bool:
     return point.scene == scene and point.method == method
 
 
@@ -315,7 +315,7 @@ def _price_row(price: Price) -> list[Any]:
             price.reference]  # fmt: skip
 
 
-def _row(point: Point) -> list[Any]:
+def _row(point: MethodPoint) -> list[Any]:
     timed = point.timed
     unknowns = timed.found.unknowns if timed.found else None
     reported = timed.status if timed.found is None or not point.grey else "within the uncertainty of its reference"
@@ -323,7 +323,7 @@ def _row(point: Point) -> list[Any]:
             timed.spread, timed.cpu_seconds, timed.peak_megabytes, timed.repeats, reported]  # fmt: skip
 
 
-def kept_costs(points: Sequence[Point], facts: Mapping[str, Any]) -> AccuracyCosts:
+def kept_costs(points: Sequence[MethodPoint], facts: Mapping[str, Any]) -> AccuracyCosts:
     """What validation/corpus keeps of the points: those that have an answer and an error."""
     known = [(point, point.timed.found) for point in points]
     return AccuracyCosts(
