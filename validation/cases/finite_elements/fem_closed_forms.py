@@ -44,18 +44,20 @@ JOHNSON = Against("exact", "Johnson 1995")
 CARBONE = Against("exact", "Carbone and Mangialardi 2008")
 
 
+def given(wave: Sinusoid, thickness: float) -> dict[str, Any]:
+    """A wave on a layer of a thickness in m as `fem_reference.solve` takes it: raw numbers, without adhesion."""
+    return {
+        "youngs_modulus": wave.youngs_modulus,
+        "poisson_ratio": wave.poisson_ratio,
+        "thickness": thickness,
+        "period": wave.wavelength,
+        "harmonics": ([1], [wave.amplitude], [0.0]),
+    }
+
+
 def _complete_fem(poisson_ratio: float, order: int, cells: int) -> Result:
-    return fem_reference.solve(
-        youngs_modulus=YOUNGS_MODULUS,
-        poisson_ratio=poisson_ratio,
-        thickness=DOUBLING * PERIOD,
-        period=PERIOD,
-        harmonics=([1], [AMPLITUDE], [0.0]),
-        control="mean_pressure",
-        value=0.0,
-        edges="complete",
-        resolution=Resolution(order, cells, 10),
-    )
+    return fem_reference.solve(**given(_wave(poisson_ratio, 0.0), DOUBLING * PERIOD), control="mean_pressure",
+                               value=0.0, edges="complete", resolution=Resolution(order, cells, 10))  # fmt: skip
 
 
 def _complete_bem(poisson_ratio: float) -> float | None:
@@ -235,19 +237,11 @@ def stiffness(wave: Sinusoid, psi: float) -> tuple[float, float]:
 
 def _closure() -> Outcome:
     found = [
-        fem_reference.solve(
-            youngs_modulus=WAVE.youngs_modulus,
-            poisson_ratio=WAVE.poisson_ratio,
-            thickness=2 * WAVE.wavelength,
-            period=WAVE.wavelength,
-            harmonics=([1], [WAVE.amplitude], [0.0]),
-            control="penetration",
-            value=float(WAVE.penetration(fraction * np.pi / 2)),
-            work_of_adhesion=WAVE.work_of_adhesion,
-            resolution=CLOSURE[2],
-        )
+        fem_reference.solve(**given(WAVE, 2 * WAVE.wavelength), control="penetration",
+                            value=float(WAVE.penetration(fraction * np.pi / 2)),
+                            work_of_adhesion=WAVE.work_of_adhesion, resolution=CLOSURE[2])
         for fraction in FRACTIONS
-    ]
+    ]  # fmt: skip
     intensities = np.concatenate([result.stress_intensity.ravel() for result in found])
     critical = float(np.sqrt(2 * WAVE.modulus * WAVE.work_of_adhesion))
     eigenvalues = [min(stiffness(WAVE, fraction * np.pi / 2)) for fraction in FRACTIONS]

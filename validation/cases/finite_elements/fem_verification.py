@@ -30,6 +30,7 @@ from fem_reference import Resolution
 from fem_reference.elasticity import assemble, taylor_hood
 from fem_reference.mesh import crisscross
 from fem_reference.refine import observed_order
+from validation.cases.finite_elements.fem_closed_forms import given
 from validation.cases.finite_elements.fem_comparison import NAMES
 from validation.cases.shared.checks import Against, case
 from validation.harness.arrays import FloatArray
@@ -116,12 +117,7 @@ def _manufactured() -> Outcome:
 def _arguments(wave: Sinusoid, fraction: float) -> dict[str, Any]:
     """Johnson's state at a contact fraction, its edges given, on a layer of two periods."""
     half = 0.5 * fraction * PERIOD
-    return {
-        "youngs_modulus": wave.youngs_modulus,
-        "poisson_ratio": wave.poisson_ratio,
-        "thickness": 2 * PERIOD,
-        "period": PERIOD,
-        "harmonics": ([1], [wave.amplitude], [0.0]),
+    return given(wave, 2 * PERIOD) | {
         "work_of_adhesion": wave.work_of_adhesion,
         "control": "penetration",
         "value": float(wave.penetration(fraction * np.pi / 2)),
