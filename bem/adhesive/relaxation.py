@@ -74,12 +74,15 @@ class Cause:
         The last equilibrium, from which far patches keep their pressure while near ones move first.
     local_step : float
         Largest step of these.
+    local_tolerance : float
+        Of their evaluations, where that of the equilibrium is less.
     """
 
     unstable: IntArray | None = None
     found: GapMinima | None = None
     state: Evaluation | None = None
     local_step: float = LOCAL_STEP
+    local_tolerance: float = 0.0
 
 
 UNKNOWN = Cause()
@@ -202,6 +205,7 @@ def _relaxed_locally(
     local = System(elastic, system.law, DisplacementControl())  # its evaluations are booked as local ones
     far = np.setdiff1d(np.arange(count), members)
     inner, outer = (Patches(patches.left[who], patches.right[who]) for who in (members, far))
+    accuracy = replace(accuracy, tolerance=max(accuracy.tolerance, cause.local_tolerance), residual=LOCAL_RESIDUAL)
     whole = resolve(system.elastic, patches, accuracy.tolerance)
     floor = Resolution(whole.nodes[members], whole.modes[members])
 
@@ -212,7 +216,7 @@ def _relaxed_locally(
     steps = Steps(cause.local_step, at_least, CrestsAhead(local, accuracy.allowed, taken))
     changes: list[tuple[str, float]] = []
     for _ in range(_most_rounds(system)):
-        end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_RESIDUAL), steps)
+        end = descend(local, inner, penetration, penetration, accuracy, steps)
         changes += end.changes
         if end.touching is None:
             break

@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import System, balance
-from bem.continuation.locating import LOCATED
+from bem.continuation.locating import LAST, LOCATED
 from bem.elastic.collocation import Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.patches import TWO_PI, Patches, ordered
@@ -91,7 +91,7 @@ def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: 
 
     ends, flaw = (lowest - width / 2, lowest + width / 2), Flaw(lowest, width)
     if uneven(ends[0]) * uneven(ends[1]) < 0:
-        flaw = Flaw(float(import_module("scipy.optimize").brentq(uneven, *ends)), width)
+        flaw = Flaw(float(import_module("scipy.optimize").brentq(uneven, *ends, xtol=LAST * width)), width)
     if width >= RESOLVED_GAP:
         load = opening_load(system, complete, flaw, tolerance)
         state = LoadControl().reach(_gap_at(system, flaw, tolerance), load)

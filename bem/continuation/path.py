@@ -170,7 +170,7 @@ class Path:
         if isinstance(before, Equilibrium) and isinstance(after, Equilibrium):
             return None if after.stretch is None else self.loads.on_stretch(after.stretch, load)
         beside = [point for point in (before, after) if isinstance(point, Equilibrium)]
-        return self.loads.in_last_gap(beside[0], load, self.increments.fine.tolerance) if beside else None
+        return self.loads.in_last_gap(beside[0], load, self.increments.coarse.tolerance) if beside else None
 
     def _stable(self, start: Start, on: Condition | None = None) -> Equilibrium | Failed:
         """The stable state next to edges that meets a condition, or at their value of the control."""
