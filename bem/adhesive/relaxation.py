@@ -139,7 +139,7 @@ def relax(
 
 
 def _most_rounds(system: System) -> int:
-    """How often an avalanche may continue: beside equilibria that interpenetrate, every crest may touch, and again."""
+    """How often an avalanche may continue: every crest may touch, twice, besides equilibria that interpenetrate."""
     return MAXIMUM_ITERATIONS + 2 * int(system.elastic.profile.crests[0].size)
 
 
@@ -170,10 +170,10 @@ def _with_new_contact(system: System, patches: Patches, position: float, depth: 
     at = np.array([position])
     curvature = max(float(-system.elastic.profile.curvature(at)[0]), EQUAL_HEIGHTS)
     geometric = np.sqrt(-2 * depth / curvature)
-    lone = 1.5 * float(pull_off_half_width(system, at)[0])
+    isolated = 1.5 * float(pull_off_half_width(system, at)[0])
     to_right = np.min((np.append(patches.left, others) - position) % TWO_PI)
     to_left = np.min((position - np.append(patches.right, others)) % TWO_PI)
-    half_width = min(max(lone, float(geometric)), 0.25 * float(to_right), 0.25 * float(to_left))
+    half_width = min(max(isolated, float(geometric)), 0.25 * float(to_right), 0.25 * float(to_left))
     return patches.with_patch(position - half_width, position + half_width)
 
 

@@ -92,7 +92,7 @@ class CurvePoint:
     Attributes
     ----------
     balance : Balance
-        Forces beside it, one Newton step away.
+        Forces one Newton step away.
     patches, numbers : Patches, EventNumbers
         The point itself.
     rate, control_rate : (2 L,) array, float
@@ -137,7 +137,7 @@ class CurvePoint:
     def is_clear(self) -> bool:
         """Whether what the Newton step may change of the eigenvalues leaves them positive, or some are negative.
 
-        Where an edge is not tensile beside the point the Hessian there says nothing.
+        Where an edge is not tensile the Hessian says nothing.
         """
         if not self.balance.all_tensile:
             return False

@@ -14,7 +14,7 @@ others              a shorter step tells
 
 All are located as equilibria with a neutral mode (locating.py), whose error comes with them.  Modes that break a
 symmetry are held meanwhile; if that takes a force, the profile has not quite the symmetry, and shorter steps
-lead to the fold beside the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge scale over
+lead to the fold near the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge scale over
 work of adhesion, of order 1.  Dimensionless.
 """
 

@@ -188,7 +188,7 @@ class Located:
     Attributes
     ----------
     balance : Balance
-        Forces beside it.
+        Forces one Newton step away.
     numbers, error : EventNumbers
         Its numbers, and what the last evaluation changed of them.
     step : (2 L,) array
