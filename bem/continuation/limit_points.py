@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System
-from bem.continuation.curve import Piece
-from bem.continuation.locating import LOCATED, MODES, HeldModes, Located, NeutralMode, Refused, Start, locate
+from bem.continuation.curve import MODES, Piece
+from bem.continuation.locating import LOCATED, HeldModes, Located, NeutralMode, Refused, Start, locate
 from bem.geometry.arrays import FloatArray
 
 NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
