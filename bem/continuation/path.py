@@ -263,19 +263,16 @@ class Path:
         motion, at = alone(limit), limit.at
         other = other_branch(self.system, limit, motion, way)
         if isinstance(other, Refused):
-            edges = None
-        elif other.balance.factor is None or (other.value - at.numbers.value) * way.direction <= 0:
-            edges = other.patches
-        else:
-            edges = None
-            events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.numbers, at.error, 0.0, 0.0)
-            if way.beyond(other.value) <= 0:
-                return replace(Equilibrium.near(other), events=events)
-            part = np.sqrt(max(-way.beyond(at.numbers.value), 0.0) / abs(other.value - at.numbers.value))
-            outward = part * outward_motion(at.patches, other.patches)
-            settled = self._stable(Start(at.patches.moved(outward), at.numbers.penetration, way.end))
-            return replace(settled, events=events)
-        return self.jumps.from_broken_symmetry(at, motion, edges) or self._by_control(piece.first, way)
+            return self.jumps.from_broken_symmetry(at, motion, None) or self._by_control(piece.first, way)
+        if other.balance.factor is None or (other.value - at.numbers.value) * way.direction <= 0:
+            return self.jumps.from_broken_symmetry(at, motion, other.patches) or self._by_control(piece.first, way)
+        events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.numbers, at.error, 0.0, 0.0)
+        if way.beyond(other.value) <= 0:
+            return replace(Equilibrium.near(other), events=events)
+        part = np.sqrt(max(-way.beyond(at.numbers.value), 0.0) / abs(other.value - at.numbers.value))
+        outward = part * outward_motion(at.patches, other.patches)
+        settled = self._stable(Start(at.patches.moved(outward), at.numbers.penetration, way.end))
+        return replace(settled, events=events)
 
     def _around(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
         """The state behind a snap too small for a force to be felt: less than a unit on, the curve has turned twice."""
