@@ -93,7 +93,7 @@ class Steps:
     least : Resolution or None
         Least resolution of as many patches as it has, where others than these are near.
     ahead : CrestsAhead or None
-        Finds the crests that touch after a step; the descent ends there, or before edges reach the patches beside them.
+        Finds the crests that touch after a step; the descent ends there, or before edges reach neighbouring patches.
         Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
     """
 
@@ -417,7 +417,7 @@ class _Going:
         return if_solvable(balance, self.system, patches, penetration, self.target, tolerance, resolution)
 
     def _is_free(self, patches: Patches) -> bool:
-        """Whether edges keep clear of the patches beside those that descend."""
+        """Whether edges keep clear of neighbouring patches, which are frozen."""
         others = None if self.steps.ahead is None else self.steps.ahead.occupied
         return others is None or patches.joined(others) is not None
 

@@ -74,12 +74,15 @@ class Cause:
         The last equilibrium, from which far patches keep their pressure while near ones move first.
     local_step : float
         Largest step of these.
+    local_tolerance : float
+        Of their evaluations, where that of the equilibrium is less.
     """
 
     unstable: IntArray | None = None
     found: GapMinima | None = None
     state: Evaluation | None = None
     local_step: float = LOCAL_STEP
+    local_tolerance: float = 0.0
 
 
 UNKNOWN = Cause()
@@ -136,7 +139,7 @@ def relax(
 
 
 def _most_rounds(system: System) -> int:
-    """How often an avalanche may continue: beside equilibria that interpenetrate, every crest may touch, and again."""
+    """How often an avalanche may continue: every crest may touch, twice, besides equilibria that interpenetrate."""
     return MAXIMUM_ITERATIONS + 2 * int(system.elastic.profile.crests[0].size)
 
 
@@ -167,10 +170,10 @@ def _with_new_contact(system: System, patches: Patches, position: float, depth: 
     at = np.array([position])
     curvature = max(float(-system.elastic.profile.curvature(at)[0]), EQUAL_HEIGHTS)
     geometric = np.sqrt(-2 * depth / curvature)
-    lone = 1.5 * float(pull_off_half_width(system, at)[0])
+    isolated = 1.5 * float(pull_off_half_width(system, at)[0])
     to_right = np.min((np.append(patches.left, others) - position) % TWO_PI)
     to_left = np.min((position - np.append(patches.right, others)) % TWO_PI)
-    half_width = min(max(lone, float(geometric)), 0.25 * float(to_right), 0.25 * float(to_left))
+    half_width = min(max(isolated, float(geometric)), 0.25 * float(to_right), 0.25 * float(to_left))
     return patches.with_patch(position - half_width, position + half_width)
 
 
@@ -202,13 +205,14 @@ def _relaxed_locally(
     local = System(elastic, system.law, DisplacementControl())  # its evaluations are booked as local ones
     far = np.setdiff1d(np.arange(count), members)
     inner, outer = (Patches(patches.left[who], patches.right[who]) for who in (members, far))
+    accuracy = replace(accuracy, tolerance=max(accuracy.tolerance, cause.local_tolerance), residual=LOCAL_RESIDUAL)
     whole = resolve(system.elastic, patches, accuracy.tolerance)
     floor = Resolution(whole.nodes[members], whole.modes[members])
     taken = outer if system.elastic.far is None else outer.joined(system.elastic.far.arc.outside)
     steps = Steps(cause.local_step, floor, CrestsAhead(local, accuracy.allowed, taken))
     changes: list[tuple[str, float]] = []
     for _ in range(_most_rounds(system)):
-        end = descend(local, inner, penetration, penetration, replace(accuracy, residual=LOCAL_RESIDUAL), steps)
+        end = descend(local, inner, penetration, penetration, accuracy, steps)
         changes += end.changes
         if end.touching is None:
             break

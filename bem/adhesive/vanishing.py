@@ -1,9 +1,9 @@
 """Patches that vanish and gaps that close while edges move: when they are about to, and what remains.
 
 A gap goes where both its edges advance and it is narrow against the shortest wavelength and against the widest gap; a
-patch where both its edges recede and it is narrow against a lone contact at pull-off.  What is as narrow to within
+patch where both its edges recede and it is narrow against an isolated contact at pull-off.  What is as narrow to within
 `TIED` goes with it, so that symmetric states stay symmetric.  Dimensionless.
-Source: Barquins, J. Adhesion 26 (1988) 1, for the width at which a lone contact pulls off.
+Source: Barquins, J. Adhesion 26 (1988) 1, for the width at which an isolated contact pulls off.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from bem.geometry.patches import Patches
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-NARROW = 0.02  # of the shortest wavelength, for a gap; of the width at which a lone contact pulls off, for a patch
+NARROW = 0.02  # of the shortest wavelength, for a gap; of the width at which an isolated contact pulls off, for a patch
 CLOSED_GAP = 1e-7  # of the period
 LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
 TIED = 1e-3  # relative difference of what vanishes or touches at the same instant
@@ -84,7 +84,7 @@ def without_patches(patches: Patches, gone: IntArray) -> Remaining:
 
 
 def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
-    """Half width (2 w R^2 / (pi E*))^(1/3) of a lone JKR line contact at pull-off, per position, dimensionless.
+    """Half width (2 w R^2 / (pi E*))^(1/3) of an isolated JKR line contact at pull-off, per position, dimensionless.
 
     R is the radius of curvature there, at most that of the rms curvature of the profile.  A crest is no parabola beyond
     a fraction of the shortest wave, which bounds the width where adhesion is strong.

@@ -44,25 +44,22 @@ class BranchEnds:
 
     def first(self, piece: Piece, way: Way) -> End | Refused | None:
         """The first one on a piece; None where there is none."""
-        tolerance, allowed = self.increments.fine.tolerance, self.increments.fine.allowed
-        limit = LimitPoints(self.system, way.direction, tolerance).on(piece)
-        if isinstance(limit, Refused):
-            return limit
-        state, place = piece.last.balance.state, 1.0
-        if limit is not None:
-            state, place = limit.at.balance.state, limit.place
-        found, end = interpenetration(self.system, state, allowed), limit
-        if found.position.size:
-            touch = locate_touch(self.system, piece, (state, place), found, tolerance)
-            if isinstance(touch, Refused) or way.beyond(touch.at.numbers.value) <= 0:
-                return touch
-            end = None
-        value = piece.last.value if limit is None else limit.at.numbers.value
-        if way.beyond(value) < 0 and not found.position.size:
-            return limit
+        fine = self.increments.fine
+        first: LimitPoint | Touch | Refused | None = LimitPoints(self.system, way.direction, fine.tolerance).on(piece)
+        if isinstance(first, Refused):
+            return first
+        state, place = (piece.last.balance.state, 1.0) if first is None else (first.at.balance.state, first.place)
+        closed = interpenetration(self.system, state, fine.allowed)
+        if closed.position.size:
+            first = locate_touch(self.system, piece, (state, place), closed, fine.tolerance)
+            if isinstance(first, Refused):
+                return first
+        beyond = way.beyond(piece.last.value if first is None else first.at.numbers.value)
+        if beyond < 0:
+            return first
         goal = self._goal(piece, way)
-        within = limit is not None and end is limit and way.beyond(value) <= limit.at.error.value
-        return limit if isinstance(goal, Refused) and within else goal
+        at_goal = isinstance(first, LimitPoint) and beyond <= first.at.error.value
+        return first if isinstance(goal, Refused) and at_goal else goal
 
     def _goal(self, piece: Piece, way: Way) -> Goal | Touch | Refused:
         """The stable state on a piece at the last value of the control, or the touch before it."""

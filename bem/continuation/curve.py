@@ -39,7 +39,7 @@ LONGEST = 0.2  # units: a motion of the edges along the curve, in a step or by N
 SHORT = 5e-4  # units, or of a gap: a motion in which everything is linear but for a part of its square
 NEAR = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
 SOFTENING = 60.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit; measured 39
-MODES = 4  # speed: of a point whose Hessian is indefinite: more than turn within a step, but for equal patches
+MODES = 8  # speed: lowest modes that are looked at; more turn within a step only among equal patches
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ class CurvePoint:
     Attributes
     ----------
     balance : Balance
-        Forces beside it, one Newton step away.
+        Forces one Newton step away.
     patches, numbers : Patches, EventNumbers
         The point itself.
     rate, control_rate : (2 L,) array, float
@@ -137,7 +137,7 @@ class CurvePoint:
     def is_clear(self) -> bool:
         """Whether what the Newton step may change of the eigenvalues leaves them positive, or some are negative.
 
-        Where an edge is not tensile beside the point the Hessian there says nothing.
+        Where an edge is not tensile the Hessian says nothing.
         """
         if not self.balance.all_tensile:
             return False

@@ -214,7 +214,7 @@ class Jumps:
         found: GapMinima | None = None,
     ) -> Relaxed:
         """Where the forces lead."""
-        cause = Cause(unstable, found, before)
+        cause = Cause(unstable, found, before, local_tolerance=self.increments.coarse.tolerance)
         return relax(self.system, patches, before.penetration, value, self.increments.fine, cause)
 
 

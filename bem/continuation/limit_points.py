@@ -14,7 +14,7 @@ others              a shorter step tells
 
 All are located as equilibria with a neutral mode (locating.py), whose error comes with them.  Modes that break a
 symmetry are held meanwhile; if that takes a force, the profile has not quite the symmetry, and shorter steps
-lead to the fold beside the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge scale over
+lead to the fold near the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge scale over
 work of adhesion, of order 1.  Dimensionless.
 """
 
@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System
-from bem.continuation.curve import Piece
-from bem.continuation.locating import LOCATED, MODES, HeldModes, Located, NeutralMode, Refused, Start, locate
+from bem.continuation.curve import MODES, Piece
+from bem.continuation.locating import LOCATED, HeldModes, Located, NeutralMode, Refused, Start, locate
 from bem.geometry.arrays import FloatArray
 
 NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it

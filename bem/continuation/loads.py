@@ -73,7 +73,7 @@ class Loads:
         return None if point is None else self._state_at(point, load, allowed)
 
     def _state_at(self, point: CurvePoint, load: float, allowed: float) -> Equilibrium | None:
-        """The state at a load next to a point of the curve; beside an extremum at the control of the point."""
+        """The state at a load near a point of the curve; near an extremum at the control of the point."""
         start = Start(point.patches, point.numbers.penetration, point.value)
         for on in (AtLoad(self.system, load, allowed), AtControl(point.value)):
             found = settle(self.system.sloped, start, on, self.fine)

@@ -21,7 +21,7 @@ from bem.adhesive.branch import after_step, outward_motion
 from bem.adhesive.equilibrium import Balance, System, balance, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
-from bem.continuation.curve import LONGEST, SHORT, Row, bordered, missing, unit_of
+from bem.continuation.curve import LONGEST, MODES, SHORT, Row, bordered, missing, unit_of
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
@@ -32,7 +32,6 @@ from bem.loading.path_events import EventNumbers
 LAST = 1e-5  # derived: units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
 FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
-MODES = 8  # speed: lowest ones, among which the neutral one is followed
 
 
 class Refused(Enum):
@@ -188,7 +187,7 @@ class Located:
     Attributes
     ----------
     balance : Balance
-        Forces beside it.
+        Forces one Newton step away.
     numbers, error : EventNumbers
         Its numbers, and what the last evaluation changed of them.
     step : (2 L,) array

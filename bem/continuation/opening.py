@@ -19,9 +19,9 @@ T(x) that complete contact has there,
 
     K = sqrt(2 pi tan(g/4)) mean of T (1 -+ t) over Chebyshev nodes t = sin(x/2) / sin(g/4),
 
-(H. Tada, P. C. Paris, G. R. Irwin, The Stress Analysis of Cracks Handbook, 2000, part II, uniform T; the weight of a
-lone crack for what varies, off by (g/8)^2 of that).  A layer changes K by a share that grows with g^2 and is measured
-at a gap that is resolved.  Measured against evaluations of the gap itself down to 1e-5 of the period, half-space and
+(H. Tada, P. C. Paris, G. R. Irwin, The Stress Analysis of Cracks Handbook, 2000, part II, uniform T; the weight of an
+isolated crack for what varies, off by (g/8)^2 of that).  A layer changes K by a share that grows with g^2, measured at
+a resolved gap.  Measured against evaluations of the gap itself down to 1e-5 of the period, half-space and
 layers of 0.1 to 0.3 periods, 1 to 100 harmonics: 3e-9 of the load, which is what these are off.  Dimensionless.
 """
 
@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import System, balance
-from bem.continuation.locating import LOCATED
+from bem.continuation.locating import LAST, LOCATED
 from bem.elastic.collocation import Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.patches import TWO_PI, Patches, ordered
@@ -91,7 +91,7 @@ def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: 
 
     ends, flaw = (lowest - width / 2, lowest + width / 2), Flaw(lowest, width)
     if uneven(ends[0]) * uneven(ends[1]) < 0:
-        flaw = Flaw(float(import_module("scipy.optimize").brentq(uneven, *ends)), width)
+        flaw = Flaw(float(import_module("scipy.optimize").brentq(uneven, *ends, xtol=LAST * width)), width)
     if width >= RESOLVED_GAP:
         load = opening_load(system, complete, flaw, tolerance)
         state = LoadControl().reach(_gap_at(system, flaw, tolerance), load)

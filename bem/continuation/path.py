@@ -3,7 +3,7 @@
 A branch is followed as a smooth curve in steps (steps.py).  On every step the first end of the branch is looked for
 (branch_ends.py), as the equilibrium that meets its own condition: the goal, a fold, a broken or restored symmetry, or a
 gap that closes.  From there the contact jumps (jumps.py), or another branch is taken up (symmetry.py), and the curve of
-what is at rest is followed next.  A step in which it is not clear what happens is repeated at a third of its length.
+the next equilibrium is followed.  A step in which it is not clear what happens is repeated at a third of its length.
 
 A point carries what the path needs to go on from it; a path holds no state of its own; its system counts the work.
 Dimensionless.
@@ -133,7 +133,7 @@ class Path:
     def refine(self, point: Point, direction: float) -> Point:
         """The point at the accuracy of a target; `direction` is not needed here.
 
-        On a piece of the curve in its plane: beside a fold the control does not say where.
+        In its plane of the curve: near a fold a value of the control is no place.
         """
         if not isinstance(point, Equilibrium) or point.settled:
             return replace(point, events=())
@@ -170,7 +170,7 @@ class Path:
         if isinstance(before, Equilibrium) and isinstance(after, Equilibrium):
             return None if after.stretch is None else self.loads.on_stretch(after.stretch, load)
         beside = [point for point in (before, after) if isinstance(point, Equilibrium)]
-        return self.loads.in_last_gap(beside[0], load, self.increments.fine.tolerance) if beside else None
+        return self.loads.in_last_gap(beside[0], load, self.increments.coarse.tolerance) if beside else None
 
     def _stable(self, start: Start, on: Condition | None = None) -> Equilibrium | Failed:
         """The stable state next to edges that meets a condition, or at their value of the control."""
@@ -223,7 +223,7 @@ class Path:
             if found is not None:
                 yield from self._ended(piece, found, way, load)
                 return
-            yield from self._stretches(piece, 1.0, Equilibrium.beside(piece.last), load)
+            yield from self._stretches(piece, 1.0, Equilibrium.near(piece.last), load)
             at, length, again = piece.last, min(way.longest, tried * growth(piece)), True
             load = at.numbers.load
 
@@ -237,7 +237,7 @@ class Path:
         """A point on a piece with the stretch that leads there from a load, after one where the load turns before."""
         start = 0.0
         for s, top in self.loads.turns(piece, reach) if self.asked_loads else ():
-            yield replace(Equilibrium.beside(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
+            yield replace(Equilibrium.near(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
             start, load = s, top.numbers.load
         yield replace(point, stretch=Stretch(piece, (start, reach), (load, point.load)))
 
@@ -247,7 +247,7 @@ class Path:
             yield from self._stretches(piece, end.place, Equilibrium.of(way.end, end.balance, settled=True), load)
             return
         at = end.at
-        yield from self._stretches(piece, end.place, Equilibrium.beside(at, last=True), load)
+        yield from self._stretches(piece, end.place, Equilibrium.near(at, last=True), load)
         if isinstance(end, Touch):
             yield self.jumps.from_touch(end)
         elif end.kind == "fold":
@@ -256,26 +256,23 @@ class Path:
             yield self._behind_broken_symmetry(piece, end, way)
         else:
             beyond = symmetric_branch(self.system, end, way)
-            yield self._by_control(piece.first, way) if isinstance(beyond, Refused) else Equilibrium.beside(beyond)
+            yield self._by_control(piece.first, way) if isinstance(beyond, Refused) else Equilibrium.near(beyond)
 
     def _behind_broken_symmetry(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
         """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead."""
         motion, at = alone(limit), limit.at
         other = other_branch(self.system, limit, motion, way)
         if isinstance(other, Refused):
-            edges = None
-        elif other.balance.factor is None or (other.value - at.numbers.value) * way.direction <= 0:
-            edges = other.patches
-        else:
-            edges = None
-            events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.numbers, at.error, 0.0, 0.0)
-            if way.beyond(other.value) <= 0:
-                return replace(Equilibrium.beside(other), events=events)
-            part = np.sqrt(max(-way.beyond(at.numbers.value), 0.0) / abs(other.value - at.numbers.value))
-            outward = part * outward_motion(at.patches, other.patches)
-            settled = self._stable(Start(at.patches.moved(outward), at.numbers.penetration, way.end))
-            return replace(settled, events=events)
-        return self.jumps.from_broken_symmetry(at, motion, edges) or self._by_control(piece.first, way)
+            return self.jumps.from_broken_symmetry(at, motion, None) or self._by_control(piece.first, way)
+        if other.balance.factor is None or (other.value - at.numbers.value) * way.direction <= 0:
+            return self.jumps.from_broken_symmetry(at, motion, other.patches) or self._by_control(piece.first, way)
+        events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.numbers, at.error, 0.0, 0.0)
+        if way.beyond(other.value) <= 0:
+            return replace(Equilibrium.near(other), events=events)
+        part = np.sqrt(max(-way.beyond(at.numbers.value), 0.0) / abs(other.value - at.numbers.value))
+        outward = part * outward_motion(at.patches, other.patches)
+        settled = self._stable(Start(at.patches.moved(outward), at.numbers.penetration, way.end))
+        return replace(settled, events=events)
 
     def _around(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
         """The state behind a snap too small for a force to be felt: less than a unit on, the curve has turned twice."""

@@ -30,7 +30,7 @@ class Equilibrium(PathPoint):
     Attributes
     ----------
     balance : Balance
-        Forces on the edges: of the point itself at the accuracy of targets, or beside it.
+        Forces on the edges: of the point itself at the accuracy of targets, or one Newton step away.
     patches : Patches
         Its edges.
     load : float
@@ -61,8 +61,8 @@ class Equilibrium(PathPoint):
         return cls(value, balance, balance.state.patches, balance.state.load, settled=settled)
 
     @classmethod
-    def beside(cls, at: CurvePoint | Located, last: bool = False) -> Equilibrium:
-        """The point of a curve, or that which is located, beside its balance."""
+    def near(cls, at: CurvePoint | Located, last: bool = False) -> Equilibrium:
+        """A point of a curve, or what is located, near its balance."""
         return cls(at.numbers.value, at.balance, at.patches, at.numbers.load, last=last)
 
 

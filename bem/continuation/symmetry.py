@@ -1,7 +1,7 @@
 """Branches that begin or end where a symmetry breaks or is restored.
 
-There two branches cross, the bordered system of the curve is singular, and each is taken up a little beside: the branch
-of broken symmetry in the plane a small motion along the neutral mode away, the symmetric one with that mode at rest
+There two branches cross, the bordered system of the curve is singular, and each is taken up nearby: the branch of
+broken symmetry in the plane a small motion along the neutral mode away, the symmetric one with that mode held
 (branch switching; H. B. Keller, Numerical Methods in Bifurcation Problems, 1987, section 5).  Where several modes are
 neutral together, as among equal patches, the motion is that nearest to one patch alone that shrinks or slides: such
 branches begin there by symmetry (Golubitsky, Stewart, Schaeffer, Singularities and Groups in Bifurcation Theory II,

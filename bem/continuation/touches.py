@@ -1,9 +1,9 @@
-"""Where the gap beside a branch closes on a crest: the condition gap(y) = 0, y its lowest place.
+"""Where a gap closes on a crest: the condition gap(y) = 0, y its lowest place.
 
 What a motion a of the edges does to the gap at y follows from reciprocity: the gap is a load with the weight
 f = -log|2 sin((x - y)/2)|/pi, so that like the load itself d gap / d a = K K_f / 2, where K_f are the stress
 intensities by heights of the shape f; and these are those of a point charge at y.  They come with the evaluation of the
-state, of charges where the gap was least at the step before and a little beside; between them they are linear in y.
+state: of charges where the gap was least before, and at neighbouring places; between, they are linear in y.
 Source of the derivative: Rice, Int. J. Solids Struct. 21 (1985) 781.  Dimensionless.
 """
 
@@ -25,7 +25,7 @@ from bem.loading.increments import MAXIMUM_ITERATIONS
 
 @dataclass(frozen=True, eq=False)
 class Touch:
-    """A state beside which gaps have just closed, and where; `place` is its parameter on the piece."""
+    """A state in which gaps have just closed, and where; `place` is its parameter on the piece."""
 
     at: Located
     touching: GapMinima
@@ -50,7 +50,7 @@ class GapCloses(Condition):
     places: tuple[FloatArray, FloatArray] = field(init=False)
 
     def asked(self, system: System) -> System:
-        """Evaluations know what charges at the places do, and at others beside them."""
+        """Evaluations know what charges at the places do, and at neighbouring ones."""
         self.places = self.lowest.position, self.lowest.position + self.width
         probes = (*self.places[0].tolist(), *self.places[1].tolist())
         return replace(system, elastic=replace(system.elastic, probes=probes))
@@ -66,7 +66,7 @@ class GapCloses(Condition):
     def _rates(self, here: Balance, place: int, share: float) -> tuple[FloatArray, float]:
         """How a gap opens by outward motions of the edges, (2 L,), and by the control.
 
-        A share of the way from the place probed to that beside it.
+        A share of the way from the place probed to the neighbouring one.
         """
         state, control = here.state, self.system.control
         intensity, load = (

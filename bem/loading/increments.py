@@ -43,7 +43,7 @@ class Increments:
     largest, smallest : float
         Increments; an event is resolved within the smallest, or less in thin layers.
     coarse, fine : Accuracy
-        Between targets, and at targets.
+        Of leaps and of descents in a frozen field, and of the path and its targets.
     deepest : float
         Change of the penetration, in rms heights, up to which an increment may be longer than `largest`: under load a
         stiff contact hardly moves.

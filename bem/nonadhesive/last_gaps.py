@@ -25,11 +25,11 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.control import Control
+from bem.loading.increments import MAXIMUM_ITERATIONS
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gap_series import GapEvaluation, end_values, evaluate_gaps
 from bem.nonadhesive.gaps import Gaps
 
-ITERATIONS = 100  # limit: evaluations
 FINER, EPS = 1.5, float(np.finfo(float).eps)  # nodes of the evaluation that assesses; double precision
 UNDERFLOW = 1e-70  # derived: of the lowest pressure of complete contact: tension on gaps whose volume underflows
 RESIDUAL = 1e-10  # of |k| over g_0, where rounding does not limit it; Newton's last step leaves 1e-13
@@ -126,7 +126,7 @@ def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps, deficit: f
         Where to start under a condition on the separation.
     """
     last = np.inf
-    for count in range(1, ITERATIONS + 1):
+    for count in range(1, MAXIMUM_ITERATIONS + 1):
         if gaps.count == 0:  # also where a start was so wrong that nothing of it stayed open
             gaps, deficit = lone_cracks(body, condition)
         if gaps.count == 0:
@@ -150,7 +150,7 @@ def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps, deficit: f
             steps = _end_steps(state)
             changed = _without_used_up(gaps.moved(steps), steps)
         gaps = changed
-    return LastGaps("not_converged", None, ITERATIONS)
+    return LastGaps("not_converged", None, MAXIMUM_ITERATIONS)
 
 
 def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:

@@ -25,10 +25,9 @@ from bem.elastic.sensitivities import own_sensitivity
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
-from bem.loading.increments import Accuracy
+from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.nonadhesive.tension import dips, minimum, nodes, under_tension
 
-ITERATIONS = 400  # limit: evaluations
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
 COARSEST, COARSE = 1e-2, 1e-4  # accuracies of the evaluation until the edges are near, and until they are close
 NEAR, CLOSE = 0.3, 4e-3  # residuals that mean near and close
@@ -131,7 +130,7 @@ def solve_contact(
     """
     search = _Search(elastic, control, target, accuracy, patches, penetration)
     rounded = ROUNDED * elastic.profile.max_height
-    for count in range(1, ITERATIONS + 1):
+    for count in range(1, MAXIMUM_ITERATIONS + 1):
         state = if_solvable(search.evaluated)
         if state is None:
             return Contact("ill_conditioned", None, search.measure, count)
@@ -152,7 +151,7 @@ def solve_contact(
         if not changed.is_ordered:
             raise IllConditionedSystemError("a contact is narrower than double precision tells positions apart")
         search.stand_at(changed, coarseness)
-    return Contact("not_converged", state, search.measure, ITERATIONS)
+    return Contact("not_converged", state, search.measure, MAXIMUM_ITERATIONS)
 
 
 @dataclass(eq=False)

@@ -235,7 +235,7 @@ def test_gaps_too_many_to_resolve_are_named(monkeypatch):
 
 
 def test_steps_that_do_not_end_are_named(monkeypatch):
-    monkeypatch.setattr(last_gaps, "ITERATIONS", 2)
+    monkeypatch.setattr(last_gaps, "MAXIMUM_ITERATIONS", 2)
     body = body_of(scene_of(ONE))[1]
     assert found_at(body, 0.01).status == "not_converged"
 
