@@ -1,11 +1,13 @@
 """What a scene will cost: evaluations, from its path and the crests that it passes, times seconds of one evaluation.
 
 With adhesion a path takes evaluations for its increments, for the crests of the profile that touch or part on the way
-(each is one or more events), and for its targets; without, for its targets alone.  Crests on the way are those of the
-profile between the separations of the legs; a mean pressure p stands for the separation at which the profile is above
-the plane over `AREA` times the area erf(sqrt(2) p / (E* h'_rms)) of Persson's theory (J. Chem. Phys. 115 (2001) 3840).
-An evaluation takes seconds that grow with the patches, at most the crests above the plane, with the harmonics, and in
-a thin layer with the cube of the unknowns, which resolve lengths of its thickness.
+(each is one or more events), for the waves that edges pass (bem/geometry/contact_extent.py), and for its targets;
+without, for its targets alone.  Crests on the way are those of the profile between the separations of the legs; a mean
+pressure p stands for the separation at which the profile is above the plane over `AREA` times the area
+erf(sqrt(2) p / (E* h'_rms)) of Persson's theory (J. Chem. Phys. 115 (2001) 3840), with adhesion at the pressure that
+its pull adds to.
+An evaluation takes seconds that grow with the patches, at most the crests above the plane of waves that adhesion does
+not close, with the harmonics, and in a thin layer with the cube of the unknowns, which resolve lengths like it.
 
 The constants are fitted to every other scene of a list; the others and random ones judge them (within a factor of 3
 for nine of ten: validation/corpus/cost_scenes.py).  Seconds are those of one core on which the reference kernel takes
@@ -24,10 +26,11 @@ import numpy as np
 
 from bem.compiled.kernels import IN_USE
 from bem.geometry.arrays import FloatArray
+from bem.geometry.contact_extent import ContactExtent
 from bem.geometry.profile import Profile
 from bem.scene.scene import Scene
 
-PER_INCREMENT, PER_CREST, PER_TARGET = 3.8, 16.1, 5.7  # prediction: evaluations with adhesion
+PER_INCREMENT, PER_CREST, PER_TARGET, PER_WAVE = 3.8, 16.1, 5.7, 10.0  # prediction: evaluations with adhesion
 LEAPING_SHARE = 0.2  # prediction: of the time of a path event by event, where it goes by leaps
 DIGITS = 1e-2, 1e-3, 1e-4, 1e-6, 1e-9  # prediction: accuracies that are priced
 LOADED = 0.5  # prediction: increments under a given load count so much: fewer states are stored on the way
@@ -60,11 +63,13 @@ class Leg:
     plane: float  # the separation at its end, m
     increments: float
     crests: int  # that touch or part
+    waves: float = 0.0  # that each edge passes
 
     @property
     def evaluations(self) -> float:
         """What it takes with adhesion, its target included."""
-        return PER_INCREMENT * self.increments + PER_CREST * self.crests + PER_TARGET
+        on_the_way = PER_INCREMENT * self.increments + PER_CREST * self.crests + PER_WAVE * self.waves
+        return on_the_way + PER_TARGET
 
 
 @dataclass(frozen=True)
@@ -119,7 +124,10 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
     bare = PER_BARE_TARGET * float(np.sum(np.maximum(1.0, crowds / FEW_CRESTS) ** MORE_BY_CREST))
     of_patches, of_bare = MILLISECONDS[kernels]
     least, by_crest, by_harmonic, layer, by_cube = of_patches
-    above = crests.size - int(np.searchsorted(crests, lowest, side="right"))
+    if scene.adhesion is None:
+        above = crests.size - int(np.searchsorted(crests, lowest, side="right"))
+    else:
+        above = _extent(scene, surface).crests_above(lowest)
     area = 1 - float(np.searchsorted(levels, lowest, side="right")) / levels.size
     extra, gigabytes = 0.0, HARMONIC_GIGABYTES * surface.max_order
     if scene.layer is not None:
@@ -167,8 +175,10 @@ def _legs(scene: Scene, surface: Profile, levels: FloatArray, crests: FloatArray
     lowest, highest, passed = float(levels[0]), surface.max_height, np.unique(crests)
     largest = scene.accuracy.max_increment
     legs: list[Leg] = []
+    extent = None if scene.adhesion is None else _extent(scene, surface)
     value, plane = _start(scene, surface, scale), lowest if complete else highest
-    for target, ahead in _route(scene, surface, levels):
+    before: float | None = None if complete else 0.0  # waves; what opens at a flaw passes none in its first leg
+    for target, ahead in _route(scene, surface, levels, extent):
         ahead = min(max(ahead, lowest), highest)
         below = np.searchsorted(passed, (plane, ahead), side="right")
         count = abs(int(below[0]) - int(below[1]))
@@ -176,20 +186,31 @@ def _legs(scene: Scene, surface: Profile, levels: FloatArray, crests: FloatArray
         if pressed:
             loaded = LOADED * abs(target - value) / (1e-2 * largest * scale)
             increments = min(loaded, max(increments, BEGINNING))
-        legs.append(Leg(value, target, ahead, increments, count))
-        value, plane = target, ahead
+        gone = 0.0 if extent is None else extent.waves_passed(ahead)
+        legs.append(Leg(value, target, ahead, increments, count, 0.0 if before is None else abs(gone - before)))
+        value, plane, before = target, ahead, gone
     rest = Leg(value, value, plane, 0.0, 0)
     return (*legs, *(rest for _ in range(len(loading.targets) - len(legs))))
 
 
-def _route(scene: Scene, surface: Profile, levels: FloatArray) -> Iterator[tuple[float, float]]:
+def _extent(scene: Scene, surface: Profile) -> ContactExtent:
+    """What adhesion makes of the contacts."""
+    work = math.nan if scene.adhesion is None else scene.adhesion.work_of_adhesion
+    return ContactExtent(surface, scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2), work)
+
+
+def _route(
+    scene: Scene, surface: Profile, levels: FloatArray, extent: ContactExtent | None
+) -> Iterator[tuple[float, float]]:
     """Targets, each with the separation that it is or stands for, up to where the path stops."""
     loading, scale = scene.loading, _pressure_scale(scene, surface)
     stop = math.inf if loading.stop_at_mean_pressure is None else loading.stop_at_mean_pressure
     end = -math.inf if math.isinf(stop) else _plane(levels, stop / scale)
     for target in loading.targets:
         if loading.control == "mean_pressure":
-            value, plane = min(target, stop), _plane(levels, target / scale)
+            opens = loading.initial == "complete_contact"
+            pressure = target if extent is None or opens else extent.pulled(target)
+            value, plane = min(target, stop), _plane(levels, pressure / scale)
             if loading.initial == "complete_contact":
                 value = min(value, OPENS * scale)
                 if target >= 0:  # what adhesion holds together opens at its flaw, not at crests, while it is pressed

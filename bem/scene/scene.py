@@ -16,6 +16,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -103,7 +104,11 @@ class Scene:
         return f"<Scene {self.title!r}: {kind}, {count} target{'s' * (count != 1)} of {control}>"
 
     def surface(self) -> Profile:
-        """The profile, SI units."""
+        """The profile, SI units; made once, as its table takes seconds and memory where harmonics are many."""
+        return self._surface
+
+    @cached_property
+    def _surface(self) -> Profile:
         return surface_of(self.profile.model_dump(), self.scan)
 
     def preparation(self) -> tuple[Step, ...]:

@@ -2,6 +2,7 @@
 
 import copy
 
+import numpy as np
 import pytest
 
 import bem
@@ -20,6 +21,21 @@ WAVE = {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-4]
 EQUAL = {"kind": "harmonics", "period": 0.01, "orders": [23], "amplitudes": [5e-6], "phases": [1.1]}
 
 
+def smooth_with_fine_waves():
+    """A wavy surface with waves up to order 300 that are closed by adhesion, but pin the edges."""
+    order, random = np.arange(1, 301), np.random.default_rng(0)
+    waves = np.where(order <= 20, order**-1.4, 0.0)
+    waves = waves * 5e-6 / np.sqrt(np.sum(waves**2) / 2) + np.where(order > 20, 1e-10, 0.0)
+    phases = random.uniform(-np.pi, np.pi, order.size)
+    return {"kind": "harmonics", "period": 0.01} | {
+        name: values.tolist()
+        for name, values in zip(("orders", "amplitudes", "phases"), (order, waves, phases), strict=True)
+    }
+
+
+FINE = smooth_with_fine_waves()
+
+
 def scene_with(**tables):
     data = copy.deepcopy(BASE) | tables
     return parse_scene({name: table for name, table in data.items() if table is not None})
@@ -36,6 +52,12 @@ SCENES = {
     "stopped": {"loading": loading("separation", 1e-5, 1e-4, stop_at_mean_pressure=5e3)},
     "wave": {"profile": WAVE, "loading": loading("penetration", 5e-5)},
     "equal crests": {"profile": EQUAL, "loading": loading("penetration", 2e-6)},
+    "fine waves that adhesion closes": {
+        "solid": {"youngs_modulus": 50e6, "poisson_ratio": 0.49},
+        "profile": FINE,
+        "adhesion": {"work_of_adhesion": 0.05},
+        "loading": loading("mean_pressure", 5e4),
+    },
     "no adhesion": {"adhesion": None, "loading": loading("mean_pressure", 1e3, 5e3, 1e4)},
     "layer": {"layer": {"thickness": 1e-3}},
     "crests": {
