@@ -41,16 +41,17 @@ AREA = 2.5  # prediction: geometric overlap over the area of contact
 LEAST_AREA = 1e-3  # prediction: at which a load is first felt
 FINE = 6.5  # prediction: rms slope over rms height and least wavenumber, from which the area falls like its inverse
 OPENS = 0.2  # prediction: of E* h'_rms: complete contact has opened before its mean pressure falls to this
-LAYER_UNKNOWNS = 10.0  # prediction: for each thickness of contact
+LAYER_UNKNOWNS = 7.0  # prediction: for each thickness of contact
 EQUAL = 9  # prediction: digits to which crests that touch at once are of one height
 LAYER_GIGABYTES = 0.25  # prediction: by square of thousands of unknowns
 HARMONIC_GIGABYTES = 1.4e-5  # prediction: GB by harmonic: tables; 1.49 GB at 100,000
 LONG_SECONDS, MANY_GIGABYTES = 3600.0, 8.0  # prediction: of which a run warns before it begins
 CLOCKS = (("years", 3.156e7), ("days", 86400.0), ("hours", 3600.0))
 KERNEL_SECONDS, KERNEL_RUNS = 0.7e-3, 7  # prediction: of the reference kernel; the least of so many runs counts
-MILLISECONDS = {  # of an evaluation: least, by crest, by harmonic, layer, by cube of thousands of unknowns; bare: three
-    "compiled": ((0.89, 0.012, 4e-5, 0.31, 91.0), (1.5, 0.06, 0.006)),
-    "NumPy": ((1.6, 0.051, 5.4e-4, 0.43, 260.0), (3.0, 0.12, 0.008)),
+# of an evaluation: least, by crest, by harmonic, layer, by square and cube of thousands of its unknowns; bare: three
+MILLISECONDS = {
+    "compiled": ((0.89, 0.012, 4e-5, 0.31, 50.0, 15.0), (1.5, 0.06, 0.006)),
+    "NumPy": ((1.6, 0.051, 5.4e-4, 0.43, 270.0, 52.0), (3.0, 0.12, 0.008)),
 }
 
 
@@ -123,16 +124,18 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
     crowds = np.array([crests.size - int(np.searchsorted(crests, leg.plane, side="right")) for leg in legs])
     bare = PER_BARE_TARGET * float(np.sum(np.maximum(1.0, crowds / FEW_CRESTS) ** MORE_BY_CREST))
     of_patches, of_bare = MILLISECONDS[kernels]
-    least, by_crest, by_harmonic, layer, by_cube = of_patches
+    least, by_crest, by_harmonic, layer, by_square, by_cube = of_patches
     if scene.adhesion is None:
         above = crests.size - int(np.searchsorted(crests, lowest, side="right"))
     else:
         above = _extent(scene, surface).crests_above(lowest)
     area = 1 - float(np.searchsorted(levels, lowest, side="right")) / levels.size
+    if scene.loading.initial == "complete_contact":
+        area = 1.0
     extra, gigabytes = 0.0, HARMONIC_GIGABYTES * surface.max_order
     if scene.layer is not None:
         unknowns = LAYER_UNKNOWNS * area * surface.period / scene.layer.thickness
-        extra = layer + by_cube * (unknowns / 1000) ** 3
+        extra = layer + by_square * (unknowns / 1000) ** 2 + by_cube * (unknowns / 1000) ** 3
         gigabytes += LAYER_GIGABYTES * (unknowns / 1000) ** 2
     if scene.adhesion is None:
         plain = of_bare[0] + of_bare[1] * float(crowds.mean()) + of_bare[2] * surface.max_order
