@@ -31,7 +31,7 @@ from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import Accuracy, Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
-INTERVAL, GROWTH = 0.02, 0.4  # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows
+INTERVAL, GROWTH = 0.01, 0.7  # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows
 RESIDUAL = 1e-2  # of states that are not kept
 LAST_LEAP = 2e-3  # rms heights before a value that is asked for
 NOT_SHORT = 0.3  # of an interval: no leap of its own is that short
