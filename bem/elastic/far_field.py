@@ -25,7 +25,7 @@ from bem.geometry.patches import TWO_PI, Patches
 
 REACH = 0.1  # of the half gap at an end of a window, from that end: no edge goes there
 TERMS = 48  # of the Chebyshev series; K is off by 1e-6, by 1e-5 beside gaps of 1e-4 of a window
-CELLS = 256  # of the grid of u; cubics leave 2e-8
+CELLS = 256  # derived: of the grid of u; cubics leave 2e-8
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,10 +23,10 @@ from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 from bem.loading.increments import Accuracy
 
-STEPS = 8  # of Newton
+STEPS = 8  # limit: of Newton
 LONGEST_STEP = 0.3  # edge scales: a step behind which Newton has lost an edge, and what edges may move in all
 SHRINKING, SHORT_STEP = 0.5, 0.01  # a step over the one before it, unless it is as short as this, in edge scales
-LOCAL_STEP = 0.4  # largest step of a local descent: twice as long as where the path is exact
+LOCAL_STEP = 0.4  # speed: largest step of a local descent: twice as long as where the path is exact
 NONE = np.zeros(0, dtype=np.int64)
 PREDICTED = 0.15  # edge scales that edges are moved at most before Newton begins
 

@@ -32,14 +32,14 @@ from bem.loading.increments import Accuracy, Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
 INTERVAL, GROWTH = 0.01, 0.7  # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows
-RESIDUAL = 1e-2  # of states that are not kept
+RESIDUAL = 1e-2  # speed: of states that are not kept
 LAST_LEAP = 2e-3  # rms heights before a value that is asked for
-NOT_SHORT = 0.3  # of an interval: no leap of its own is that short
-HALVINGS = 6  # of an interval in which a leap fails
-WINDOWED, FEW = 64, 0.8  # patches from which windows leap; part of them below which they no longer do
-CLOSE = 1e-9  # of the smallest increment: as good as there
-STATES_APART = 20.0  # times `accuracy.max_increment`: a state takes as long as ten leaps
-DOUBTED = 1 / 3  # of the tolerance: correction of a number whose estimated error is the tolerance of it
+NOT_SHORT = 0.3  # speed: of an interval: no leap of its own is that short
+HALVINGS = 6  # limit: of an interval in which a leap fails
+WINDOWED, FEW = 64, 0.8  # speed: patches from which windows leap; part of them below which they no longer do
+CLOSE = 1e-9  # derived: of the smallest increment: as good as there
+STATES_APART = 20.0  # speed: times `accuracy.max_increment`: a state takes as long as ten leaps
+DOUBTED = 1 / 3  # derived: of the tolerance: correction of a number whose estimated error is the tolerance of it
 
 AnyPoint = Point | Spread
 

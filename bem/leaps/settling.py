@@ -21,15 +21,15 @@ from bem.elastic.far_field import Charges, far_fields
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
+from bem.leaps.leap import SHORT_STEP
 from bem.leaps.windows import Window, windows_of
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of
 from bem.loading.increments import COARSE, Accuracy
 
-STEPS = 12  # of Newton with the Jacobians of windows; five do
-SHORT_STEP = 0.01  # edge scales: a step that keeps the resolution
-LONGEST_STEP = 0.3  # edge scales
-DIFFERENCE = 1e-5  # rms heights: step of the differences along the branch
-CLOSE = 1e-5  # change of the stiffness by a correction of the motion, after which no other comes
+STEPS = 12  # limit: of Newton with the Jacobians of windows; five do
+LONGEST_STEP = 0.3  # limit: edge scales
+DIFFERENCE = 1e-5  # derived: rms heights: step of the differences along the branch
+CLOSE = 1e-5  # derived: change of the stiffness by a correction of the motion, after which no other comes
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,11 +33,11 @@ from bem.loading.increments import Accuracy
 from bem.loading.path_events import PathEvent, PathStatus
 from bem.loading.path_point import PathPoint
 
-WIDER = 3, 7  # patches of buffer more, for a window that finds nothing
-JOINED = 0.5  # residual of windows that were joined, beyond which they did not fit
-FINER = 1e-2  # of the accuracy of targets: that of their assessment
-STEPS = 8  # of Newton to a load
-ROUNDS = 5  # of what only the accuracy of targets shows
+WIDER = 3, 7  # limit: patches of buffer more, for a window that finds nothing
+JOINED = 0.5  # limit: residual of windows that were joined, beyond which they did not fit
+FINER = 1e-2  # derived: of the accuracy of targets: that of their assessment
+STEPS = 8  # limit: of Newton to a load
+ROUNDS = 5  # limit: of what only the accuracy of targets shows
 
 
 @dataclass(frozen=True, eq=False)

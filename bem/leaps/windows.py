@@ -17,7 +17,8 @@ from bem.elastic.far_field import Arc
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 
-CORE, BUFFER = 24, 2  # patches
+CORE = 24  # speed: patches in the core of a window, more or less
+BUFFER = 2  # patches beside it at least
 CHOICE = 4  # gaps, of which the widest is where a window ends, or a core
 
 
