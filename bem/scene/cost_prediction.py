@@ -31,7 +31,7 @@ from bem.geometry.profile import Profile
 from bem.scene.scene import Scene
 
 PER_INCREMENT, PER_CREST, PER_TARGET, PER_WAVE = 3.8, 16.1, 5.7, 10.0  # prediction: evaluations with adhesion
-LEAPING_SHARE = 0.2  # prediction: of the time of a path event by event, where it goes by leaps
+LEAPING_SHARE = 0.15  # prediction: of the time of a path event by event, where it goes by leaps
 DIGITS = 1e-2, 1e-3, 1e-4, 1e-6, 1e-9  # prediction: accuracies that are priced
 LOADED = 0.5  # prediction: increments under a given load count so much: fewer states are stored on the way
 BEGINNING = 5.0  # prediction: increments of a leg under load though the contact hardly moves: the first ones are short
@@ -112,7 +112,7 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
     ...     "loading": {"control": "penetration", "targets": [1e-5]},
     ... })
     >>> round(cost_of(scene).evaluations)  # solved: 118
-    129
+    131
     """
     surface = scene.surface()
     if surface.is_flat:

@@ -22,6 +22,7 @@ from validation.challenge import standings
 from validation.challenge.judging import judged
 from validation.challenge.problem import problem
 from validation.challenge.run_judge import Judgement
+from validation.harness import store
 from validation.harness.case import Case
 from validation.harness.execution import Ended
 from validation.harness.route import Answer
@@ -138,7 +139,11 @@ def studied(tmp_path_factory):
         lines += [f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
     (folder / "scene.toml").write_text("\n".join(lines), "utf-8")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(own_scene, "run_in_processes", lambda f, items, jobs: (Ended(item, f(item)) for item in items))
+        patch.setattr(
+            store,
+            "run_in_processes",
+            lambda function, items, jobs, **options: (Ended(item, function(item)) for item in items),
+        )
         plan = own_scene.Options(quick=True, seeds=1)
         assert own_scene.run(folder / "scene.toml", folder / "out", plan, lambda note: None) == 0
     return json.loads((folder / "out" / "study.json").read_text("utf-8"))
