@@ -47,13 +47,13 @@ def not_computed(error: BaseException) -> MissedTargetError:
 
 def tension_apart() -> MissedTargetError:
     """A tension is asked for where nothing touches."""
-    why = "no state of this path is there: surfaces that are apart carry no tension"
+    why = "this path has no state there: separated surfaces carry no tension"
     return MissedTargetError("unreachable", why, "a target in compression before it")
 
 
 def beyond_contact(deepest: float) -> MissedTargetError:
     """A motion beyond complete contact, which is at this penetration, m."""
-    why = f"no state of this path is there: complete contact is at {deepest:.9g} m"
+    why = f"this path has no state there: complete contact is at {deepest:.9g} m"
     return MissedTargetError("unreachable", why, "a target short of it", 'loading.control = "mean_pressure"')
 
 
@@ -65,13 +65,13 @@ def passed_over() -> MissedTargetError:
 
 def came_apart(at: float) -> MissedTargetError:
     """No contact carries the tension asked for: the last one came apart at this mean pressure, Pa."""
-    why = f"no state of this path is there: the surfaces came apart at {at:.9g} Pa"
+    why = f"this path has no state there: the surfaces came apart at {at:.9g} Pa"
     return MissedTargetError("unreachable", why, "less tension", 'loading.control = "separation"')
 
 
 def flat_apart() -> MissedTargetError:
     """Flat surfaces have no such state."""
-    why = "no state of this path is there: flat surfaces neither overlap nor carry this tension"
+    why = "this path has no state there: flat surfaces neither overlap nor carry this tension"
     return MissedTargetError("unreachable", why, 'loading.control = "mean_pressure" in compression')
 
 

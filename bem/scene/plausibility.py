@@ -198,16 +198,20 @@ def _path_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     if control == "penetration" and least > HEIGHTS[1]:
         yield "loading.targets", f"all penetrations are above {HEIGHTS[1]:g} rms heights: {units}"
     if control == "mean_pressure" and least > PRESSURES[1]:
-        yield "loading.targets", f"all pressures are above {PRESSURES[1]:g} E* h'_rms, all touches: unit, or {units}"
+        told = f"all pressures are above {PRESSURES[1]:g} E* h'_rms, everything touches"
+        yield "loading.targets", f"{told}: unit of youngs_modulus, or {units}"
     if control == "mean_pressure" and max(abs(least), abs(largest)) < PRESSURES[0] and (least or largest):
-        yield "loading.targets", f"all pressures are below {PRESSURES[0]:g} E* h'_rms, hardly a load: unit, or {units}"
+        yield (
+            "loading.targets",
+            f"all pressures are below {PRESSURES[0]:g} E* h'_rms, hardly a load: unit of youngs_modulus, or {units}",
+        )
 
 
 def _leap_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     """A path that is followed in leaps is uncertain."""
     if scene.leaps:
-        told = f"at {scene.accuracy.tolerance:g} the path goes by leaps: events lie within intervals that their errors "
-        told += "tell, and a state may be one of another branch; its errors allow for that, but are no bounds "
+        told = f"at {scene.accuracy.tolerance:g} the path goes by leaps: events are known only to within their errors, "
+        told += "and a state may belong to another branch; its errors allow for that but are no bounds "
         yield "accuracy.tolerance", told + f"(below {LEAPING:g} events are located)"
 
 
@@ -223,7 +227,7 @@ def _material_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     if share > LARGEST_ADHESION:
         yield (
             "adhesion_over_elastic_energy",
-            f"adhesion is {share:.3g} times the elastic energy of complete contact, which comes by itself: "
+            f"adhesion is {share:.3g} times the elastic energy of complete contact: surfaces close by themselves; "
             "unit of the heights, or of the work of adhesion?",
         )
 
@@ -252,7 +256,7 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     if share < LEAST_SHARE and scene.profile.harmonics == scan.max_harmonics:
         told = f"{share:.2g} of the rms slope is kept by all {scan.max_harmonics} harmonics"
         cause = "heights alternate from sample to sample: two scans in turn, or noise?"
-        yield "profile.file", f"{told}; the rest is of half as many waves as samples: {cause}"
+        yield "profile.file", f"{told}; the rest is in the order of half as many waves as there are samples: {cause}"
     elif share < LEAST_SHARE and not _noise_beyond(scene):
         cut = (
             f"profile.harmonics = {scene.profile.harmonics} of {scan.max_harmonics} keeps {share:.0%} of the rms slope"
@@ -268,8 +272,8 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
         )
         yield "profile.detrend", f'{told}: detrend = "line" takes it away'
     if "printed_to" in steps["spacing"]:
-        told = f"positions are printed to {steps['spacing']['printed_to']:.3g} m and taken at equal steps"
-        yield "profile.unequal_spacing", f"{told} of {scan.spacing:.6g} m, as that allows: is no line lost?"
+        told = f"positions are printed to {steps['spacing']['printed_to']:.3g} m; within that they are at equal steps"
+        yield "profile.unequal_spacing", f"{told} of {scan.spacing:.6g} m: could a line be missing?"
     if "unlike_positions" in steps["read"]:
         yield "profile.file", f"{steps['read']['unlike_positions']} is not what the positions say: unit_x?"
     dropped = steps["dropouts"]
@@ -304,7 +308,10 @@ def _noise_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     spectrum = scene.scan.spectrum
     told = f"{share:.0%} of the mean square slope is noise, of {spectrum.noise_rms:.2g} m rms in the scan"
     if spectrum.law is None or spectrum.crossing is None:
-        yield "profile.cutoff_short", f"{told}; the profile nowhere comes out of it: contact areas are of the noise"
+        yield (
+            "profile.cutoff_short",
+            f"{told}; the profile nowhere rises above it: contact areas are those of the noise",
+        )
         return
     um = f"{spectrum.crossing * 1e6:.3g} um"
     reason = f"there the profile, as f^{-spectrum.law.exponent:.2g}, falls below the noise floor"

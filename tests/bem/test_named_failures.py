@@ -21,7 +21,7 @@ def test_a_plate_cannot_go_beyond_complete_contact_of_an_incompressible_layer():
     result = solve(rough_scene(beyond, adhesion=None, control="total_displacement", layer=LAYER))
     assert result.status == "unreachable"
     assert [state.status for state in result.states] == ["converged", "unreachable"]
-    said = "target 2 of 2, total_displacement = 0.0003 m: no state of this path is there: complete contact is at "
+    said = "target 2 of 2, total_displacement = 0.0003 m: this path has no state there: complete contact is at "
     assert result.failure.startswith(said)
     assert "what may help" in result.failure
 

@@ -168,7 +168,7 @@ def test_what_is_out_of_the_ordinary_is_named(path, value, about):
 @pytest.mark.parametrize(("targets", "all_of_it"), [([5e6], True), ([1e-4], False)])
 def test_pressures_of_another_order_are_named(targets, all_of_it):
     message = said(parse_scene(WAVE | {"loading": {"control": "mean_pressure", "targets": targets}}))["loading.targets"]
-    assert ("all touches" in message) == all_of_it
+    assert ("everything touches" in message) == all_of_it
 
 
 @pytest.mark.parametrize(("harmonics", "told"), [(10, True), (40, False), ("all", False)])
@@ -229,7 +229,7 @@ def test_rounded_positions_are_told(tmp_path):
         "\n".join(f"{a:.1f},{b:.6g}" for a, b in zip(X * 6.6, ROUGH.height(X), strict=True))
     )
     message = said(scan_scene(tmp_path))["profile.unequal_spacing"]
-    assert "positions are printed to 0.0001 m and taken at equal steps of 0.000165 m" in message
+    assert "positions are printed to 0.0001 m; within that they are at equal steps of 0.000165 m" in message
 
 
 def test_heights_far_from_all_others_are_named(tmp_path):
