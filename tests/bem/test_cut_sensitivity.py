@@ -82,7 +82,7 @@ def test_other_profiles_have_no_cut():
         "loading": {"control": "mean_pressure", "targets": [1e3]},
     }
     assert not is_asked(parse_scene(scene))
-    with pytest.raises(SceneError, match=r"output\.cut_sensitivity = true; allowed: false, or a scan"):
+    with pytest.raises(SceneError, match=r"output\.cut_sensitivity = true; allowed: false; true needs a scan"):
         parse_scene(scene | {"output": {"cut_sensitivity": True}})
 
 
