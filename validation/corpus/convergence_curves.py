@@ -183,9 +183,9 @@ def paper_method_curve(cells: Sequence[int]) -> Curve:
     )
 
 
-def ensemble_curve(harmonics: int, realisations: int, tolerance: float | None = None) -> Curve:
+def ensemble_curve(harmonics: int, realisations: int) -> Curve:
     """Spread of the mean area over groups of realisations, with the area of each, at a separation of 0.8 h_rms."""
-    areas = np.array([_area(harmonics, seed, tolerance) for seed in range(realisations)])
+    areas = np.array([_area(harmonics, seed) for seed in range(realisations)])
     sizes = [2**k for k in range(10) if 2**k <= realisations // 6]
     spread = [float(np.std(areas[: realisations // n * n].reshape(-1, n).mean(axis=1), ddof=1)) for n in sizes]
     return Curve(
@@ -215,12 +215,11 @@ def path_targets(harmonics: int, increment: float) -> tuple[list[float], int]:
     return [state.contact_fraction for state in result.targets], sum(state.evaluations for state in result.states)
 
 
-def _area(harmonics: int, seed: int, tolerance: float | None) -> float:
+def _area(harmonics: int, seed: int) -> float:
     """Contact fraction of one realisation."""
     changes: dict[str, dict[str, Any]] = {
         "profile": {"harmonics": harmonics, "seed": seed},
         "loading": {"targets": [40e-6]},
-        "accuracy": {"tolerance": tolerance},
     }
     result = bem.solve(adapters.scene("rough_100", changes))
     if result.status != "converged":

@@ -21,7 +21,6 @@ from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, marks, trace
 from validation.harness.schema import Figure, Panel, Row, Table
 
-FEW_DIGITS = 1e-3  # of an ensemble, which scatters more
 # relative distance of the fitted rate from the predicted one
 MEASURED = {
     "bem-intensity-0.9": 0.022,
@@ -105,7 +104,7 @@ def _elements() -> Outcome:
 
 
 def _ensemble(harmonics: int, realisations: int) -> Outcome:
-    curve = ensemble_curve(harmonics, realisations, FEW_DIGITS)
+    curve = ensemble_curve(harmonics, realisations)
     areas = np.array(curve.samples)
     means = Table(
         caption=f"Contact fraction at a separation of 0.8 h_rms, {harmonics} harmonics.",
