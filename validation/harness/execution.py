@@ -74,6 +74,7 @@ class _Run(Generic[Item]):
 
     @property
     def seconds(self) -> float:
+        """So far."""
         return time.monotonic() - self.begun
 
 
