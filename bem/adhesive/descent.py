@@ -145,7 +145,7 @@ def descend(
         )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Walk:
     """Where a descent stands before the next steps.
 
@@ -229,18 +229,16 @@ def strides(walk: Walk) -> tuple[Any, ...]:
        step inside the radius, the descent has converged.
     4. Try it, and take it where the potential falls about as far as predicted, else shrink the radius.
     """
-    going = _Going(walk.system, walk.target, walk.accuracy, walk.steps, walk.patches, walk.penetration, walk.seen,
-                   walk.radius)  # fmt: skip
+    going = _Going(**vars(walk))
     verdict: Verdict | Literal["again"] = "again"
-    rounds = walk.rounds
     while verdict == "again":
-        verdict = going.round() if rounds > 0 and going.radius >= EQUAL_HEIGHTS else "not_converged"
-        rounds -= 1
+        verdict = going.round() if going.rounds > 0 and going.radius >= EQUAL_HEIGHTS else "not_converged"
+        going.rounds -= 1
     here, edges, low = going.here, (going.patches, going.seen), going.touching
     numbers = None if here is None else _numbers(here.state)
     crests = (None, None, None) if low is None else (low.position, low.depth, low.gap)
     places = [side for patches in edges for side in (patches.left, patches.right)]
-    return verdict, *places, going.radius, rounds, 0, numbers, going.gone, *crests
+    return verdict, *places, going.radius, going.rounds, 0, numbers, going.gone, *crests
 
 
 def _is_plain(system: System) -> bool:
@@ -302,8 +300,8 @@ class _Step:
 
 
 @dataclass(eq=False)
-class _Going:
-    """Steps on the way: what a `Walk` holds, and
+class _Going(Walk):
+    """A walk on the way.
 
     Attributes
     ----------
@@ -315,14 +313,6 @@ class _Going:
         Patches or gaps that vanish now, and crests that touched.
     """
 
-    system: System
-    target: float
-    accuracy: Accuracy
-    steps: Steps
-    patches: Patches
-    penetration: float
-    seen: Patches
-    radius: float
     here: Balance | None = None
     resolution: Resolution | None = None
     gone: IntArray | None = None
