@@ -12,6 +12,7 @@ Analysis, 2010, section 5.4), and a gap that closes (touches.py).  Dimensionless
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -47,7 +48,7 @@ class Refused(Enum):
     UNCLEAR = "a shorter step must tell what happens in this one"
 
 
-class Condition:
+class Condition(ABC):
     """What closes the equations of equilibrium: phi(xi, tau) = 0, in a settled state within an accuracy."""
 
     accuracy: float = np.inf
@@ -56,9 +57,9 @@ class Condition:
         """The system whose evaluations know what the condition needs."""
         return system
 
+    @abstractmethod
     def row(self, here: Balance, value: float) -> Row:
         """phi and its derivatives."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)
