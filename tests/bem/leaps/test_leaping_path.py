@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
+from bem.continuation import locating
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
@@ -78,7 +79,10 @@ def test_an_interrupted_path_goes_on_as_if_it_had_not_been(leaping):
     assert [vars(event) for event in whole.events] == [vars(event) for event in leaping.events]
 
 
-def test_pressures_on_the_way_are_met_where_the_exact_path_meets_them():
+@pytest.mark.parametrize("reach", [0.2, 0.1])
+def test_pressures_on_the_way_are_met_where_the_exact_path_meets_them(reach, monkeypatch):
+    """Also where Newton does not reach from one end of a leap to a pressure, which the other end has on its branch."""
+    monkeypatch.setattr(locating, "LONGEST", reach)
     loading = {
         "control": "separation",
         "targets": [20e-6],
