@@ -38,7 +38,7 @@ from bem.geometry.patches import Patches
 from bem.geometry.profile import EQUAL_HEIGHTS
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
-ENERGY_RATIO = (0.1, 2.5)  # accepted actual over predicted decrease
+LEAST_RATIO, LARGEST_RATIO = 0.1, 2.5  # accepted actual over predicted decrease
 LEAST_INTENSITY = 0.3  # of the critical K: edges below move outward by so much of their step scale, at most
 
 
@@ -373,7 +373,7 @@ class _Going(Walk):
         alike = self.resolution is not None and _equal(wanted, self.resolution)
         ratio = self._ratio(here, ahead, step, alike)
         compressed = ahead.state.stress_intensity <= 0
-        if not (ENERGY_RATIO[0] < ratio < ENERGY_RATIO[1] and np.all(step.parts[compressed] > 0)):
+        if not (LEAST_RATIO < ratio < LARGEST_RATIO and np.all(step.parts[compressed] > 0)):
             if alike:
                 self.radius = min(self.radius, step.size) / 3
                 return "again"

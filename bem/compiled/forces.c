@@ -11,10 +11,9 @@
 #define UNIFORM 0.03      /* hierarchical.UNIFORM */
 #define DIRECT 200000.0   /* logarithmic_potential.DIRECT */
 #define PER_BOX 18.0      /* logarithmic_potential.PER_BOX */
-/* collocation.ROUNDING, POSITION_ROUNDING, HEIGHT_ROUNDING */
-#define ROUNDING 1e-14
-#define POSITION_ROUNDING 2e-15
-#define HEIGHT_ROUNDING 1e-14
+#define ROUNDING 1e-14          /* collocation.ROUNDING */
+#define POSITION_ROUNDING 2e-15 /* collocation.POSITION_ROUNDING */
+#define HEIGHT_ROUNDING 1e-14   /* collocation.HEIGHT_ROUNDING */
 
 static double at(Call *call, PyObject *object, const char *name)
 {

@@ -5,11 +5,10 @@
 
 #define NEGLIGIBLE (-39.0) /* gap.NEGLIGIBLE */
 #define SINE_TERMS 11      /* of its series up to pi/2: (pi/2)^23 / 23! = 1e-18 */
-/* gap.WHOLE, STRETCH, ENDS, LONGER */
-#define WHOLE 128
-#define STRETCH 8
-#define ENDS 32
-#define LONGER 512
+#define WHOLE 128          /* gap.WHOLE */
+#define STRETCH 8          /* gap.STRETCH */
+#define ENDS 32            /* gap.ENDS */
+#define LONGER 512         /* gap.LONGER */
 
 /* What one patch adds at LANES points beside it, t half widths from its center: -pi times its series, by Horner's rule
    in zeta with all terms that the point nearest to it sees, less the potential of its skeleton. */

@@ -3,18 +3,16 @@
 #include "descent.h"
 #include "kernels.h"
 
-/* descent.ENERGY_RATIO, LEAST_INTENSITY, profile.EQUAL_HEIGHTS */
-#define LEAST_RATIO 0.1
-#define LARGEST_RATIO 2.5
-#define LEAST_INTENSITY 0.3
-#define EQUAL_HEIGHTS 1e-12
+#define LEAST_RATIO 0.1        /* descent.LEAST_RATIO */
+#define LARGEST_RATIO 2.5      /* descent.LARGEST_RATIO */
+#define LEAST_INTENSITY 0.3    /* descent.LEAST_INTENSITY */
+#define EQUAL_HEIGHTS 1e-12    /* profile.EQUAL_HEIGHTS */
 #define ENERGY_TRUNCATION 3e-3 /* equilibrium.ENERGY_TRUNCATION */
-/* vanishing.NARROW, CLOSED_GAP, LAST_GAP, TIED */
-#define NARROW 0.02
-#define CLOSED_GAP 1e-7
-#define LAST_GAP 2e-4
-#define TIED 1e-3
-#define REACH 4.0 /* touching.REACH */
+#define NARROW 0.02            /* vanishing.NARROW */
+#define CLOSED_GAP 1e-7        /* vanishing.CLOSED_GAP */
+#define LAST_GAP 2e-4          /* vanishing.LAST_GAP */
+#define TIED 1e-3              /* vanishing.TIED */
+#define REACH 4.0              /* touching.REACH */
 
 typedef enum { AGAIN, CONVERGED, TOUCHED, STUCK, ILL_CONDITIONED, CLOSING, VANISHING, ERROR } Verdict;
 
