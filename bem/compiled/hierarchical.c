@@ -356,7 +356,7 @@ Status solved_system(System *system, Size patches, Size k, const double *columns
 DECLARED(solved)
 {
     Call call;
-    Size n[1], patches[1], of_left[1], of_right[1], of_columns[2], of_addition[2], of_modes, i, k, edges;
+    Size n[1], patches[1], of_left[1], of_right[1], of_columns[2], of_addition[2], of_fields[2], of_modes, i, k, edges;
     double *columns, *made[6];
     int64_t *modes;
     System system;
@@ -375,9 +375,13 @@ DECLARED(solved)
     modes = integers(&call, attribute(&call, given[0], "modes"), &of_modes);
     system.per_patch = count(&call, attribute(&call, given[0], "edge_columns"));
     expect(&call, system.per_patch == 0 || system.per_patch == 2 || system.per_patch == 4, "edge columns: 0, 2 or 4");
-    object = attribute(&call, given[0], "addition");
-    if (object != Py_None)
-        system.addition = reals(&call, object, 2, of_addition);
+    object = attribute(&call, given[0], "coupling");
+    if (object != Py_None) {
+        system.edge_fields = reals(&call, attribute(&call, object, "edge_fields"), 2, of_fields);
+        object = attribute(&call, object, "matrix");
+        if (object != Py_None)
+            system.addition = reals(&call, object, 2, of_addition);
+    }
     system.accuracy = number(&call, attribute(&call, given[1], "accuracy"));
     system.largest = count(&call, attribute(&call, given[1], "largest"));
     system.uniform = number(&call, attribute(&call, given[1], "uniform"));
@@ -387,6 +391,7 @@ DECLARED(solved)
     expect(&call, of_columns[0] >= 2 && of_columns[1] == n[0], "columns and nodes differ");
     expect(&call, system.addition == NULL || (of_addition[0] == n[0] && of_addition[1] == n[0]),
            "addition of another size");
+    expect(&call, system.edge_fields == NULL || (of_fields[0] == 2 && of_fields[1] == n[0]), "edge fields of another size");
     system.tables = tables_of(&call, OF_MODES, modes, of_modes);
     expect(&call, call.failed || system.tables[of_modes].start == n[0], "modes and nodes differ");
     k = of_columns[0];

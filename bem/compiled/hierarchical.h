@@ -19,7 +19,7 @@ typedef struct {
 typedef struct {
     Call *call;
     Size n, largest, per_patch, edges; /* per_patch: columns of the edges of each patch: none, 2 or 4 */
-    const double *x, *half, *left, *right, *half_width, *addition;
+    const double *x, *half, *left, *right, *half_width, *addition, *edge_fields;
     double *compliance, *slopes; /* (edges, edges) */
     const Table *tables;
     double uniform, accuracy;

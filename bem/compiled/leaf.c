@@ -132,8 +132,11 @@ Status solved_leaf(const System *system, Size first, Size last, const Columns *c
             within_patch(table, system->half_width[i], system->uniform, matrix + from * n + from, n);
             for (row = 0; row < system->per_patch; row++, c++) { /* `slopes` stands behind `at_edges` */
                 begin[c] = from;
+                const double *more = row < 2 && system->edge_fields != NULL ? system->edge_fields + row * system->n : NULL;
                 for (k = 0; k < table->n; k++)
                     rhs[(from + k) * m + c] = table->at_edges[row * table->n + k];
+                for (k = 0; more != NULL && k < table->n; k++)
+                    rhs[(from + k) * m + c] += more[table->start + k];
             }
         }
         if (system->addition != NULL)

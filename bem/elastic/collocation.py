@@ -197,11 +197,11 @@ class Evaluation:
 
 def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
     """Nodes and modes per patch for a relative tolerance of the coupling."""
-    kernel = elastic.kernel
-    least = np.zeros(patches.count) if kernel is None else kernel.coupled_modes(patches.width, tolerance)
+    kernel, order = elastic.kernel, elastic.profile.max_order
+    least = np.zeros(patches.count) if kernel is None else kernel.coupled_modes(patches.width, tolerance, order)
     if elastic.far is not None:
         least = _coupled_outside(elastic.far, patches, tolerance)
-    return Resolution(*sizes(patches, tolerance, elastic.profile.max_order, least))
+    return Resolution(*sizes(patches, tolerance, order, least))
 
 
 def _coupled_outside(far: FarField, patches: Patches, tolerance: float) -> FloatArray:
@@ -273,9 +273,8 @@ def evaluate(
     series, x, columns, tail, tail_energy = right_hand_sides(profile, patches, level, resolution)
     columns, moving = _with_others(elastic, x, columns, penetration)
     edge_columns = 4 if elastic.slopes else 2 * with_compliance
-    waves = kernel.waves(x) if kernel is not None and few_waves else None
-    addition = kernel.matrix(x) if kernel is not None and not few_waves else None
-    skeleton = Skeleton(patches, modes, x, columns, addition, waves, edge_columns)
+    coupling = None if kernel is None else kernel.coupling(x, patches, modes, few_waves)
+    skeleton = Skeleton(patches, modes, x, columns, coupling, edge_columns)
     solution = solve(skeleton, max(FAR_SHARE * tolerance, FINEST_FAR))
     gram, charges = solution.gram, solution.charges
     radius = np.concatenate([patches.half_width, patches.half_width])

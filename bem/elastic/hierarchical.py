@@ -88,6 +88,28 @@ class Waves:
 
 
 @dataclass(frozen=True, eq=False)
+class Coupling:
+    """What an effect adds to the kernel of the half-space between the coupled modes, and to their edge vectors.
+
+    Attributes
+    ----------
+    matrix : (n, n) array or None
+        At the nodes; it asks for a single leaf.
+    waves : Waves or None
+        The same as a sum of few products.
+    edge_fields : (2, n) array
+        What the modes of the left and of the right edge vector that are not coupled do at the nodes of their patch.
+    edge_compliance : (2, L) array
+        What they do to the edge that they belong to, and to the other edge of the patch.
+    """
+
+    matrix: FloatArray | None
+    waves: Waves | None
+    edge_fields: FloatArray
+    edge_compliance: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Skeleton:
     """The nodes of all patches, in their order.
 
@@ -100,10 +122,8 @@ class Skeleton:
         Positions.
     columns : (k, n) array
         Right-hand sides: the force, 1, and others.
-    addition : (n, n) array or None
-        To the kernel of the half-space; it asks for a single leaf.
-    waves : Waves or None
-        The same as a sum of few products.
+    coupling : Coupling or None
+        What is added to the half-space.
     edge_columns : int
         Columns that b has for each patch: none; 2, the edge vectors; or 4, those of slopes at the edges as well.
     """
@@ -112,8 +132,7 @@ class Skeleton:
     modes: IntArray
     x: FloatArray
     columns: FloatArray
-    addition: FloatArray | None = None
-    waves: Waves | None = None
+    coupling: Coupling | None = None
     edge_columns: int = 2
 
     @cached_property
@@ -137,10 +156,27 @@ class Skeleton:
         tables = [basis(modes) for modes in self.modes.tolist()]
         return np.concatenate([np.concatenate([one.at_edges, one.slopes_at_edges]) for one in tables], axis=1)
 
+    @property
+    def addition(self) -> FloatArray | None:
+        """To the matrix, (n, n)."""
+        return None if self.coupling is None else self.coupling.matrix
+
+    @cached_property
+    def edge_vectors(self) -> FloatArray:
+        """The same, with what modes that are not coupled do at the nodes added to the edge vectors."""
+        if self.coupling is None:
+            return self.at_edges
+        return np.concatenate([self.at_edges[:2] + self.coupling.edge_fields, self.at_edges[2:]])
+
     def at_edges_of(self, charges: FloatArray) -> tuple[FloatArray, FloatArray]:
         """q of nodal charges, (k, n), at the edges, and sum n^2 (+-1)^n Q_n, (k, 2 L) each, left edges first."""
         sums = np.add.reduceat(charges[:, None] * self.at_edges, self.coupled.starts[:-1], axis=2)
         return sums[:, :2].reshape(len(charges), -1), sums[:, 2:].reshape(len(charges), -1)
+
+    def of_edges(self, charges: FloatArray) -> FloatArray:
+        """Products of the edge vectors with nodal charges, (k, n) to (k, 2 L), left edges first."""
+        sums = np.add.reduceat(charges[:, None] * self.edge_vectors[:2], self.coupled.starts[:-1], axis=2)
+        return np.asarray(sums.reshape(len(charges), -1))
 
 
 @dataclass(frozen=True)
@@ -215,19 +251,24 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
     IllConditionedSystemError
         The matrix is not positive definite.
     """
-    waves = skeleton.waves
+    coupling = skeleton.coupling
+    waves = None if coupling is None else coupling.waves
     if waves is not None:
-        skeleton = replace(skeleton, columns=np.concatenate([skeleton.columns, waves.columns]), waves=None)
+        skeleton = replace(skeleton, columns=np.concatenate([skeleton.columns, waves.columns]))
     found = solved(skeleton, Splitting(accuracy, LARGEST_LEAF, UNIFORM))
     solution = None if found is None else Solution(*found)
     if solution is not None and waves is not None:
-        solution = _with_waves(solution, waves.signs)
+        solution = _with_waves(solution, waves.signs, skeleton)
     if solution is None:
         raise IllConditionedSystemError(f"skeleton matrix of {skeleton.x.size} unknowns is not positive definite")
+    if coupling is not None and solution.compliance.size:
+        edge, (same, other) = np.arange(2 * skeleton.patches.count), np.tile(coupling.edge_compliance, 2)
+        solution.compliance[edge, edge] += same
+        solution.compliance[edge, np.roll(edge, skeleton.patches.count)] += other
     return solution
 
 
-def _with_waves(without: Solution, signs: FloatArray) -> Solution | None:
+def _with_waves(without: Solution, signs: FloatArray, skeleton: Skeleton) -> Solution | None:
     """The solution with waves added to the kernel, which are its last columns; None where A is not positive definite.
 
     With V_+ the columns of positive sign, A is positive definite exactly where 1 - V_+^T A'^-1 V_+ is.
@@ -237,12 +278,13 @@ def _with_waves(without: Solution, signs: FloatArray) -> Solution | None:
     _, info = lapack.dpotrf(np.eye(int(adding.sum())) - gram[adding][:, adding])
     if info != 0:
         return None
-    seen = np.concatenate([without.gram[count:, :count], without.at_edges[count:]], axis=1)
+    of_edges = skeleton.of_edges(without.charges[count:])
+    seen = np.concatenate([without.gram[count:, :count], of_edges], axis=1)
     response = np.linalg.solve(np.diag(signs) - gram, seen)
     amounts, by_edges = response[:, :count].T, response[:, count:]
     compliance, bent = without.compliance, without.slope_compliance
     if compliance.size:
-        compliance = compliance + without.at_edges[count:].T @ by_edges
+        compliance = compliance + of_edges.T @ by_edges
     if bent.size:
         bent = bent + without.slopes[count:].T @ by_edges
     return Solution(
@@ -338,7 +380,7 @@ def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray, uniform
     rhs[:, :count] = shared
     first_column = count + skeleton.edge_columns * np.repeat(np.arange(last - first), np.diff(starts))
     for column in range(skeleton.edge_columns):
-        rhs[row, first_column + column] = skeleton.at_edges[column, nodes]
+        rhs[row, first_column + column] = skeleton.edge_vectors[column, nodes]
     gram, seen = _gram(factor, rhs, begin, count)
     return _Leaf(gram, factor, seen)
 

@@ -18,8 +18,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bem.elastic.hierarchical import Waves
-from bem.geometry.arrays import ComplexArray, FloatArray
+from bem.elastic.hierarchical import Coupling, Waves
+from bem.elastic.wave_modes import patch_waves
+from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
+from bem.geometry.chebyshev import profile_nodes
+from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 
 _BLOCK = 2_000_000  # speed: complex numbers held at a time
@@ -107,14 +110,26 @@ class KernelSeries:
         """Number of the waves: a cosine and a sine each."""
         return 2 * self.terms
 
-    def waves(self, x: FloatArray) -> Waves:
-        """S(x_i - x_j) for all pairs as a product: sqrt(|s_m|) cos(m x), then sqrt(|s_m|) sin(m x)."""
-        waves = _powers(np.exp(1j * x), self.terms).T * np.sqrt(np.abs(self.weights))[:, None]
-        return Waves(np.concatenate([waves.real, waves.imag]), np.tile(np.where(self.weights < 0, -1.0, 1.0), 2))
-
-    def matrix(self, x: FloatArray) -> FloatArray:
-        """S(x_i - x_j) for all pairs, (n, n)."""
-        return self.smooth(np.subtract.outer(x, x))
+    def coupling(self, x: FloatArray, patches: Patches, modes: IntArray, few: bool) -> Coupling:
+        """What S adds to the system of coupled modes, with nodes x: as waves, if these are few, or to its matrix."""
+        matrix = None if few else self.smooth(np.subtract.outer(x, x))
+        columns = np.empty((self.columns, x.size) if few else (0, x.size))
+        fields, compliance, ends = np.empty((2, x.size)), np.empty((2, patches.count)), np.cumsum(modes)
+        for i, half_width in enumerate(patches.half_width.tolist()):
+            waves, own = patch_waves(half_width, self.orders, int(modes[i])), slice(ends[i] - modes[i], ends[i])
+            cosines, sines = waves.cosines.T * self.weights, waves.sines.T * self.weights
+            if matrix is None:
+                turn = np.sqrt(np.abs(self.weights)) * np.exp(1j * self.orders * patches.center[i])
+                turned = turn[:, None] * (waves.cosines + 1j * waves.sines)
+                columns[:, own] = np.concatenate([turned.real, turned.imag])
+            else:
+                matrix[own, own] = cosines @ waves.cosines + sines @ waves.sines
+            even, odd = cosines @ waves.cosines_of_edge, sines @ waves.sines_of_edge
+            fields[:, own] = even - odd, even + odd
+            even, odd = self.weights @ waves.cosines_of_edge**2, self.weights @ waves.sines_of_edge**2
+            compliance[:, i] = even + odd, even - odd
+        signs = np.tile(np.where(self.weights < 0, -1.0, 1.0), 2)
+        return Coupling(matrix, Waves(columns, signs) if few else None, fields, compliance)
 
     def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
         """sum_j S(x_i - source_j) charge_j, (n,)."""
@@ -136,8 +151,19 @@ class KernelSeries:
             total[part] = (_powers(np.exp(1j * flat[part]), self.terms) @ weights).real
         return total.reshape(position.shape)
 
-    def coupled_modes(self, width: FloatArray, tolerance: float) -> FloatArray:
+    def coupled_modes(self, width: FloatArray, tolerance: float, max_order: int) -> FloatArray:
         """Chebyshev modes of patches of these widths that feel S to `tolerance`, (L,).
+
+        They are those of the pressure that harmonics up to `max_order` and edges make, unless S has fewer.  The nearest
+        singularities of the pressure are the images of the edges, a strip away at right angles.
+        """
+        image = 1 + 2j * self.effect.strip / np.asarray(width, dtype=np.float64)
+        of_edges = np.log(300 / tolerance) / np.arccosh(image).real + 2.0
+        of_pressure = np.maximum(of_edges, profile_nodes(width, max_order))
+        return np.asarray(np.minimum(of_pressure, self.modes_of_kernel(width, tolerance)))
+
+    def modes_of_kernel(self, width: FloatArray, tolerance: float) -> FloatArray:
+        """Chebyshev modes that S itself has on patches of these widths, to `tolerance`, (L,).
 
         S(x - x') with both points in the patch is analytic in the Bernstein ellipse of semi-minor axis
         b = strip / r, r = width / 2, so its coefficients decay as rho^-n, rho = b + sqrt(1 + b^2).  The factor 1/300

@@ -106,7 +106,7 @@ def grid_problem(elastic: Elastic) -> GridProblem:
     """The contact problem of an elastic body on the grid of its profile."""
     step = 2 if elastic.profile.grid[0].size > FINE else 1
     x, height = (values[::step] for values in elastic.profile.grid)
-    modes = 0.0 if elastic.kernel is None else float(elastic.kernel.coupled_modes(np.array([TWO_PI]), LAYER)[0])
+    modes = 0.0 if elastic.kernel is None else float(elastic.kernel.modes_of_kernel(np.array([TWO_PI]), LAYER)[0])
     finest = min(POINTS_PER_MODE * modes, MOST_POINTS)
     if x.size < finest:
         size = 1 << int(np.ceil(np.log2(finest)))

@@ -11,7 +11,7 @@ from rough_surfaces import cut, short_waved
 from bem.elastic import collocation, hierarchical
 from bem.elastic.collocation import Elastic, Resolution, evaluate, finer, resolve
 from bem.elastic.compliance import Compliance
-from bem.elastic.hierarchical import IllConditionedSystemError, Waves
+from bem.elastic.hierarchical import Coupling, IllConditionedSystemError, Waves
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from validation.references.dense import SmoothKernel, evaluate_dense
@@ -229,16 +229,15 @@ class OneMode:
 
     columns = 2
 
-    def waves(self, x):
-        return Waves(np.sqrt(0.3) * np.stack([np.cos(x), np.sin(x)]), np.ones(2))
-
-    def matrix(self, x):
-        return 0.3 * np.cos(np.subtract.outer(x, x))
+    def coupling(self, x, patches, modes, few):
+        waves = Waves(np.sqrt(0.3) * np.stack([np.cos(x), np.sin(x)]), np.ones(2)) if few else None
+        matrix = None if few else 0.3 * np.cos(np.subtract.outer(x, x))
+        return Coupling(matrix, waves, np.zeros((2, x.size)), np.zeros((2, patches.count)))
 
     def field(self, x, sources, charges):
         return 0.3 * np.cos(np.subtract.outer(x, sources)) @ charges
 
-    def coupled_modes(self, width, tolerance):
+    def coupled_modes(self, width, tolerance, max_order):
         return np.full(width.shape, 24.0)
 
 
@@ -267,11 +266,10 @@ def test_system_that_is_not_positive_definite_is_refused_by_name(few, monkeypatc
     monkeypatch.setattr(collocation, "FEW_WAVES", few)
 
     class Wrong(OneMode):
-        def waves(self, x):
-            return Waves(np.full((1, x.size), np.sqrt(10.0)), np.ones(1))
-
-        def matrix(self, x):
-            return np.full((x.size, x.size), 10.0)
+        def coupling(self, x, patches, modes, few):
+            waves = Waves(np.full((1, x.size), np.sqrt(10.0)), np.ones(1)) if few else None
+            matrix = None if few else np.full((x.size, x.size), 10.0)
+            return Coupling(matrix, waves, np.zeros((2, x.size)), np.zeros((2, patches.count)))
 
     patches, penetration, _, _ = johnson(0.5)
     with pytest.raises(IllConditionedSystemError, match="not positive definite"):

@@ -10,6 +10,7 @@ from bem.elastic.compliance import EffectSum, compliance_of
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.kernel_series import kernel_series
 from bem.elastic.layer import Layer, LayerEffect
+from bem.geometry.chebyshev import nodes_of
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
@@ -62,11 +63,16 @@ def test_kernel_of_a_sum_is_the_sum_of_kernels():
 
 
 @pytest.mark.parametrize("effects", [[SOFT], [LAYER, SOFT], [LAYER, Soft(-0.5, 0.15)]], ids=["soft", "both", "stiff"])
-def test_matrix_of_terms_of_either_sign_is_the_kernel_between_all_pairs(effects):
-    kernel, x = compliance_of(effects).kernel, np.random.default_rng(1).uniform(-7, 7, 30)
+def test_waves_of_either_sign_are_the_matrix(effects):
+    kernel, patches = compliance_of(effects).kernel, Patches(np.array([0.5, 1.9]), np.array([1.2, 2.2]))
+    modes = kernel.modes_of_kernel(patches.width, 1e-14).astype(np.int64)
+    x = np.repeat(patches.center, modes) + np.repeat(patches.half_width, modes) * nodes_of(modes)
+    matrix, waves = (kernel.coupling(x, patches, modes, few) for few in (False, True))
     pairs = kernel.smooth(np.subtract.outer(x, x))
+    product = (waves.waves.columns.T * waves.waves.signs) @ waves.waves.columns
     # measured 4e-15
-    np.testing.assert_allclose(kernel.matrix(x), pairs, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(matrix.matrix, pairs, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(product, pairs, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("effects", [[SOFT], [LAYER, SOFT]], ids=["softer", "both"])
@@ -77,7 +83,7 @@ def test_evaluation_is_the_dense_one(effects):
     state = evaluate(Elastic(profile, compliance), patches, 1.0, 1e-4)
     nodes = np.maximum(
         dense_nodes(profile, patches.left, patches.right),
-        compliance.kernel.coupled_modes(patches.width, 1e-14).astype(np.int64),
+        compliance.kernel.modes_of_kernel(patches.width, 1e-14).astype(np.int64),
     )
     smooth = SmoothKernel(compliance.kernel.smooth, compliance.kernel.slope)
     dense = evaluate_dense(profile, patches.left, patches.right, 1.0, nodes, smooth)

@@ -138,11 +138,12 @@ def test_layers_of_many_waves_are_one_cluster(monkeypatch):
     class OneMode:
         columns = 10**6
 
-        def matrix(self, x):
-            assert x.size >= 24 * patches.count
-            return 0.3 * np.cos(np.subtract.outer(x, x))
+        def coupling(self, x, patches, modes, few):
+            assert x.size >= 24 * patches.count and not few
+            matrix = 0.3 * np.cos(np.subtract.outer(x, x))
+            return hierarchical.Coupling(matrix, None, np.zeros((2, x.size)), np.zeros((2, patches.count)))
 
-        def coupled_modes(self, width, tolerance):
+        def coupled_modes(self, width, tolerance, max_order):
             return np.full(width.shape, 24.0)
 
     monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 40)

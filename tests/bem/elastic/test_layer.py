@@ -109,7 +109,7 @@ def test_derivatives_are_those_of_the_kernel(order):
 
 
 @pytest.mark.parametrize("block", [2_000_000, 300], ids=["whole", "in blocks"])
-def test_matrix_is_the_kernel_between_all_pairs(block, monkeypatch):
+def test_kernel_is_the_sum_of_its_waves(block, monkeypatch):
     monkeypatch.setattr("bem.elastic.kernel_series._BLOCK", block)
     kernel = kernel_series(LayerEffect(THIN, 0.5), 1e-14)
     x = np.random.default_rng(1).uniform(-7, 7, 30)
@@ -117,15 +117,16 @@ def test_matrix_is_the_kernel_between_all_pairs(block, monkeypatch):
         np.multiply.outer(kernel.orders, np.subtract.outer(x, x)).reshape(kernel.terms, -1)
     )
     # measured 5e-15
-    np.testing.assert_allclose(kernel.matrix(x), direct.reshape(30, 30), rtol=0, atol=1.5e-14)
+    np.testing.assert_allclose(kernel.smooth(np.subtract.outer(x, x)), direct.reshape(30, 30), rtol=0, atol=1.5e-14)
 
 
-def test_field_is_the_matrix_times_charges():
+def test_field_is_the_kernel_times_charges():
     kernel = kernel_series(LayerEffect(THIN, 0.3), 1e-14)
     rng = np.random.default_rng(2)
     x, charges = rng.uniform(0, 6, 40), rng.normal(size=40)
     # measured 1.1e-14
-    np.testing.assert_allclose(kernel.field(x, x, charges), kernel.matrix(x) @ charges, rtol=0, atol=3e-14)
+    matrix = kernel.smooth(np.subtract.outer(x, x))
+    np.testing.assert_allclose(kernel.field(x, x, charges), matrix @ charges, rtol=0, atol=3e-14)
 
 
 def test_deficit_is_largest_for_the_longest_wave():
@@ -147,7 +148,7 @@ def test_compressed_evaluation_on_a_layer_is_the_dense_one(rough, nu, q_d, toler
     kernel = kernel_series(LayerEffect(q_d, nu), 1e-16)
     state = evaluate(Elastic(profile, Compliance(kernel)), patches, 1.0, tolerance)
     nodes = np.maximum(
-        dense_nodes(profile, patches.left, patches.right), kernel.coupled_modes(patches.width, 1e-14).astype(np.int64)
+        dense_nodes(profile, patches.left, patches.right), kernel.modes_of_kernel(patches.width, 1e-14).astype(np.int64)
     )
     smooth = SmoothKernel(kernel.smooth, kernel.slope)
     dense = evaluate_dense(profile, patches.left, patches.right, 1.0, nodes, smooth)

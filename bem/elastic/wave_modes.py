@@ -1,0 +1,95 @@
+"""The waves of an effect on one patch, seen by its coupled modes.
+
+On a patch x = c + r t a wave of order m has the Chebyshev series (Jacobi, Anger; DLMF 10.12), z = m r,
+
+    cos(z t) = J_0(z) + 2 sum_k (-1)^k J_2k(z) T_2k(t),   sin(z t) = 2 sum_k (-1)^k J_2k+1(z) T_2k+1(t).
+
+Its first p terms are all that p modes of the pressure feel, and all that they answer to.  At p nodes the waves of a
+thin layer would alias, as z is up to a half width times the waves of its thickness; their projections do not.  So a
+wide patch needs the modes of its pressure only, not those of the kernel.
+
+The pressure that an edge adds when it moves has all modes: Q_n = (2 n / pi^2) (+-1)^n of half-space, and what the
+effect makes of it, which is smooth.  What the waves feel of those with n >= p is, as 2 n J_n = z (J_n-1 + J_n+1),
+
+    int cos(m x) dQ = (z/pi) (-1)^k J_2k-1(z),  2k >= p,     int sin(m x) dQ = +-(z/pi) (-1)^k J_2k(z),  2k + 1 >= p,
+
+with the least such k.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bem.geometry.arrays import FloatArray
+from bem.geometry.chebyshev import basis
+
+NO_MORE = 12.0  # derived: J_n(z) is 1e-18 of the largest at n = z + 12 z^(1/3), by Airy's function
+SEED = 1e-290  # format: what the recurrence begins with
+
+
+@dataclass(frozen=True, eq=False)
+class PatchWaves:
+    """Waves on a patch, counted from its middle.
+
+    Attributes
+    ----------
+    cosines, sines : (n_orders, p) arrays
+        Their projections, at the nodes.
+    cosines_of_edge, sines_of_edge : (n_orders,) arrays
+        What they feel of the uncoupled modes of the pressure that the right edge adds; of the left edge, sines less.
+    """
+
+    cosines: FloatArray
+    sines: FloatArray
+    cosines_of_edge: FloatArray
+    sines_of_edge: FloatArray
+
+
+def patch_waves(half_width: float, orders: FloatArray, modes: int) -> PatchWaves:
+    """Waves of these orders, ascending, on a patch with that many coupled modes."""
+    z, values = orders * half_width, basis(modes).values
+    table = bessel(modes + 1, z)
+    weight = np.where(np.arange(modes) % 4 < 2, 2.0, -2.0)
+    weight[0] = 1.0
+    even, odd = slice(0, modes, 2), slice(1, modes, 2)
+    first, second = (modes + 1) // 2, modes // 2  # k of the first cosine and of the first sine that are left out
+    return PatchWaves(
+        table[even].T @ (values[:, even] * weight[even]).T,
+        table[odd].T @ (values[:, odd] * weight[odd]).T,
+        z * table[2 * first - 1] * ((-1.0) ** first / np.pi),
+        z * table[2 * second] * ((-1.0) ** second / np.pi),
+    )
+
+
+def bessel(count: int, z: FloatArray) -> FloatArray:
+    """J_n(z) for n < count and ascending z > 0, (count, n_z), to rounding of the largest.
+
+    Upwards from J_0 and J_1 where z >= count; elsewhere downwards from where J_n is nothing, scaled by
+    J_0 + 2 J_2 + 2 J_4 + ... = 1 (Miller; DLMF 3.6).
+
+    Examples
+    --------
+    >>> [round(float(value), 12) for value in bessel(2, np.array([1.0]))[:, 0]]
+    [0.765197686558, 0.440050585745]
+    """
+    from scipy.special import j0, j1  # loaded where an effect has waves
+
+    first = int(np.searchsorted(z, count))
+    table = np.zeros((count, z.size))
+    table[0, first:], table[1:2, first:], twice = j0(z[first:]), j1(z[first:]), 2 / z
+    for n in range(1, count - 1):
+        table[n + 1, first:] = n * twice[first:] * table[n, first:] - table[n - 1, first:]
+    small = z[:first]
+    begin = np.ceil(small + NO_MORE * (np.cbrt(small) + 1)).astype(np.int64)
+    total, here, above = np.zeros(first), np.zeros(first), np.zeros(first)
+    for n in range(int(begin.max(initial=0)), -1, -1):
+        here[begin == n] = SEED
+        if n < count:
+            table[n, :first] = here
+        if n % 2 == 0:
+            total += here if n == 0 else 2 * here
+        here, above = n * twice[:first] * here - above, here
+    table[:, :first] /= total
+    return table
