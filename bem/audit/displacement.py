@@ -35,6 +35,7 @@ ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 ROUNDING = 1e-16  # derived: of the displacement, over its largest
 LONGEST_SERIES = 1 << 16  # limit: modes of a layer
+ORDERS = 64  # speed: of them at a time
 LARGEST_BLOCK = 1 << 14  # speed: pairs of points and patches at a time, or logarithms: they stay in the cache
 TINY = 1e-300  # derived: keeps the number of terms defined at an edge
 UNIT = (2 * np.pi) ** (2 / 3)  # derived: of length: three images make up for the period without a constant
@@ -291,18 +292,19 @@ class DisplacementField:
             weighted = regular_part(charge, n) * (np.pi / n)
             weighted[[0, -1]] /= 2
             x = c + r * np.cos(np.arange(n + 1) * (np.pi / n))
-            for first in range(0, highest, 64):  # all at once are gigabytes on a thin layer
-                few = slice(first, first + 64)
-                modes[few] += np.exp(-1j * np.multiply.outer(m[few], x)) @ weighted
+            lowest = np.exp(-1j * np.multiply.outer(m[:ORDERS], x))
+            for first in range(0, highest, ORDERS):
+                few = slice(first, first + ORDERS)
+                modes[few] += lowest[: modes[few].size] @ (weighted * np.exp(-1j * first * x))
         return np.asarray(modes * (compliance_ratio(m.astype(np.float64)) - 1) / m / np.pi)
 
     def _layer_field(self, x: FloatArray, modes: ComplexArray) -> FloatArray:
         """What a layer adds at points x, (n,)."""
         total = np.zeros(x.size)
-        for first in range(0, modes.size, 64):
-            part = modes[first : first + 64]
-            m = np.arange(first + 1, first + 1 + part.size)
-            total += (np.exp(1j * np.multiply.outer(x, m)) @ part).real
+        lowest = np.exp(1j * np.multiply.outer(x, np.arange(1, ORDERS + 1)))
+        for first in range(0, modes.size, ORDERS):
+            part = modes[first : first + ORDERS]
+            total += (lowest[:, : part.size] @ part * np.exp(1j * first * x)).real
         return total
 
 

@@ -377,10 +377,11 @@ DECLARED(solved)
     expect(&call, system.per_patch == 0 || system.per_patch == 2 || system.per_patch == 4, "edge columns: 0, 2 or 4");
     object = attribute(&call, given[0], "coupling");
     if (object != Py_None) {
-        system.edge_fields = reals(&call, attribute(&call, object, "edge_fields"), 2, of_fields);
-        object = attribute(&call, object, "matrix");
-        if (object != Py_None)
-            system.addition = reals(&call, object, 2, of_addition);
+        PyObject *matrix = attribute(&call, object, "matrix"), *left_out = attribute(&call, object, "left_out");
+        if (matrix != Py_None)
+            system.addition = reals(&call, matrix, 2, of_addition);
+        if (left_out != Py_None)
+            system.edge_fields = reals(&call, attribute(&call, left_out, "fields"), 2, of_fields);
     }
     system.accuracy = number(&call, attribute(&call, given[1], "accuracy"));
     system.largest = count(&call, attribute(&call, given[1], "largest"));

@@ -273,7 +273,7 @@ def evaluate(
     series, x, columns, tail, tail_energy = right_hand_sides(profile, patches, level, resolution)
     columns, moving = _with_others(elastic, x, columns, penetration)
     edge_columns = 4 if elastic.slopes else 2 * with_compliance
-    coupling = None if kernel is None else kernel.coupling(x, patches, modes, few_waves)
+    coupling = None if kernel is None else kernel.coupling(x, patches, modes, tolerance, few_waves)
     skeleton = Skeleton(patches, modes, x, columns, coupling, edge_columns)
     solution = solve(skeleton, max(FAR_SHARE * tolerance, FINEST_FAR))
     gram, charges = solution.gram, solution.charges

@@ -88,8 +88,24 @@ class Waves:
 
 
 @dataclass(frozen=True, eq=False)
+class LeftOut:
+    """What an effect makes of those modes of the edge vectors that are not coupled.
+
+    Attributes
+    ----------
+    fields : (2, n) array
+        Of the left and of the right edge at the nodes of their patch.
+    compliance : (2, L) array
+        Felt by the edge that they belong to, and by the other edge of the patch.
+    """
+
+    fields: FloatArray
+    compliance: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Coupling:
-    """What an effect adds to the kernel of the half-space between the coupled modes, and to their edge vectors.
+    """What an effect adds to the kernel of the half-space between the coupled modes.
 
     Attributes
     ----------
@@ -97,16 +113,13 @@ class Coupling:
         At the nodes; it asks for a single leaf.
     waves : Waves or None
         The same as a sum of few products.
-    edge_fields : (2, n) array
-        What the modes of the left and of the right edge vector that are not coupled do at the nodes of their patch.
-    edge_compliance : (2, L) array
-        What they do to the edge that they belong to, and to the other edge of the patch.
+    left_out : LeftOut or None
+        None where it couples no others.
     """
 
     matrix: FloatArray | None
     waves: Waves | None
-    edge_fields: FloatArray
-    edge_compliance: FloatArray
+    left_out: LeftOut | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,9 +177,9 @@ class Skeleton:
     @cached_property
     def edge_vectors(self) -> FloatArray:
         """The same, with what modes that are not coupled do at the nodes added to the edge vectors."""
-        if self.coupling is None:
+        if self.coupling is None or self.coupling.left_out is None:
             return self.at_edges
-        return np.concatenate([self.at_edges[:2] + self.coupling.edge_fields, self.at_edges[2:]])
+        return np.concatenate([self.at_edges[:2] + self.coupling.left_out.fields, self.at_edges[2:]])
 
     def at_edges_of(self, charges: FloatArray) -> tuple[FloatArray, FloatArray]:
         """q of nodal charges, (k, n), at the edges, and sum n^2 (+-1)^n Q_n, (k, 2 L) each, left edges first."""
@@ -261,8 +274,8 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
         solution = _with_waves(solution, waves.signs, skeleton)
     if solution is None:
         raise IllConditionedSystemError(f"skeleton matrix of {skeleton.x.size} unknowns is not positive definite")
-    if coupling is not None and solution.compliance.size:
-        edge, (same, other) = np.arange(2 * skeleton.patches.count), np.tile(coupling.edge_compliance, 2)
+    if coupling is not None and coupling.left_out is not None and solution.compliance.size:
+        edge, (same, other) = np.arange(2 * skeleton.patches.count), np.tile(coupling.left_out.compliance, 2)
         solution.compliance[edge, edge] += same
         solution.compliance[edge, np.roll(edge, skeleton.patches.count)] += other
     return solution

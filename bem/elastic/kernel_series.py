@@ -18,13 +18,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bem.elastic.hierarchical import Coupling, Waves
+from bem.elastic.hierarchical import Coupling, LeftOut, Waves
 from bem.elastic.wave_modes import patch_waves
 from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
 from bem.geometry.chebyshev import profile_nodes
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 
+FEW_MODES = 120  # speed: of the kernel, in patches that are not worth while projecting
 _BLOCK = 2_000_000  # speed: complex numbers held at a time
 
 
@@ -110,26 +111,30 @@ class KernelSeries:
         """Number of the waves: a cosine and a sine each."""
         return 2 * self.terms
 
-    def coupling(self, x: FloatArray, patches: Patches, modes: IntArray, few: bool) -> Coupling:
-        """What S adds to the system of coupled modes, with nodes x: as waves, if these are few, or to its matrix."""
+    def coupling(self, x: FloatArray, patches: Patches, modes: IntArray, tolerance: float, few: bool) -> Coupling:
+        """What S adds to the system of coupled modes, with nodes x: as waves, if these are few, or to its matrix.
+
+        Between the nodes it is S itself, but within patches that have fewer modes than S.
+        """
         matrix = None if few else self.smooth(np.subtract.outer(x, x))
-        columns = np.empty((self.columns, x.size) if few else (0, x.size))
-        fields, compliance, ends = np.empty((2, x.size)), np.empty((2, patches.count)), np.cumsum(modes)
-        for i, half_width in enumerate(patches.half_width.tolist()):
-            waves, own = patch_waves(half_width, self.orders, int(modes[i])), slice(ends[i] - modes[i], ends[i])
-            cosines, sines = waves.cosines.T * self.weights, waves.sines.T * self.weights
-            if matrix is None:
-                turn = np.sqrt(np.abs(self.weights)) * np.exp(1j * self.orders * patches.center[i])
-                turned = turn[:, None] * (waves.cosines + 1j * waves.sines)
-                columns[:, own] = np.concatenate([turned.real, turned.imag])
-            else:
-                matrix[own, own] = cosines @ waves.cosines + sines @ waves.sines
-            even, odd = cosines @ waves.cosines_of_edge, sines @ waves.sines_of_edge
-            fields[:, own] = even - odd, even + odd
-            even, odd = self.weights @ waves.cosines_of_edge**2, self.weights @ waves.sines_of_edge**2
-            compliance[:, i] = even + odd, even - odd
-        signs = np.tile(np.where(self.weights < 0, -1.0, 1.0), 2)
-        return Coupling(matrix, Waves(columns, signs) if few else None, fields, compliance)
+        waves = _powers(np.exp(1j * x), self.terms).T if few else None
+        wide, left_out = np.flatnonzero(modes < self.modes_of_kernel(patches.width, tolerance)), None
+        if wide.size:
+            left_out, ends = LeftOut(np.zeros((2, x.size)), np.zeros((2, patches.count))), np.cumsum(modes)
+            for i in wide.tolist():
+                own = slice(ends[i] - modes[i], ends[i])
+                within = patch_waves(float(patches.half_width[i]), self.orders, int(modes[i]))
+                left_out.fields[:, own], left_out.compliance[:, i] = within.left_out(self.weights)
+                if matrix is not None:
+                    matrix[own, own] = within.kernel(self.weights)
+                if waves is not None:
+                    waves[:, own] = np.exp(1j * self.orders * patches.center[i])[:, None] * within.at_nodes()
+        return Coupling(matrix, None if waves is None else self._product(waves), left_out)
+
+    def _product(self, waves: ComplexArray) -> Waves:
+        """S as a product, of exp(i m x), (n_terms, n): sqrt(|s_m|) cos(m x), then sqrt(|s_m|) sin(m x)."""
+        scaled = waves * np.sqrt(np.abs(self.weights))[:, None]
+        return Waves(np.concatenate([scaled.real, scaled.imag]), np.tile(np.where(self.weights < 0, -1.0, 1.0), 2))
 
     def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
         """sum_j S(x_i - source_j) charge_j, (n,)."""
@@ -154,13 +159,16 @@ class KernelSeries:
     def coupled_modes(self, width: FloatArray, tolerance: float, max_order: int) -> FloatArray:
         """Chebyshev modes of patches of these widths that feel S to `tolerance`, (L,).
 
-        They are those of the pressure that harmonics up to `max_order` and edges make, unless S has fewer.  The nearest
-        singularities of the pressure are the images of the edges, a strip away at right angles.
+        They are those of the pressure that harmonics up to `max_order` and edges make, unless S has fewer, or not many.
+        The nearest singularities of the pressure are the images of the edges, a strip away at right angles.
         """
+        of_kernel = self.modes_of_kernel(width, tolerance)
+        if np.all(of_kernel <= FEW_MODES):
+            return of_kernel
         image = 1 + 2j * self.effect.strip / np.asarray(width, dtype=np.float64)
         of_edges = np.log(300 / tolerance) / np.arccosh(image).real + 2.0
         of_pressure = np.maximum(of_edges, profile_nodes(width, max_order))
-        return np.asarray(np.minimum(of_pressure, self.modes_of_kernel(width, tolerance)))
+        return np.where(of_kernel > FEW_MODES, np.minimum(of_pressure, of_kernel), of_kernel)
 
     def modes_of_kernel(self, width: FloatArray, tolerance: float) -> FloatArray:
         """Chebyshev modes that S itself has on patches of these widths, to `tolerance`, (L,).

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bem.geometry.arrays import FloatArray
+from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.chebyshev import basis
 
 NO_MORE = 12.0  # derived: J_n(z) is 1e-18 of the largest at n = z + 12 z^(1/3), by Airy's function
@@ -31,36 +31,55 @@ SEED = 1e-290  # format: what the recurrence begins with
 
 @dataclass(frozen=True, eq=False)
 class PatchWaves:
-    """Waves on a patch, counted from its middle.
+    """Waves on a patch, counted from its middle: of cosines the even modes, of sines the odd ones.
 
     Attributes
     ----------
-    cosines, sines : (n_orders, p) arrays
-        Their projections, at the nodes.
-    cosines_of_edge, sines_of_edge : (n_orders,) arrays
-        What they feel of the uncoupled modes of the pressure that the right edge adds; of the left edge, sines less.
+    cosines, sines : (p - p // 2, n_orders), (p // 2, n_orders) arrays
+        Their coefficients.
+    of_edge : pair of (n_orders,) arrays
+        What cosines and sines feel of the uncoupled modes of the pressure that the right edge adds; the left edge adds
+        sines of the other sign.
     """
 
     cosines: FloatArray
     sines: FloatArray
-    cosines_of_edge: FloatArray
-    sines_of_edge: FloatArray
+    of_edge: tuple[FloatArray, FloatArray]
+
+    @property
+    def parities(self) -> tuple[tuple[FloatArray, FloatArray, FloatArray], ...]:
+        """Of cosines and sines: T_n of their modes at the nodes, coefficients, what they feel of the right edge."""
+        values = basis(len(self.cosines) + len(self.sines)).values
+        return (values[:, ::2], self.cosines, self.of_edge[0]), (values[:, 1::2], self.sines, self.of_edge[1])
+
+    def at_nodes(self) -> ComplexArray:
+        """The projections of exp(i m (x - c)) at the nodes, (n_orders, p)."""
+        cosines, sines = (part.T @ values.T for values, part, _ in self.parities)
+        return np.asarray(cosines + 1j * sines)
+
+    def kernel(self, weights: FloatArray) -> FloatArray:
+        """sum_m weight_m cos(m (x - x')) between the nodes, projected in both, (p, p)."""
+        even, odd = (values @ ((part * weights) @ part.T) @ values.T for values, part, _ in self.parities)
+        return even + odd
+
+    def left_out(self, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What this kernel makes of uncoupled modes of the left and right edge: fields at the nodes, (2, p), and
+        what the edges feel of their own field and of each other's, (2,).
+        """
+        even, odd = (values @ (part @ (weights * edge)) for values, part, edge in self.parities)
+        cosines, sines = (weights @ edge**2 for edge in self.of_edge)
+        return np.stack([even - odd, even + odd]), np.array([cosines + sines, cosines - sines])
 
 
 def patch_waves(half_width: float, orders: FloatArray, modes: int) -> PatchWaves:
     """Waves of these orders, ascending, on a patch with that many coupled modes."""
-    z, values = orders * half_width, basis(modes).values
+    z = orders * half_width
     table = bessel(modes + 1, z)
-    weight = np.where(np.arange(modes) % 4 < 2, 2.0, -2.0)
+    weight = np.where(np.arange(modes) % 4 < 2, 2.0, -2.0)[:, None]
     weight[0] = 1.0
-    even, odd = slice(0, modes, 2), slice(1, modes, 2)
     first, second = (modes + 1) // 2, modes // 2  # k of the first cosine and of the first sine that are left out
-    return PatchWaves(
-        table[even].T @ (values[:, even] * weight[even]).T,
-        table[odd].T @ (values[:, odd] * weight[odd]).T,
-        z * table[2 * first - 1] * ((-1.0) ** first / np.pi),
-        z * table[2 * second] * ((-1.0) ** second / np.pi),
-    )
+    of_edge = z * table[2 * first - 1] * ((-1.0) ** first / np.pi), z * table[2 * second] * ((-1.0) ** second / np.pi)
+    return PatchWaves(table[:modes:2] * weight[::2], table[1:modes:2] * weight[1::2], of_edge)
 
 
 def bessel(count: int, z: FloatArray) -> FloatArray:

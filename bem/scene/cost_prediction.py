@@ -7,7 +7,8 @@ pressure p stands for the separation at which the profile is above the plane ove
 erf(sqrt(2) p / (E* h'_rms)) of Persson's theory (J. Chem. Phys. 115 (2001) 3840), with adhesion at the pressure that
 its pull adds to.
 An evaluation takes seconds that grow with the patches, at most the crests above the plane of waves that adhesion does
-not close, with the harmonics, and in a thin layer with the cube of the unknowns, which resolve lengths like it.
+not close, with the harmonics, and on a layer with its waves and the unknowns: these are the modes of the kernel or,
+where they are fewer, those of the pressure (bem/elastic/kernel_series.py).
 
 The constants are fitted to every other scene of a list; the others and random ones judge them (within a factor of 3
 for nine of ten: validation/corpus/cost_scenes.py).  Seconds are those of one core on which the reference kernel takes
@@ -41,17 +42,19 @@ AREA = 2.5  # prediction: geometric overlap over the area of contact
 LEAST_AREA = 1e-3  # prediction: at which a load is first felt
 FINE = 6.5  # prediction: rms slope over rms height and least wavenumber, from which the area falls like its inverse
 OPENS = 0.2  # prediction: of E* h'_rms: complete contact has opened before its mean pressure falls to this
-LAYER_UNKNOWNS = 7.0  # prediction: for each thickness of contact
+LAYER_WAVES = 2.8  # prediction: by period over thickness
+KERNEL_MODES, EDGE_MODES = 7.0, 12.0  # prediction: of a patch, by width over thickness and by the root of it
 EQUAL = 9  # prediction: digits to which crests that touch at once are of one height
-LAYER_GIGABYTES = 0.25  # prediction: by square of thousands of unknowns
+LAYER_GIGABYTES = 0.25, 0.03  # prediction: by square of thousands of unknowns, and by thousands of waves times modes
 HARMONIC_GIGABYTES = 1.4e-5  # prediction: GB by harmonic: tables; 1.49 GB at 100,000
 LONG_SECONDS, MANY_GIGABYTES = 3600.0, 8.0  # prediction: of which a run warns before it begins
 CLOCKS = (("years", 3.156e7), ("days", 86400.0), ("hours", 3600.0))
 KERNEL_SECONDS, KERNEL_RUNS = 0.7e-3, 7  # prediction: of the reference kernel; the least of so many runs counts
-# of an evaluation: least, by crest, by harmonic, layer, by square and cube of thousands of its unknowns; bare: three
+# of an evaluation: least, by crest, by harmonic; of one without adhesion; of a layer: least, and in thousands by square
+# and cube of its unknowns, by unknowns times waves, and this times modes of a patch
 MILLISECONDS = {
-    "compiled": ((0.89, 0.012, 4e-5, 0.31, 50.0, 15.0), (1.5, 0.06, 0.006)),
-    "NumPy": ((1.6, 0.051, 5.4e-4, 0.43, 270.0, 52.0), (3.0, 0.12, 0.008)),
+    "compiled": ((0.89, 0.012, 4e-5), (1.5, 0.06, 0.006), (0.31, 25.0, 10.0, 15.0, 40.0)),
+    "NumPy": ((1.6, 0.051, 5.4e-4), (3.0, 0.12, 0.008), (0.43, 250.0, 50.0, 30.0, 40.0)),
 }
 
 
@@ -123,8 +126,7 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
     lowest = min(leg.plane for leg in legs)
     crowds = np.array([crests.size - int(np.searchsorted(crests, leg.plane, side="right")) for leg in legs])
     bare = PER_BARE_TARGET * float(np.sum(np.maximum(1.0, crowds / FEW_CRESTS) ** MORE_BY_CREST))
-    of_patches, of_bare = MILLISECONDS[kernels]
-    least, by_crest, by_harmonic, layer, by_square, by_cube = of_patches
+    (least, by_crest, by_harmonic), of_bare, of_layer = MILLISECONDS[kernels]
     if scene.adhesion is None:
         above = crests.size - int(np.searchsorted(crests, lowest, side="right"))
     else:
@@ -134,15 +136,24 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
         area = 1.0
     extra, gigabytes = 0.0, HARMONIC_GIGABYTES * surface.max_order
     if scene.layer is not None:
-        unknowns = LAYER_UNKNOWNS * area * surface.period / scene.layer.thickness
-        extra = layer + by_square * (unknowns / 1000) ** 2 + by_cube * (unknowns / 1000) ** 3
-        gigabytes += LAYER_GIGABYTES * (unknowns / 1000) ** 2
+        extra, memory = _layer(surface.period / scene.layer.thickness, area, max(1, above), of_layer)
+        gigabytes += memory
     if scene.adhesion is None:
         plain = of_bare[0] + of_bare[1] * float(crowds.mean()) + of_bare[2] * surface.max_order
         return Cost(legs, bare, bare, plain + extra, extra / (plain + extra), gigabytes)
     plain = least + by_crest * above + by_harmonic * surface.max_order
     evaluations = sum(leg.evaluations for leg in legs) * (LEAPING_SHARE if scene.leaps else 1.0)
     return Cost(legs, bare, evaluations, plain + extra, extra / (plain + extra), gigabytes)
+
+
+def _layer(thicknesses: float, area: float, patches: int, prices: tuple[float, ...]) -> tuple[float, float]:
+    """What a layer adds, ms and GB an evaluation: the period in thicknesses, the fraction of contact, its patches."""
+    width, waves = thicknesses * area / patches, LAYER_WAVES * thicknesses / 1000
+    modes = min(KERNEL_MODES * width, EDGE_MODES * math.sqrt(width)) / 1000
+    unknowns = patches * modes
+    counts = 1.0, unknowns**2, unknowns**3, unknowns * waves, unknowns * waves * modes
+    gigabytes = LAYER_GIGABYTES[0] * unknowns**2 + LAYER_GIGABYTES[1] * waves * modes
+    return sum(price * count for price, count in zip(prices, counts, strict=True)), gigabytes
 
 
 def seconds_by_digits(scene: Scene) -> dict[float, float]:

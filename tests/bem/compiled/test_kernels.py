@@ -116,7 +116,7 @@ def test_right_hand_sides_of_a_narrow_patch_beyond_their_mean():
     ids=["one leaf", "split", "split often", "layer"],
 )  # fmt: skip
 def test_system_of_all_patches(posed, layered, largest, edge_columns):
-    coupling = LAYER.coupling(posed.skeleton.x, posed.patches, posed.resolution.modes, False) if layered else None
+    coupling = LAYER.coupling(posed.skeleton.x, posed.patches, posed.resolution.modes, 1e-4, False) if layered else None
     given = (
         replace(posed.skeleton, coupling=coupling, edge_columns=edge_columns),
         hierarchical.Splitting(1e-12, largest, 0.03),
@@ -140,10 +140,7 @@ def test_leaf_that_is_not_positive_definite(posed):
 def test_matrix_that_a_uniform_charge_alone_keeps_positive_definite(posed):
     gram = posed.reference.solved(posed.skeleton, hierarchical.Splitting(1e-12, 10**9, 0.03))[2]
     size = posed.skeleton.x.size
-    nothing = np.zeros((2, size)), np.zeros((2, posed.patches.count))
-    beyond = replace(
-        posed.skeleton, coupling=hierarchical.Coupling(np.full((size, size), 1.01 / gram[1, 1]), None, *nothing)
-    )
+    beyond = replace(posed.skeleton, coupling=hierarchical.Coupling(np.full((size, size), 1.01 / gram[1, 1]), None))
     assert refused(beyond, hierarchical.Splitting(1e-12, 110, 2.02 / gram[1, 1]), posed.reference)
 
 

@@ -229,10 +229,10 @@ class OneMode:
 
     columns = 2
 
-    def coupling(self, x, patches, modes, few):
+    def coupling(self, x, patches, modes, tolerance, few):
         waves = Waves(np.sqrt(0.3) * np.stack([np.cos(x), np.sin(x)]), np.ones(2)) if few else None
         matrix = None if few else 0.3 * np.cos(np.subtract.outer(x, x))
-        return Coupling(matrix, waves, np.zeros((2, x.size)), np.zeros((2, patches.count)))
+        return Coupling(matrix, waves)
 
     def field(self, x, sources, charges):
         return 0.3 * np.cos(np.subtract.outer(x, sources)) @ charges
@@ -266,10 +266,10 @@ def test_system_that_is_not_positive_definite_is_refused_by_name(few, monkeypatc
     monkeypatch.setattr(collocation, "FEW_WAVES", few)
 
     class Wrong(OneMode):
-        def coupling(self, x, patches, modes, few):
+        def coupling(self, x, patches, modes, tolerance, few):
             waves = Waves(np.full((1, x.size), np.sqrt(10.0)), np.ones(1)) if few else None
             matrix = None if few else np.full((x.size, x.size), 10.0)
-            return Coupling(matrix, waves, np.zeros((2, x.size)), np.zeros((2, patches.count)))
+            return Coupling(matrix, waves)
 
     patches, penetration, _, _ = johnson(0.5)
     with pytest.raises(IllConditionedSystemError, match="not positive definite"):

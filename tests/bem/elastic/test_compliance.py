@@ -67,7 +67,7 @@ def test_waves_of_either_sign_are_the_matrix(effects):
     kernel, patches = compliance_of(effects).kernel, Patches(np.array([0.5, 1.9]), np.array([1.2, 2.2]))
     modes = kernel.modes_of_kernel(patches.width, 1e-14).astype(np.int64)
     x = np.repeat(patches.center, modes) + np.repeat(patches.half_width, modes) * nodes_of(modes)
-    matrix, waves = (kernel.coupling(x, patches, modes, few) for few in (False, True))
+    matrix, waves = (kernel.coupling(x, patches, modes, 1e-14, few) for few in (False, True))
     pairs = kernel.smooth(np.subtract.outer(x, x))
     product = (waves.waves.columns.T * waves.waves.signs) @ waves.waves.columns
     # measured 4e-15

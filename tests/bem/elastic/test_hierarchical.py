@@ -138,10 +138,10 @@ def test_layers_of_many_waves_are_one_cluster(monkeypatch):
     class OneMode:
         columns = 10**6
 
-        def coupling(self, x, patches, modes, few):
+        def coupling(self, x, patches, modes, tolerance, few):
             assert x.size >= 24 * patches.count and not few
             matrix = 0.3 * np.cos(np.subtract.outer(x, x))
-            return hierarchical.Coupling(matrix, None, np.zeros((2, x.size)), np.zeros((2, patches.count)))
+            return hierarchical.Coupling(matrix, None)
 
         def coupled_modes(self, width, tolerance, max_order):
             return np.full(width.shape, 24.0)
