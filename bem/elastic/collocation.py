@@ -42,7 +42,7 @@ Field = Callable[[FloatArray], FloatArray]
 
 MODES_RATIO, NODES_RATIO = 1.15, 1.4  # speed: steps of the lists of sizes
 MOST_UNKNOWNS = 12_000  # limit: of one factorisation: 2.3 GB for matrix and factor
-MOST_MODES = 8000  # limit: of one patch: a gap of 1e-5 periods beside it, or a layer of 3e-4; seconds an evaluation
+MOST_MODES = 8000  # limit: of one patch: a gap of 1e-5 periods beside it; seconds an evaluation
 FEW_WAVES = 0.3  # speed: of the unknowns: more of a layer are added to the matrix instead
 FAR_SHARE = 1e-5  # accuracy of the kernel between clusters over the tolerance
 FINEST_FAR = 1e-14  # derived: the same, at least: rounding

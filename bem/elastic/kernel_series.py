@@ -122,13 +122,19 @@ class KernelSeries:
         if wide.size:
             left_out, ends = LeftOut(np.zeros((2, x.size)), np.zeros((2, patches.count))), np.cumsum(modes)
             for i in wide.tolist():
-                own = slice(ends[i] - modes[i], ends[i])
-                within = patch_waves(float(patches.half_width[i]), self.orders, int(modes[i]))
-                left_out.fields[:, own], left_out.compliance[:, i] = within.left_out(self.weights)
+                own, size = slice(ends[i] - modes[i], ends[i]), max(1, _BLOCK // int(modes[i]))
                 if matrix is not None:
-                    matrix[own, own] = within.kernel(self.weights)
-                if waves is not None:
-                    waves[:, own] = np.exp(1j * self.orders * patches.center[i])[:, None] * within.at_nodes()
+                    matrix[own, own] = 0.0
+                for few_orders in (slice(first, first + size) for first in range(0, self.terms, size)):
+                    orders, weights = self.orders[few_orders], self.weights[few_orders]
+                    within = patch_waves(float(patches.half_width[i]), orders, int(modes[i]))
+                    field, felt = within.left_out(weights)
+                    left_out.fields[:, own] += field
+                    left_out.compliance[:, i] += felt
+                    if matrix is not None:
+                        matrix[own, own] += within.kernel(weights)
+                    if waves is not None:
+                        waves[few_orders, own] = np.exp(1j * orders * patches.center[i])[:, None] * within.at_nodes()
         return Coupling(matrix, None if waves is None else self._product(waves), left_out)
 
     def _product(self, waves: ComplexArray) -> Waves:
