@@ -15,7 +15,8 @@ EXTENSION = Extension(
     depends=[path.as_posix() for path in sorted(FOLDER.glob("*.[hp]*"))],
     define_macros=[("NPY_NO_DEPRECATED_API", "NPY_2_0_API_VERSION")],
     extra_compile_args=["-O3"],
-    optional=True,
 )
+(CYTHONIZED,) = cythonize([EXTENSION], build_dir="build")
+CYTHONIZED.optional = True  # which cythonize does not hand on
 
-setup(ext_modules=cythonize([EXTENSION], build_dir="build"))
+setup(ext_modules=[CYTHONIZED])
