@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bem.audit import certificate
+from bem.audit.verdict import Certificate, Judged
 from bem.elastic.collocation import Evaluation
 from bem.flat import FlatState
 from bem.geometry.profile import Profile
@@ -17,7 +18,7 @@ from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import SAFETY
 from bem.loading.path_events import PathEvent
 from bem.problem import Problem
-from bem.scene.result import Certificate, ErrorEstimate, Event, EventError, State
+from bem.scene.result import ErrorEstimate, Event, EventError, State
 
 if TYPE_CHECKING:
     from bem.nonadhesive.gap_series import GapEvaluation
@@ -95,17 +96,7 @@ def equilibrium_state(
             contact_stiffness=assessment.stiffness / (2 * np.pi) * scales.stiffness,
             stable_at_fixed_load=assessment.stable_at_fixed_load,
             error_estimate=_error_estimate(problem, assessment, apart),
-            certificate=Certificate(
-                closure=judged.closure,
-                min_gap=judged.min_gap * scales.height,
-                min_eigenvalue=judged.min_eigenvalue,
-                truncation=judged.truncation,
-                hessian_asymmetry=judged.hessian_asymmetry,
-                ok=judged.ok,
-                reasons=judged.reasons,
-                contact_residual=judged.contact_residual,
-                mean_gap_error=judged.mean_gap_error * scales.height,
-            ),
+            certificate=judged.of_height(scales.height),
             unknowns=place.cost.unknowns,
             evaluations=place.cost.evaluations,
             cpu_seconds=place.cost.cpu_seconds,
@@ -115,9 +106,7 @@ def equilibrium_state(
     )
 
 
-def _judged(
-    problem: Problem, state: Evaluation | GapEvaluation, assessment: Assessment, tolerance: float
-) -> certificate.Certificate:
+def _judged(problem: Problem, state: Evaluation | GapEvaluation, assessment: Assessment, tolerance: float) -> Judged:
     """The certificate, by pressures or by gaps, whichever were the unknowns."""
     if not isinstance(state, Evaluation):
         from bem.audit import gap_certificate  # only the last gaps

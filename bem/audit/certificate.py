@@ -17,12 +17,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from bem.audit.displacement import ComplianceRatio, DisplacementField, regular_part
 from bem.audit.gap_depths import gap_depths
+from bem.audit.verdict import Judged, Verdict
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
@@ -58,22 +59,6 @@ class Demands:
     intensity_rounding: FloatArray | None = None
 
 
-@dataclass(frozen=True)
-class Certificate:
-    """The verdict on one state, dimensionless; each figure is explained in `Demands`."""
-
-    closure: float  # with K as the displacement of the audit has it
-    min_gap: float  # smallest at the points tried, which come close to the edges but exclude them (there it vanishes)
-    min_eigenvalue: float | None  # handed in by the solver, as the asymmetry; None without adhesion
-    truncation: float
-    hessian_asymmetry: float | None
-    contact_residual: float
-    mean_gap_error: float
-    ok: bool  # no reason against the state was found
-    reasons: tuple[str, ...]  # each demand that is not met, with figure, limit and place
-    largest_gap: float  # at the points tried
-
-
 @dataclass(frozen=True, eq=False)
 class AdhesiveEdges:
     """What the solver hands in of a state with adhesion."""
@@ -100,7 +85,7 @@ def certify(
     *,
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
-) -> Certificate:
+) -> Judged:
     """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
     The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending
@@ -152,7 +137,7 @@ def certify(
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
     error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - (profile.max_height - penetration))
     mean_gap_error = verdict.judge("mean gap less separation", error, demands.mean_gap_error, "")
-    return Certificate(
+    return Judged(
         closure=closure,
         min_gap=min_gap,
         min_eigenvalue=eigenvalue,
@@ -164,24 +149,6 @@ def certify(
         reasons=tuple(verdict.reasons),
         largest_gap=float(np.max(highest)),
     )
-
-
-@dataclass(eq=False)
-class Verdict:
-    """Figures against their limits; the reasons against a state of some patches, figure by figure."""
-
-    patches: int
-    reasons: list[str] = field(default_factory=list)
-
-    def judge(self, name: str, values: FloatArray | float, limit: FloatArray | float, place: str) -> float:
-        """The figure farthest beyond its limit, a reason where it exceeds it."""
-        array = np.atleast_1d(values)
-        limits = np.broadcast_to(limit, array.shape)
-        worst = int(np.argmax(np.where(np.isnan(array), np.inf, array / limits)))
-        if not array[worst] <= limits[worst]:  # also when it is not a number
-            at = f" {place} {worst % self.patches}" if place else ""
-            self.reasons.append(f"{name} {array[worst]:.2e} exceeds {limits[worst]:.0e}{at}")
-        return float(array[worst])
 
 
 @dataclass(frozen=True, eq=False)

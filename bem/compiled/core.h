@@ -1,9 +1,8 @@
-/* What the kernels share: arrays of Python objects, BLAS and LAPACK, a logarithm that vectorises. */
+/* What the kernels share: tables of patches, BLAS and LAPACK, a logarithm that vectorises. */
 
 #ifndef LINECONTACT_CORE_H
 #define LINECONTACT_CORE_H
 
-#define PY_SSIZE_T_CLEAN
 #include <Python.h>
 #include <float.h>
 #include <math.h>
@@ -31,9 +30,6 @@ typedef Py_ssize_t Size;
 #define RESTRICT restrict
 #endif
 
-/* Buffers of the arguments of one call, released together by `leave`.  An argument that is no such array sets the
-   exception, once, and `failed`: a kernel looks at it after it has taken all arguments. */
-#define MOST_HELD 512
 #define MOST_SIZES 256 /* of a list of sizes: up to 1e9 in steps of 1.15 there are 139 */
 
 /* Tables of n Gauss-Chebyshev nodes: of chebyshev.packed_nodes the first two, `transform` NULL where there is none; of
@@ -45,28 +41,17 @@ typedef struct {
 
 typedef enum { OF_NODES, OF_MODES } Packing;
 
+/* One call from Python: a list that holds its arrays until it returns, and the tables that it has asked for. */
 typedef struct {
-    Py_buffer views[MOST_HELD];
-    PyObject *objects[MOST_HELD];
-    Table tables[2][MOST_SIZES]; /* that the call has asked for, by their packing */
-    int n_views, n_objects, failed, n_tables[2];
+    PyObject *held;
+    Size n_tables[2];
+    Table tables[2][MOST_SIZES]; /* by their packing */
 } Call;
 
-int enter(Call *call, Size n_given, Size n_wanted);                              /* TypeError where they differ */
-void leave(Call *call);
-PyObject *held(Call *call, PyObject *object);                                   /* a new one, borrowed until `leave` */
-PyObject *attribute(Call *call, PyObject *object, const char *name);            /* the same */
-double *reals(Call *call, PyObject *array, int dimensions, Size *shape);        /* C-contiguous float64 */
-int64_t *integers(Call *call, PyObject *array, Size *size);                     /* (n,) int64 */
-double number(Call *call, PyObject *object);
-Size count(Call *call, PyObject *object);
-int truth(Call *call, PyObject *object);
-void expect(Call *call, int holds, const char *what);                           /* ValueError unless it holds */
-PyObject *new_reals(Call *call, int dimensions, Size n, Size m, double **data); /* numpy.empty */
-PyObject *new_integers(Call *call, Size n, int64_t **data);                     /* the same of int64 */
-double *workspace(Size n);                                                      /* malloc; sets MemoryError */
+double *workspace(Size n); /* malloc; NULL with an exception */
 
-Table *tables_of(Call *call, Packing packing, const int64_t *sizes, Size count); /* of each patch; PyMem_Free it */
+/* The tables of each of `count` patches, and one behind them; 0 with an exception. */
+int tables_of(Call *call, Packing packing, const int64_t *sizes, Size count, Table *tables);
 
 /* BLAS and LAPACK of SciPy; matrices by columns. */
 typedef struct {

@@ -32,17 +32,15 @@ typedef struct {
     double scale;
 } Surface;
 
-Surface surface_of(Call *call, PyObject *profile);
-
 typedef struct {
     double *series, *x, *columns, *tail, *energy; /* (n, most), (unknowns,), two rows of that, (2, 2 n), one number */
 } RightHandSides;
 
-/* The largest number of nodes of a patch, of which no other has more modes. */
-Size most_nodes(Call *call, Size n, const Table *sampling, const Table *coupled);
+/* The largest number of nodes of a patch, of which no other has more modes; 0 with an exception. */
+Size most_nodes(Size n, const Table *sampling, const Table *coupled);
 /* collocation.right_hand_sides; 0 with an exception. */
-Size right_hand_sides(Call *call, const Surface *surface, Size n, const double *left, const double *right, double level,
-                      const Table *sampling, const Table *coupled, Size most, const RightHandSides *to);
+int right_hand_sides(const Surface *surface, Size n, const double *left, const double *right, double level,
+                     const Table *sampling, const Table *coupled, Size most, const RightHandSides *to);
 /* collocation.all_charges, (patches, terms). */
 void charges_of_modes(const Table *tables, Size patches, Size terms, const double *series, const double *skeleton,
                       double *charges);
@@ -53,7 +51,14 @@ int jacobian_of(Size n, const double *half_width, const int64_t *modes, const do
 void add_near_patches(Size patches, const double *center, const double *half_width, const int64_t *nodes,
                       const Table *tables, Size terms, const double *charges, const double *skeleton, Size n,
                       const int64_t *gap, const double *x, double *values);
-/* logarithmic_potential.pair_by_pair and box_potential; 0 without memory. */
+/* gap.low_points of grids, into `found`, rows of 4; how many there are, -1 with an exception. */
+Size low_points(Size gaps, const double *right, const double *width, const int64_t *sizes, const int64_t *counts,
+                const double *samples, Size rows, const double *table, Size n_highest, const double *highest,
+                double level, double *found);
+#define BOX_TERMS 20 /* logarithmic_potential.BOX_TERMS */
+/* logarithmic_potential.box_moments, (boxes, BOX_TERMS); 0 with an exception. */
+int moments_of_boxes(Size n, const double *position, const double *charge, Size boxes, double *moments);
+/* logarithmic_potential.pair_by_pair and box_potential; 0 with an exception. */
 void pairs_potential(Size n, const double *points, Size m, const double *sources, const double *charge, double *values);
 int boxes_potential(Size n, const double *x, const double *points, Size m, const double *position,
                     const double *sources, const double *charge, Size boxes, const double *series, double *values);
@@ -69,7 +74,7 @@ double length_up_to(const Length *length, double x);
 
 #define MOST_DOUBLINGS 32
 
-/* What all states of a descent have in common, in the order in which forces.c takes it from Python. */
+/* What all states of a descent have in common. */
 typedef struct {
     Call *call;
     Surface surface;
@@ -91,7 +96,7 @@ typedef struct {
 /* Patches with the forces on their edges: collocation.Evaluation and equilibrium.Balance at fixed penetration. */
 typedef struct {
     Size n, unknowns, terms, columns;
-    double *left, *right, *center, *half_width, *memory, *matrices; /* the first and the last two are allocated */
+    double *left, *right, *center, *half_width, *memory, *matrices; /* allocated: the first, the last two, `sampling` */
     int64_t *nodes, *modes;
     Table *sampling, *coupled;
     double *series, *x, *sides, *tail;                                  /* right_hand_sides */
@@ -101,7 +106,6 @@ typedef struct {
     double *work, *work_gradient, *gradient, *jacobian, potential;
 } State;
 
-int setting_of(Call *call, PyObject *system, double penetration, double tolerance, Setting *setting); /* 0: exception */
 /* collocation.resolve, at least `floor`, where there is one; 0 where patches overlap. */
 int resolved(const Setting *setting, Size n, const double *left, const double *right, const State *floor,
              int64_t *nodes, int64_t *modes);
@@ -113,7 +117,6 @@ void release_state(State *state);
 Status gap_at(Setting *setting, const State *state, Size n, const double *x, const int64_t *gap, double *values);
 /* Balance.is_equilibrium */
 int is_equilibrium(const Setting *setting, const State *state, double residual);
-PyObject *numbers_of(Call *call, const State *state, double penetration); /* descent.Numbers; NULL with an exception */
 
 /* trust_region.trust_region_step: minimiser of a quadratic model in a ball; 0 with an exception. */
 int trust_region_step(Size n, const double *gradient, const double *hessian, double radius, double *step);

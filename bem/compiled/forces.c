@@ -15,87 +15,6 @@
 #define POSITION_ROUNDING 2e-15 /* collocation.POSITION_ROUNDING */
 #define HEIGHT_ROUNDING 1e-14   /* collocation.HEIGHT_ROUNDING */
 
-static double at(Call *call, PyObject *object, const char *name)
-{
-    return number(call, attribute(call, object, name));
-}
-
-static double element(Call *call, PyObject *tuple, Size i)
-{
-    expect(call, PyTuple_Check(tuple) && i < PyTuple_GET_SIZE(tuple), "not a tuple as expected");
-    return call->failed ? 0.0 : number(call, PyTuple_GET_ITEM(tuple, i));
-}
-
-static void take_far_field(Call *call, PyObject *far, Setting *setting)
-{
-    PyObject *arc = attribute(call, far, "arc"), *margins = attribute(call, arc, "margins");
-    PyObject *limits = attribute(call, arc, "limits");
-    Size shape[2], count[1];
-    setting->beta = at(call, arc, "beta");
-    setting->delta = at(call, arc, "delta");
-    setting->margins[0] = element(call, margins, 0);
-    setting->margins[1] = element(call, margins, 1);
-    setting->low = element(call, limits, 0);
-    setting->high = element(call, limits, 1);
-    setting->far_penetration = at(call, far, "penetration");
-    setting->far_charge = reals(call, attribute(call, far, "charge"), 1, count);
-    setting->far_table = reals(call, attribute(call, far, "table"), 2, shape);
-    expect(call, count[0] == 2 && shape[0] > 1 && shape[1] == 4, "a far field: charge (2,) and table (cells + 1, 4)");
-    setting->cells = shape[0] - 1;
-}
-
-static void take_charges(Call *call, PyObject *potential, Setting *setting)
-{
-    Size of_sources[2], of_charge[1];
-    setting->potential = potential;
-    setting->position = reals(call, attribute(call, potential, "position"), 1, &setting->charges);
-    setting->charge = reals(call, attribute(call, potential, "charge"), 1, of_charge);
-    setting->sources = reals(call, attribute(call, potential, "_sources"), 2, of_sources);
-    setting->calls = count(call, attribute(call, potential, "calls"));
-    expect(call, of_charge[0] == setting->charges && of_sources[0] == 2 && of_sources[1] == setting->charges,
-           "positions and charges differ");
-}
-
-static void take_law(Call *call, PyObject *law, Setting *setting)
-{
-    Size of_width[1], of_series[2];
-    PyObject *length;
-    setting->work = at(call, law, "work");
-    if (call->failed || !PyObject_HasAttrString(law, "length"))
-        return;
-    length = attribute(call, law, "length");
-    setting->slope_scale = at(call, law, "slope_scale");
-    setting->length.start = reals(call, attribute(call, length, "start"), 1, &setting->length.panels);
-    setting->length.width = reals(call, attribute(call, length, "width"), 1, of_width);
-    setting->length.series = reals(call, attribute(call, length, "series"), 2, of_series);
-    setting->length.whole = at(call, length, "whole");
-    setting->length.terms = of_series[1];
-    expect(call, of_width[0] == setting->length.panels && of_series[0] == setting->length.panels && of_series[1] > 0,
-           "panels and series differ");
-}
-
-int setting_of(Call *call, PyObject *system, double penetration, double tolerance, Setting *setting)
-{
-    PyObject *elastic = attribute(call, system, "elastic"), *profile = attribute(call, elastic, "profile");
-    PyObject *far = attribute(call, elastic, "far"), *backgrounds = attribute(call, elastic, "backgrounds");
-    memset(setting, 0, sizeof *setting);
-    setting->call = call;
-    setting->surface = surface_of(call, profile);
-    setting->max_height = at(call, profile, "max_height");
-    setting->max_order = at(call, profile, "max_order");
-    setting->rms_slope = at(call, profile, "rms_slope");
-    setting->tolerance = tolerance;
-    setting->penetration = penetration;
-    lists_of_sizes(&setting->lists[0], &setting->lists[1]);
-    if (far != Py_None)
-        take_far_field(call, far, setting);
-    expect(call, PyTuple_Check(backgrounds) && PyTuple_GET_SIZE(backgrounds) < 2, "one background at most");
-    if (!call->failed && PyTuple_GET_SIZE(backgrounds) == 1)
-        take_charges(call, PyTuple_GET_ITEM(backgrounds, 0), setting);
-    take_law(call, attribute(call, system, "law"), setting);
-    return !call->failed;
-}
-
 static double turned(double x) /* into [0, 2 pi) */
 {
     return x - 2 * PI * floor(x / (2 * PI));
@@ -174,13 +93,13 @@ static void halves_of(Size n, const double *x, int sources, double *values)
 /* The series of charges at rest for a number of boxes, asked of Python once a call. */
 static const double *series_of(Setting *setting, int doublings)
 {
-    Size shape[2];
-    expect(setting->call, doublings > 1 && doublings < MOST_DOUBLINGS, "more boxes than there is room for");
-    if (!setting->call->failed && setting->series[doublings] == NULL) {
-        PyObject *found = PyObject_CallMethod(setting->potential, "_series", "n", (Size)1 << doublings);
-        setting->series[doublings] = reals(setting->call, held(setting->call, found), 2, shape);
+    if (doublings < 2 || doublings >= MOST_DOUBLINGS) {
+        PyErr_SetString(PyExc_ValueError, "more boxes than there is room for");
+        return NULL;
     }
-    return setting->call->failed ? NULL : setting->series[doublings];
+    if (setting->series[doublings] == NULL)
+        setting->series[doublings] = asked.series(setting->call->held, setting->potential, (Size)1 << doublings);
+    return setting->series[doublings];
 }
 
 /* LogarithmicPotential of charges at rest. */
@@ -210,7 +129,7 @@ static Status solved_state(Setting *setting, State *state)
                      .uniform = UNIFORM, .largest = LARGEST_LEAF};
     Status status;
     system.accuracy = FAR_SHARE * setting->tolerance > FINEST_FAR ? FAR_SHARE * setting->tolerance : FINEST_FAR;
-    if (!right_hand_sides(setting->call, &setting->surface, n, state->left, state->right, level, state->sampling,
+    if (!right_hand_sides(&setting->surface, n, state->left, state->right, level, state->sampling,
                           state->coupled, state->terms, &to))
         return FAILED;
     if (setting->charges > 0) {
@@ -308,10 +227,13 @@ Status balanced(Setting *setting, Size n, const double *left, const double *righ
         if (modes[i] > MOST_MODES)
             return NOT_DEFINITE;
     }
-    state->sampling = tables_of(call, OF_NODES, nodes, n);
-    state->coupled = tables_of(call, OF_MODES, modes, n);
-    state->terms = most_nodes(call, n, state->sampling, state->coupled);
-    if (call->failed)
+    state->sampling = (Table *)workspace(2 * (n + 1) * (Size)(sizeof(Table) / sizeof(double)));
+    if (state->sampling == NULL)
+        return FAILED;
+    state->coupled = state->sampling + n + 1;
+    if (!tables_of(call, OF_NODES, nodes, n, state->sampling) || !tables_of(call, OF_MODES, modes, n, state->coupled))
+        return FAILED;
+    if ((state->terms = most_nodes(n, state->sampling, state->coupled)) == 0)
         return FAILED;
     unknowns = state->unknowns = state->coupled[n].start;
     state->memory = next = workspace(n * state->terms + (3 + 2 * k) * unknowns + k * k + (2 + 2 * k + 7) * edges);
@@ -335,7 +257,6 @@ void release_state(State *state)
     PyMem_Free(state->memory);
     PyMem_Free(state->matrices);
     PyMem_Free(state->sampling);
-    PyMem_Free(state->coupled);
     memset(state, 0, sizeof *state);
 }
 
@@ -389,41 +310,4 @@ int is_equilibrium(const Setting *setting, const State *state, double residual)
             return 0;
     }
     return 1;
-}
-
-/* A new array of numbers, (n,) or (n, m) where m > 0. */
-static PyObject *copied(Call *call, Size n, Size m, const double *values)
-{
-    double *data;
-    PyObject *array = new_reals(call, m > 0 ? 2 : 1, n, m, &data);
-    if (array != NULL)
-        memcpy(data, values, (size_t)(n * (m > 0 ? m : 1)) * sizeof(double));
-    return array;
-}
-
-PyObject *numbers_of(Call *call, const State *state, double penetration)
-{
-    Size n = state->n, edges = 2 * n;
-    PyObject *parts[10], *result = NULL;
-    int64_t *nodes, *modes, i;
-    parts[0] = copied(call, edges, 0, state->intensity);
-    parts[1] = copied(call, edges, 0, state->rate);
-    parts[2] = copied(call, edges, edges, state->compliance);
-    parts[3] = copied(call, edges, 0, state->edge_slope);
-    parts[4] = copied(call, edges, 0, state->edge_slope_rate);
-    parts[5] = copied(call, n, state->terms, state->series);
-    parts[6] = copied(call, state->unknowns, 0, state->skeleton);
-    parts[7] = copied(call, state->unknowns, 0, state->skeleton_rate);
-    parts[8] = new_integers(call, n, &nodes);
-    parts[9] = new_integers(call, n, &modes);
-    if (!call->failed) {
-        memcpy(nodes, state->nodes, (size_t)n * sizeof(int64_t));
-        memcpy(modes, state->modes, (size_t)n * sizeof(int64_t));
-        result = Py_BuildValue("(dOOdddOOOOOOOO)", penetration, parts[0], parts[1], state->load, state->load_rate,
-                               state->elastic_energy, parts[2], parts[3], parts[4], parts[5], parts[6], parts[7],
-                               parts[8], parts[9]);
-    }
-    for (i = 0; i < 10; i++)
-        Py_XDECREF(parts[i]);
-    return result;
 }

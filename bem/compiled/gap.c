@@ -1,7 +1,6 @@
 /* What the gap search evaluates: gap.py. */
 
 #include "descent.h"
-#include "kernels.h"
 
 #define NEGLIGIBLE (-39.0) /* gap.NEGLIGIBLE */
 #define SINE_TERMS 11      /* of its series up to pi/2: (pi/2)^23 / 23! = 1e-18 */
@@ -54,48 +53,6 @@ void add_near_patches(Size patches, const double *center, const double *half_wid
             for (k = i; k < next; k++)
                 values[k] += beside[k - i];
         }
-}
-
-/* gap.near_patches(patches, resolution, charges, skeleton, gap, x): the exact logarithmic part of the two patches
-   beside a gap less that of their skeletons. */
-DECLARED(near_patches)
-{
-    Call call;
-    Size patches[1], of_width[1], of_charges[2], of_skeleton[1], n[1], n_modes, n_nodes, n_gap, i;
-    double *center, *half_width, *charges, *skeleton, *x, *values;
-    int64_t *modes, *nodes, *gap;
-    Table *tables;
-    PyObject *result;
-    if (!enter(&call, n_given, 6))
-        return NULL;
-    center = reals(&call, attribute(&call, given[0], "center"), 1, patches);
-    half_width = reals(&call, attribute(&call, given[0], "half_width"), 1, of_width);
-    modes = integers(&call, attribute(&call, given[1], "modes"), &n_modes);
-    nodes = integers(&call, attribute(&call, given[1], "nodes"), &n_nodes);
-    charges = reals(&call, given[2], 2, of_charges);
-    skeleton = reals(&call, given[3], 1, of_skeleton);
-    gap = integers(&call, given[4], &n_gap);
-    x = reals(&call, given[5], 1, n);
-    expect(&call, of_width[0] == patches[0] && n_modes == patches[0] && n_nodes == patches[0] &&
-                      of_charges[0] == patches[0] && n_gap == n[0],
-           "arrays of the patches differ in size");
-    tables = tables_of(&call, OF_MODES, modes, n_modes);
-    expect(&call, call.failed || tables[n_modes].start == of_skeleton[0], "charges and modes differ");
-    result = new_reals(&call, 1, n[0], 0, &values);
-    for (i = 0; !call.failed && i < patches[0]; i++)
-        expect(&call, 0 < nodes[i] && nodes[i] <= of_charges[1], "more terms than there are");
-    for (i = 0; !call.failed && i < n[0]; i++) {
-        expect(&call, 0 <= gap[i] && gap[i] < patches[0], "no such gap");
-        values[i] = 0.0;
-    }
-    if (!call.failed)
-        add_near_patches(patches[0], center, half_width, nodes, tables, of_charges[1], charges, skeleton, n[0], gap, x,
-                         values);
-    if (call.failed)
-        Py_CLEAR(result);
-    PyMem_Free(tables);
-    leave(&call);
-    return result;
 }
 
 /* The grid in one gap, and u there: a Chebyshev series in t = 1 - 2 theta / pi. */
@@ -217,74 +174,42 @@ static Size looked_at(const Grid *grid, const Bounds *bounds, double level, Size
     return edges > 0 ? with_columns(ENDS + step * (edges - 1) - 1, grid->size - 1, n, column) : n;
 }
 
-/* gap.low_points(patches, profile, grids, samples, highest, level). */
-DECLARED(low_points)
+Size low_points(Size gaps, const double *right, const double *width, const int64_t *sizes, const int64_t *counts,
+                const double *samples, Size rows, const double *table, Size n_highest, const double *highest,
+                double level, double *found)
 {
-    Call call;
-    Size patches[1], of_width[1], n_sizes, n_counts, n_samples[1], of_table[2], n_highest[1];
-    Size most = 0, terms = 0, total = 0, places = 0, n = 0, i, k, *column = NULL;
-    double *right, *width, *samples, *table, *highest, *work = NULL, *found, *low, level;
-    int64_t *sizes, *counts;
-    PyObject *grids[2], *result = NULL;
-    if (!enter(&call, n_given, 6))
-        return NULL;
-    right = reals(&call, attribute(&call, given[0], "right"), 1, patches);
-    width = reals(&call, attribute(&call, given[0], "gap_after"), 1, of_width);
-    table = reals(&call, attribute(&call, given[1], "_table"), 2, of_table);
-    expect(&call, PyTuple_Check(given[2]) && PyTuple_GET_SIZE(given[2]) == 2, "grids: not a pair of arrays");
-    for (i = 0; i < 2; i++)
-        grids[i] = call.failed ? NULL : PyTuple_GET_ITEM(given[2], i);
-    sizes = integers(&call, grids[0], &n_sizes);
-    counts = integers(&call, grids[1], &n_counts);
-    samples = reals(&call, given[3], 1, n_samples);
-    highest = reals(&call, given[4], 1, n_highest);
-    level = number(&call, given[5]);
-    expect(&call, of_width[0] == patches[0] && n_sizes == patches[0] && n_counts == patches[0],
-           "gaps and grids differ");
-    expect(&call, of_table[0] > 0 && of_table[1] == TERMS && n_highest[0] > 0,
-           "a Taylor table of 14 terms, and bounds");
-    for (i = 0; !call.failed && i < patches[0]; i++) {
-        expect(&call, sizes[i] > 0 && counts[i] > 0, "a grid without points");
+    Size most = 0, terms = 0, n = 0, i, k, *column;
+    double *x, *value, *series, *sums;
+    Bounds bounds = {n_highest, highest};
+    for (i = 0; i < gaps; i++) {
         most = sizes[i] > most ? (Size)sizes[i] : most;
         terms = counts[i] > terms ? (Size)counts[i] : terms;
-        total += (Size)counts[i];
-        places += (Size)sizes[i] / 2;
     }
-    expect(&call, total == n_samples[0], "samples and their numbers differ");
-    if (!call.failed) {
-        work = workspace(2 * (most + LANES) + terms * (LANES + 1) + 4 * places);
-        column = (Size *)workspace(most + LANES);
-    }
-    if (work != NULL && column != NULL) {
-        double *x = work, *value = x + most + LANES, *series = value + most + LANES, *sums = series + terms;
-        Bounds bounds = {n_highest[0], highest};
-        found = sums + terms * LANES;
-        for (i = 0; i < patches[0]; samples += counts[i++]) {
-            Grid grid = {right[i], width[i], series, (Size)counts[i], (Size)sizes[i]};
-            Size looked;
-            fit(&grid, samples, sums);
-            looked = looked_at(&grid, &bounds, level, column, x, value);
-            for (k = looked; k < looked + LANES; k++)
-                column[k] = column[looked - 1];
-            for (k = 0; k < looked; k += LANES) {
-                at_columns(&grid, column + k, x + k, value + k);
-                subtract_profile(of_table[0], table, x + k, value + k);
-            }
-            for (k = 1; k + 1 < looked; k++) {
-                double sag = value[k - 1] + value[k + 1] - 2 * value[k];
-                if (column[k + 1] == column[k - 1] + 2 && value[k] <= value[k - 1] && value[k] < value[k + 1] &&
-                    value[k] - sag < level) {
-                    found[4 * n] = (double)i;
-                    memcpy(found + 4 * n++ + 1, x + k - 1, 3 * sizeof(double));
-                }
+    x = workspace(3 * (most + LANES) + terms * (LANES + 1));
+    if (x == NULL)
+        return -1;
+    value = x + most + LANES, series = value + most + LANES, sums = series + terms;
+    column = (Size *)(sums + terms * LANES);
+    for (i = 0; i < gaps; samples += counts[i++]) {
+        Grid grid = {right[i], width[i], series, (Size)counts[i], (Size)sizes[i]};
+        Size looked;
+        fit(&grid, samples, sums);
+        looked = looked_at(&grid, &bounds, level, column, x, value);
+        for (k = looked; k < looked + LANES; k++)
+            column[k] = column[looked - 1];
+        for (k = 0; k < looked; k += LANES) {
+            at_columns(&grid, column + k, x + k, value + k);
+            subtract_profile(rows, table, x + k, value + k);
+        }
+        for (k = 1; k + 1 < looked; k++) {
+            double sag = value[k - 1] + value[k + 1] - 2 * value[k];
+            if (column[k + 1] == column[k - 1] + 2 && value[k] <= value[k - 1] && value[k] < value[k + 1] &&
+                value[k] - sag < level) {
+                found[4 * n] = (double)i;
+                memcpy(found + 4 * n++ + 1, x + k - 1, 3 * sizeof(double));
             }
         }
-        result = new_reals(&call, 2, n, 4, &low);
-        if (result != NULL)
-            memcpy(low, found, (size_t)(4 * n) * sizeof(double));
     }
-    PyMem_Free(work);
-    PyMem_Free(column);
-    leave(&call);
-    return result;
+    PyMem_Free(x);
+    return n;
 }

@@ -1,7 +1,6 @@
 /* The system of all patches, cluster by cluster: hierarchical.py. */
 
 #include "hierarchical.h"
-#include "kernels.h"
 
 #define CENTRED 10.0  /* hierarchical.CENTRED */
 #define MOST_OFF 0.25 /* hierarchical.MOST_OFF */
@@ -350,70 +349,4 @@ Status solved_system(System *system, Size patches, Size k, const double *columns
     PyMem_Free(system->compliance);
     PyMem_Free(system->slopes);
     return status;
-}
-
-/* hierarchical.solved(skeleton, splitting). */
-DECLARED(solved)
-{
-    Call call;
-    Size n[1], patches[1], of_left[1], of_right[1], of_columns[2], of_addition[2], of_fields[2], of_modes, i, k, edges;
-    double *columns, *made[6];
-    int64_t *modes;
-    System system;
-    Status status = FAILED;
-    PyObject *object, *parts[6], *result = NULL;
-    if (!enter(&call, n_given, 2))
-        return NULL;
-    memset(&system, 0, sizeof system);
-    system.call = &call;
-    system.x = reals(&call, attribute(&call, given[0], "x"), 1, n);
-    columns = reals(&call, attribute(&call, given[0], "columns"), 2, of_columns);
-    object = attribute(&call, given[0], "patches");
-    system.half_width = reals(&call, attribute(&call, object, "half_width"), 1, patches);
-    system.left = reals(&call, attribute(&call, object, "left"), 1, of_left);
-    system.right = reals(&call, attribute(&call, object, "right"), 1, of_right);
-    modes = integers(&call, attribute(&call, given[0], "modes"), &of_modes);
-    system.per_patch = count(&call, attribute(&call, given[0], "edge_columns"));
-    expect(&call, system.per_patch == 0 || system.per_patch == 2 || system.per_patch == 4, "edge columns: 0, 2 or 4");
-    object = attribute(&call, given[0], "coupling");
-    if (object != Py_None) {
-        PyObject *matrix = attribute(&call, object, "matrix"), *left_out = attribute(&call, object, "left_out");
-        if (matrix != Py_None)
-            system.addition = reals(&call, matrix, 2, of_addition);
-        if (left_out != Py_None)
-            system.edge_fields = reals(&call, attribute(&call, left_out, "fields"), 2, of_fields);
-    }
-    system.accuracy = number(&call, attribute(&call, given[1], "accuracy"));
-    system.largest = count(&call, attribute(&call, given[1], "largest"));
-    system.uniform = number(&call, attribute(&call, given[1], "uniform"));
-    system.n = n[0];
-    expect(&call, of_modes > 0 && patches[0] == of_modes && of_left[0] == of_modes && of_right[0] == of_modes,
-           "patches and modes differ");
-    expect(&call, of_columns[0] >= 2 && of_columns[1] == n[0], "columns and nodes differ");
-    expect(&call, system.addition == NULL || (of_addition[0] == n[0] && of_addition[1] == n[0]),
-           "addition of another size");
-    expect(&call, system.edge_fields == NULL || (of_fields[0] == 2 && of_fields[1] == n[0]), "edge fields of another size");
-    system.tables = tables_of(&call, OF_MODES, modes, of_modes);
-    expect(&call, call.failed || system.tables[of_modes].start == n[0], "modes and nodes differ");
-    k = of_columns[0];
-    edges = system.per_patch == 0 ? 0 : 2 * of_modes;
-    parts[0] = new_reals(&call, 2, edges, edges, &made[0]);
-    parts[1] = new_reals(&call, 2, system.per_patch == 4 ? edges : 0, edges, &made[1]);
-    parts[2] = new_reals(&call, 2, k, k, &made[2]);
-    parts[3] = new_reals(&call, 2, k, n[0], &made[3]);
-    parts[4] = new_reals(&call, 2, k, 2 * of_modes, &made[4]);
-    parts[5] = new_reals(&call, 2, k, 2 * of_modes, &made[5]);
-    if (!call.failed)
-        status = solved_system(&system, of_modes, k, columns, made);
-    if (status == SOLVED)
-        result = PyTuple_Pack(6, parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]);
-    else if (status == NOT_DEFINITE) {
-        result = Py_None;
-        Py_INCREF(result);
-    }
-    for (i = 0; i < 6; i++)
-        Py_XDECREF(parts[i]);
-    PyMem_Free((void *)system.tables);
-    leave(&call);
-    return result;
 }

@@ -14,6 +14,16 @@ typedef struct {
     const double *modes, *core;
 } Range;
 
+/* What is asked of Python, which holds it in a list; NULL or below 0 with an exception. */
+typedef struct {
+    int (*table)(PyObject *held, Packing packing, Size n, Table *table);             /* chebyshev.packed_... */
+    int (*range)(PyObject *held, Size steps, double accuracy, Range *range);         /* modes_and_core */
+    const double *(*series)(PyObject *held, PyObject *potential, Size boxes);        /* LogarithmicPotential._series */
+    int (*coefficients)(Size n, double *samples);                                    /* chebyshev.coefficients */
+} Asked;
+
+extern Asked asked;
+
 /* Nodes, patches and their tables; sine and cosine of half of each position, one behind the other; what edges do at
    edges, two of each patch, above the diagonal, and, a column each, the slopes that they make at edges. */
 typedef struct {

@@ -1,8 +1,8 @@
 """Which kernels run: those in C where they were built, else the functions in NumPy that they mirror.
 
-A function marked `mirrored` is the reference.  The extension linecontact_kernels, made from the C files here,
-holds a kernel of its name that takes the same arguments and gives the same to rounding; where it was built (by
-`pip install`, which needs a C compiler for it) and fits these sources and the BLAS and LAPACK of the SciPy that is
+A function marked `mirrored` is the reference.  The extension linecontact_kernels holds a kernel of its name that takes
+the same arguments and gives the same to rounding: Python calls what stands in the .pyx, which calls the C files here.
+`pip install` builds it where a C compiler is.  Where it fits these sources and the BLAS and LAPACK of the SciPy that is
 installed, the kernel stands in for the reference from the time at which it is imported.  LINECONTACT_KERNELS=numpy in
 the environment asks for the references, =compiled for an error where the kernels are not there.
 """
@@ -16,7 +16,10 @@ from types import ModuleType
 from typing import Any, TypeVar
 
 VARIABLE = "LINECONTACT_KERNELS"
-EXTENSION, INTERFACE = "linecontact_kernels", "7"  # the number that core.c names too: raised when arguments change
+EXTENSION, INTERFACE = (
+    "bem.compiled.linecontact_kernels",
+    "8",
+)  # the number that the extension names too: raised when arguments change
 REFERENCES: dict[str, Callable[..., Any]] = {}
 F = TypeVar("F", bound=Callable[..., Any])
 

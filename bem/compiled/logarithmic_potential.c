@@ -1,9 +1,6 @@
 /* Potentials of charges on the circle: logarithmic_potential.py; and Chebyshev series in lanes. */
 
 #include "descent.h"
-#include "kernels.h"
-
-#define BOX_TERMS 20 /* logarithmic_potential.BOX_TERMS */
 
 /* sum_j charge_j log|a first_j + b second_j|, added in lanes. */
 VECTORISED static void add_potential(Size n, const double *RESTRICT a, const double *RESTRICT b,
@@ -32,26 +29,6 @@ void pairs_potential(Size n, const double *points, Size m, const double *sources
         add_potential(m, a, b, sources, sources + m, charge, sum);
         memcpy(values + i, sum, (size_t)size * sizeof(double));
     }
-}
-
-/* logarithmic_potential.pair_by_pair(points, sources, charge). */
-DECLARED(pair_by_pair)
-{
-    Call call;
-    Size of_points[2], of_sources[2], n[1];
-    double *points, *sources, *charge, *values;
-    PyObject *result;
-    if (!enter(&call, n_given, 3))
-        return NULL;
-    points = reals(&call, given[0], 2, of_points);
-    sources = reals(&call, given[1], 2, of_sources);
-    charge = reals(&call, given[2], 1, n);
-    expect(&call, of_points[0] == 2 && of_sources[0] == 2 && of_sources[1] == n[0], "points and charges differ");
-    result = new_reals(&call, 1, of_points[1], 0, &values);
-    if (!call.failed)
-        pairs_potential(of_points[1], points, n[0], sources, charge, values);
-    leave(&call);
-    return result;
 }
 
 /* Positions by the equal boxes of the circle in which they lie, as many as a power of two: where each box starts in
@@ -102,23 +79,10 @@ VECTORISED void add_moments(Size terms, const double *RESTRICT t, const double *
         }
 }
 
-/* logarithmic_potential.box_moments(position, charge, boxes). */
-DECLARED(box_moments)
+int moments_of_boxes(Size n, const double *position, const double *charge, Size boxes, double *moments)
 {
-    Call call;
-    Size n[1], of_charge[1], boxes, i, j, k;
-    double *position, *charge, *moments;
-    Boxes in = {NULL, NULL, NULL};
-    PyObject *result;
-    if (!enter(&call, n_given, 3))
-        return NULL;
-    position = reals(&call, given[0], 1, n);
-    charge = reals(&call, given[1], 1, of_charge);
-    boxes = count(&call, given[2]);
-    expect(&call, n[0] == of_charge[0] && boxes > 0 && (boxes & (boxes - 1)) == 0, "charges, or boxes, do not fit");
-    result = new_reals(&call, 2, boxes, BOX_TERMS, &moments);
-    if (!call.failed)
-        in = in_boxes(n[0], position, boxes);
+    Boxes in = in_boxes(n, position, boxes);
+    Size i, j, k;
     for (k = 0; in.t != NULL && k < boxes; k++) {
         double sums[BOX_TERMS * LANES] = {0};
         for (i = in.starts[k]; i < in.starts[k + 1]; i += LANES) {
@@ -135,12 +99,9 @@ DECLARED(box_moments)
                 moments[k * BOX_TERMS + i] += sums[i * LANES + j];
         }
     }
-    if (in.t == NULL)
-        Py_CLEAR(result);
     PyMem_Free(in.t);
     PyMem_Free(in.starts);
-    leave(&call);
-    return result;
+    return in.t != NULL;
 }
 
 VECTORISED void sum_series(Size terms, const double *RESTRICT series, const double *RESTRICT t, double *RESTRICT values)
@@ -193,31 +154,4 @@ int boxes_potential(Size n, const double *x, const double *points, Size m, const
     PyMem_Free(from.starts);
     PyMem_Free(sorted);
     return done;
-}
-
-/* logarithmic_potential.box_potential(x, points, position, sources, charge, series). */
-DECLARED(box_potential)
-{
-    Call call;
-    Size n[1], m[1], of_charge[1], of_points[2], of_sources[2], of_series[2], boxes;
-    double *x, *points, *position, *sources, *charge, *series, *values;
-    PyObject *result;
-    if (!enter(&call, n_given, 6))
-        return NULL;
-    x = reals(&call, given[0], 1, n);
-    points = reals(&call, given[1], 2, of_points);
-    position = reals(&call, given[2], 1, m);
-    sources = reals(&call, given[3], 2, of_sources);
-    charge = reals(&call, given[4], 1, of_charge);
-    series = reals(&call, given[5], 2, of_series);
-    boxes = of_series[0];
-    expect(&call, of_points[0] == 2 && of_points[1] == n[0] && of_sources[0] == 2 && of_sources[1] == m[0] &&
-                      of_charge[0] == m[0],
-           "points and charges differ");
-    expect(&call, boxes > 2 && (boxes & (boxes - 1)) == 0 && of_series[1] == BOX_TERMS, "boxes do not fit");
-    result = new_reals(&call, 1, n[0], 0, &values);
-    if (!call.failed && !boxes_potential(n[0], x, points, m[0], position, sources, charge, boxes, series, values))
-        Py_CLEAR(result);
-    leave(&call);
-    return result;
 }

@@ -8,35 +8,19 @@
 /* The tables of a half range, asked of Python once a call. */
 static const Range *range_of(System *system, Size steps)
 {
-    Size i, shape[2], of_core[2];
-    Range *range = &system->ranges[system->n_ranges];
-    PyObject *module, *found;
-    for (i = 0; i < system->n_ranges; i++)
-        if (system->ranges[i].steps == steps)
-            return &system->ranges[i];
+    Range *range = system->ranges, *last = range + system->n_ranges;
+    for (; range < last; range++)
+        if (range->steps == steps)
+            return range;
     if (system->n_ranges == MOST_RANGES) {
         PyErr_SetString(PyExc_ValueError, "clusters of more sizes than there is room for");
         return NULL;
     }
-    module = PyImport_ImportModule("bem.elastic.separated_kernel");
-    found = module != NULL ? PyObject_CallMethod(module, "modes_and_core", "nd", steps, system->accuracy) : NULL;
-    Py_XDECREF(module);
-    if (found == NULL)
+    if (asked.range(system->call->held, steps, system->accuracy, range) < 0)
         return NULL;
-    system->call->objects[system->call->n_objects++] = found;
-    expect(system->call, PyTuple_Check(found) && PyTuple_GET_SIZE(found) == 3, "modes, how many are even, core");
-    if (system->call->failed)
-        return NULL;
-    range->modes = reals(system->call, PyTuple_GET_ITEM(found, 0), 2, shape);
-    range->even = count(system->call, PyTuple_GET_ITEM(found, 1));
-    range->core = reals(system->call, PyTuple_GET_ITEM(found, 2), 2, of_core);
-    expect(system->call, shape[0] > 1 && range->even >= 0 && range->even <= shape[1], "functions and modes differ");
-    expect(system->call, of_core[0] == shape[1] + 2 && of_core[1] == of_core[0], "core of another size");
     range->steps = steps;
-    range->count = shape[0];
-    range->q = of_core[0];
-    system->n_ranges += !system->call->failed;
-    return system->call->failed ? NULL : range;
+    system->n_ranges++;
+    return range;
 }
 
 /* sin((x - end)/2) of nodes, where it is small from the difference itself. */

@@ -1,7 +1,6 @@
 /* Steps of a descent, in one call: descent.strides, which says what is done and why; touching.py, vanishing.py. */
 
-#include "descent.h"
-#include "kernels.h"
+#include "walk.h"
 
 #define LEAST_RATIO 0.1        /* descent.LEAST_RATIO */
 #define LARGEST_RATIO 2.5      /* descent.LARGEST_RATIO */
@@ -13,27 +12,6 @@
 #define LAST_GAP 2e-4          /* vanishing.LAST_GAP */
 #define TIED 1e-3              /* vanishing.TIED */
 #define REACH 4.0              /* touching.REACH */
-
-typedef enum { AGAIN, CONVERGED, TOUCHED, STUCK, ILL_CONDITIONED, CLOSING, VANISHING, ERROR } Verdict;
-
-static const char *const verdicts[] = {
-    "", "converged", "touched", "not_converged", "ill_conditioned", "closing", "vanishing",
-};
-
-typedef struct {
-    Setting setting;
-    double residual, allowed, largest, radius, wavelength, rms_curvature;
-    int looks_ahead;
-    Size n_crests, n_occupied, evaluations, n_gone;
-    const double *crests, *occupied_left, *occupied_right;
-    State floor, here; /* the nodes and modes of the first alone; the second is known where n > 0 */
-    Size n;
-    double *left, *right, *seen_left, *seen_right; /* in one piece */
-    int64_t *gone;
-    Size n_touching;
-    double *touching, *depth; /* in one piece, with the gaps behind */
-    int64_t *in_gap;
-} Walk;
 
 static double turned(double x) /* into [0, 2 pi) */
 {
@@ -437,116 +415,21 @@ static Verdict round_of(Walk *walk, double *work)
     return tried(walk, step, parts, size, predicted, edges);
 }
 
-/* What the walk is asked, from descent._Walk; its edges are copied. */
-static void begin(Call *call, PyObject *object, Walk *walk)
+int strides(Walk *walk, Size *rounds)
 {
-    PyObject *accuracy = attribute(call, object, "accuracy"), *steps = attribute(call, object, "steps"), *part;
-    PyObject *profile, *patches = attribute(call, object, "patches"), *seen = attribute(call, object, "seen");
-    Size n[4], k;
-    const double *edges[4];
-    double tolerance = number(call, attribute(call, accuracy, "tolerance"));
-    walk->residual = number(call, attribute(call, accuracy, "residual"));
-    walk->largest = number(call, attribute(call, steps, "largest"));
-    walk->radius = number(call, attribute(call, object, "radius"));
-    part = attribute(call, object, "system");
-    setting_of(call, part, number(call, attribute(call, object, "target")), tolerance, &walk->setting);
-    walk->wavelength = 2 * PI / walk->setting.max_order;
-    profile = attribute(call, attribute(call, part, "elastic"), "profile");
-    walk->rms_curvature = number(call, attribute(call, profile, "rms_curvature"));
-    part = attribute(call, steps, "least");
-    if (part != Py_None) {
-        walk->floor.nodes = integers(call, attribute(call, part, "nodes"), &n[0]);
-        walk->floor.modes = integers(call, attribute(call, part, "modes"), &walk->floor.n);
-        expect(call, n[0] == walk->floor.n, "nodes and modes differ");
-    }
-    part = attribute(call, steps, "ahead");
-    if (part != Py_None) {
-        PyObject *crests = attribute(call, profile, "crests"), *occupied = attribute(call, part, "occupied");
-        walk->looks_ahead = 1;
-        walk->allowed = number(call, attribute(call, part, "allowed"));
-        expect(call, PyTuple_Check(crests) && PyTuple_GET_SIZE(crests) == 2, "crests: positions and heights");
-        walk->crests = call->failed ? NULL : reals(call, PyTuple_GET_ITEM(crests, 0), 1, &walk->n_crests);
-        if (occupied != Py_None) {
-            walk->occupied_left = reals(call, attribute(call, occupied, "left"), 1, &walk->n_occupied);
-            walk->occupied_right = reals(call, attribute(call, occupied, "right"), 1, n);
-            expect(call, n[0] == walk->n_occupied, "edges differ");
-        }
-    }
-    edges[0] = reals(call, attribute(call, patches, "left"), 1, &n[0]);
-    edges[1] = reals(call, attribute(call, patches, "right"), 1, &n[1]);
-    edges[2] = reals(call, attribute(call, seen, "left"), 1, &n[2]);
-    edges[3] = reals(call, attribute(call, seen, "right"), 1, &n[3]);
-    expect(call, n[0] > 0 && n[1] == n[0] && n[2] == n[0] && n[3] == n[0], "edges differ");
-    if (call->failed)
-        return;
-    walk->n = n[0];
-    walk->left = workspace(5 * n[0]);
-    if (walk->left == NULL) {
-        call->failed = 1;
-        return;
-    }
-    walk->right = walk->left + n[0], walk->seen_left = walk->right + n[0], walk->seen_right = walk->seen_left + n[0];
-    walk->gone = (int64_t *)(walk->seen_right + n[0]);
-    for (k = 0; k < 4; k++)
-        memcpy(walk->left + k * n[0], edges[k], (size_t)n[0] * sizeof(double));
-}
-
-/* An array of numbers, or of whole ones, as a new one; None where `known` is not so. */
-static PyObject *copied(Call *call, int known, int whole, Size n, const void *values)
-{
-    void *data = NULL;
-    PyObject *array;
-    if (!known) {
-        Py_INCREF(Py_None);
-        return Py_None;
-    }
-    array = whole ? new_integers(call, n, (int64_t **)&data) : new_reals(call, 1, n, 0, (double **)&data);
-    if (array != NULL)
-        memcpy(data, values, (size_t)n * 8);
-    return array;
-}
-
-/* descent.strides(walk). */
-DECLARED(strides)
-{
-    Call call;
-    Walk walk;
     Verdict verdict = AGAIN;
-    Size rounds, i;
-    double *work = NULL;
-    PyObject *parts[9], *result = NULL;
-    if (!enter(&call, n_given, 1))
-        return NULL;
-    memset(&walk, 0, sizeof walk);
-    begin(&call, given[0], &walk);
-    rounds = count(&call, attribute(&call, given[0], "rounds"));
-    if (!call.failed && (work = workspace(2 * walk.n * (2 * walk.n + 7))) == NULL)
-        call.failed = 1;
-    while (!call.failed && verdict == AGAIN) {
-        verdict = rounds > 0 && walk.radius >= EQUAL_HEIGHTS ? round_of(&walk, work) : STUCK;
-        rounds--;
-        call.failed |= verdict == ERROR;
-    }
-    if (!call.failed) {
-        int gone = verdict == CLOSING || verdict == VANISHING, touching = verdict == TOUCHED;
-        for (i = 0; i < 4; i++)
-            parts[i] = copied(&call, 1, 0, walk.n, walk.left + i * walk.n);
-        parts[4] = copied(&call, gone, 1, walk.n_gone, walk.gone);
-        parts[5] = copied(&call, touching, 0, walk.n_touching, walk.touching);
-        parts[6] = copied(&call, touching, 0, walk.n_touching, walk.depth);
-        parts[7] = copied(&call, touching, 1, walk.n_touching, walk.in_gap);
-        parts[8] = walk.here.n > 0 ? numbers_of(&call, &walk.here, walk.setting.penetration) : copied(&call, 0, 0, 0, NULL);
-        if (!call.failed)
-            result = Py_BuildValue("(sOOOOdnnOOOOO)", verdicts[verdict], parts[0], parts[1], parts[2], parts[3],
-                                   walk.radius, rounds, walk.evaluations, parts[8], parts[4], parts[5], parts[6],
-                                   parts[7]);
-        for (i = 0; i < 9; i++)
-            Py_XDECREF(parts[i]);
-    }
-    release_state(&walk.here);
-    PyMem_Free(walk.left);
-    PyMem_Free(walk.touching);
+    double *work = workspace(2 * walk->n * (2 * walk->n + 7));
+    if (work == NULL)
+        return ERROR;
+    for (; verdict == AGAIN; (*rounds)--)
+        verdict = *rounds > 0 && walk->radius >= EQUAL_HEIGHTS ? round_of(walk, work) : STUCK;
     PyMem_Free(work);
-    leave(&call);
-    return result;
+    return verdict;
+}
+
+void release_walk(Walk *walk)
+{
+    release_state(&walk->here);
+    PyMem_Free(walk->left);
+    PyMem_Free(walk->touching);
 }

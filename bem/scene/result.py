@@ -12,6 +12,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from bem.audit.verdict import Certificate
 from bem.scene.result_views import Views
 
 FINAL_STATUSES = ("converged", "separated", "complete_contact")
@@ -61,26 +62,6 @@ class ErrorEstimate:
     total_energy: float | None = None
     stress_intensity_max: float | None = None
     contact_stiffness: float | None = None
-
-
-@dataclass(frozen=True)
-class Certificate:
-    """A-posteriori checks of a state; `min_gap` and `mean_gap_error` in m, the rest dimensionless.
-
-    `closure` is the largest |G/w - 1|, without adhesion |K| over that of a flat punch, with K recomputed by the audit.
-    None: it has no meaning for the state, or its file is older.  `reasons` names each demand that is not met, with its
-    limit and place.
-    """
-
-    closure: float | None
-    min_gap: float | None
-    min_eigenvalue: float | None
-    truncation: float | None
-    hessian_asymmetry: float | None
-    ok: bool
-    reasons: tuple[str, ...] = ()
-    contact_residual: float | None = None
-    mean_gap_error: float | None = None
 
 
 @dataclass(frozen=True, repr=False)

@@ -151,7 +151,7 @@ def test_no_state_is_converged_with_nan(monkeypatch):
 
     def open_gap(*arguments, **options):
         found = judged(*arguments, **options)
-        return states.certificate.Certificate(**(vars(found) | {"min_gap": np.nan}))
+        return replace(found, min_gap=np.nan)
 
     monkeypatch.setattr(states.certificate, "certify", open_gap)
     result = solve(rough_scene(TARGETS))

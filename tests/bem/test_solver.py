@@ -113,7 +113,7 @@ def resumed_scene(name):
     return rough_scene([], harmonics=12, loading=RESUMED[name], output=output)
 
 
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("share", [0.2, pytest.param(0.5, marks=pytest.mark.slow), 0.9])
 @pytest.mark.parametrize("name", RESUMED)
 def test_resumption_ends_the_same_bit_for_bit(unbroken, name, share):
     whole, increments = unbroken(name)

@@ -212,13 +212,13 @@ def test_the_family_of_starts_covers_the_chosen_crests_in_order(two_crests):
         assert np.all(np.diff(np.append(edges.ravel(), edges[0, 0] + 1)) > 0)
 
 
-@pytest.mark.parametrize("fraction", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("fraction", [1e-2, 1e-4])
 def test_small_contacts_are_found(fraction):
     """The smallest contacts of the first family are 0.06 periods wide: at small loads they all open."""
     pressure = np.pi * AMPLITUDE / (1 - 0.3**2) * np.sin(np.pi * fraction / 2) ** 2
     found = solve(**LAYER, poisson_ratio=0.3, control="mean_pressure", value=pressure, resolution=QUICK)
     assert found.status == "converged"
-    # measured 4.4e-4, 5.2e-4, 6.3e-4
+    # measured 4.4e-4, 6.3e-4; 5.2e-4 at 1e-3
     assert found.contact_fraction == pytest.approx(fraction, rel=1.5e-3)
 
 
@@ -270,7 +270,7 @@ def wave_under(share):
     )
 
 
-@pytest.mark.parametrize("share", [0.95, 0.99])
+@pytest.mark.parametrize("share", [pytest.param(0.95, marks=pytest.mark.slow), 0.99])
 def test_contact_near_pull_off_is_found(share):
     found = wave_under(share)
     assert found.status == "converged"

@@ -1,16 +1,20 @@
-"""A page in headless Chromium through its DevTools, over a pipe: the screen of a phone, clicks, what a reader hears.
+"""Pages in headless Chromium through its DevTools, over a pipe: screens, clicks, what a reader hears.
 
-Requests are JSON ended by a zero byte, on file descriptors 3 and 4 of the browser (`--remote-debugging-pipe`).
+Requests are JSON ended by a zero byte, on file descriptors 3 and 4 of the browser (`--remote-debugging-pipe`).  One
+browser serves all tests of a process; each tab has a profile of its own.
 """
 
+import atexit
 import contextlib
 import json
 import os
 import select
 import subprocess
 import sys
+import tempfile
 import time
 from base64 import b64decode
+from functools import cache
 
 from browser import BROWSER, QUIET
 
@@ -23,41 +27,100 @@ os.execv(sys.argv[3], sys.argv[3:])
 """
 
 
-class Tab:
-    """One page; `console` holds what was complained of, `requests` what was asked from elsewhere."""
+class Browser:
+    """The process, and what it says; `hearers` are told the events of their sessions."""
 
-    def __init__(self, write, read, target):
-        self._write, self._read, self._rest, self._last = write, read, b"", 0
-        self.console, self.requests, self._loaded, self._session = [], [], False, None
-        created = self.ask("Target.createTarget", url="about:blank")
-        attached = self.ask("Target.attachToTarget", targetId=created["targetId"], flatten=True)
-        self._session = attached["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Network", "Accessibility"):
-            self.ask(f"{domain}.enable")
-        self.target = target
+    def __init__(self):
+        inward, outward = os.pipe(), os.pipe()
+        self._profile = tempfile.TemporaryDirectory()
+        options = (*QUIET, f"--user-data-dir={self._profile.name}", "--remote-debugging-pipe", "about:blank")
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", ON_3_AND_4, str(inward[0]), str(outward[1]), BROWSER, *options],
+            pass_fds=(inward[0], outward[1]), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        os.close(inward[0])
+        os.close(outward[1])
+        self._write, self._read, self._rest, self._last = inward[1], outward[0], b"", 0
+        self.hearers = {}
 
-    def ask(self, method, **parameters):
+    def close(self):
+        """End it."""
+        os.close(self._write)
+        self._process.terminate()
+        self._process.wait(30)
+        os.close(self._read)
+        with contextlib.suppress(OSError):  # what it still writes there
+            self._profile.cleanup()
+
+    def ask(self, method, session=None, **parameters):
         """The answer to a command."""
         self._last += 1
         message = {"id": self._last, "method": method, "params": parameters}
-        if self._session is not None:
-            message["sessionId"] = self._session
+        if session is not None:
+            message["sessionId"] = session
         os.write(self._write, json.dumps(message).encode() + b"\0")
         while True:
-            found = self._next()
+            found = self.next()
             if found.get("id") == self._last:
                 assert "error" not in found, f"{method}: {found['error']}"
                 return found["result"]
 
-    def show(self, width, height):
-        """Load the page on a screen of this size."""
-        self.ask(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600
-        )
+    def next(self):
+        """The next message."""
+        until = time.monotonic() + LIMIT
+        while b"\0" not in self._rest:
+            ready, _, _ = select.select([self._read], [], [], max(0.0, until - time.monotonic()))
+            assert ready, "the browser does not answer"
+            more = os.read(self._read, 1 << 16)
+            assert more, "the browser has gone"
+            self._rest += more
+        text, _, self._rest = self._rest.partition(b"\0")
+        message = json.loads(text)
+        if message.get("sessionId") in self.hearers:
+            self.hearers[message["sessionId"]](message.get("method"), message.get("params", {}))
+        return message
+
+
+@cache
+def browser():
+    """That of this process, from when it is first asked for."""
+    started = Browser()
+    atexit.register(started.close)
+    return started
+
+
+class Tab:
+    """One page; `console` holds what was complained of, `requests` what was asked from elsewhere."""
+
+    def __init__(self, target):
+        self.target, self._browser = target, browser()
+        self.console, self.requests, self._loaded = [], [], False
+        self._context = self._browser.ask("Target.createBrowserContext")["browserContextId"]
+        created = self._browser.ask("Target.createTarget", url="about:blank", browserContextId=self._context)
+        attached = self._browser.ask("Target.attachToTarget", targetId=created["targetId"], flatten=True)
+        self._session = attached["sessionId"]
+        self._browser.hearers[self._session] = self._hear
+        for domain in ("Page", "Runtime", "Log", "Network", "Accessibility"):
+            self.ask(f"{domain}.enable")
+        self.ask("Emulation.setFocusEmulationEnabled", enabled=True)
+
+    def close(self):
+        """Close it, with its profile."""
+        del self._browser.hearers[self._session]
+        self._browser.ask("Target.disposeBrowserContext", browserContextId=self._context)
+
+    def ask(self, method, **parameters):
+        """The answer to a command."""
+        return self._browser.ask(method, self._session, **parameters)
+
+    def show(self, width, height, phone=None):
+        """Load the page on a screen of this size; a narrow one is that of a phone, which shrinks what is too wide."""
+        phone = width < 600 if phone is None else phone
+        self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=phone)
         self._loaded = False
         self.ask("Page.navigate", url=self.target)
         while not self._loaded:
-            self._next()
+            self._browser.next()
 
     def find(self, script):
         """What a script leaves as its value."""
@@ -75,18 +138,7 @@ class Tab:
         """A PNG of the screen, or of the whole page."""
         return b64decode(self.ask("Page.captureScreenshot", captureBeyondViewport=whole)["data"])
 
-    def _next(self):
-        """The next message; events are noted."""
-        until = time.monotonic() + LIMIT
-        while b"\0" not in self._rest:
-            ready, _, _ = select.select([self._read], [], [], max(0.0, until - time.monotonic()))
-            assert ready, "the browser does not answer"
-            more = os.read(self._read, 1 << 16)
-            assert more, "the browser has gone"
-            self._rest += more
-        text, _, self._rest = self._rest.partition(b"\0")
-        message = json.loads(text)
-        method, facts = message.get("method"), message.get("params", {})
+    def _hear(self, method, facts):
         if method == "Page.loadEventFired":
             self._loaded = True
         elif method in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled"):
@@ -97,24 +149,22 @@ class Tab:
             ("file:", "data:", "about:")
         ):
             self.requests.append(facts["request"]["url"])
-        return message
 
 
 @contextlib.contextmanager
 def tab(path):
     """A tab for a file; load it with `show`."""
-    inward, outward = os.pipe(), os.pipe()
-    options = (*QUIET, f"--user-data-dir={path.parent / 'profile'}", "--remote-debugging-pipe", "about:blank")
-    process = subprocess.Popen(
-        [sys.executable, "-c", ON_3_AND_4, str(inward[0]), str(outward[1]), BROWSER, *options],
-        pass_fds=(inward[0], outward[1]), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    os.close(inward[0])
-    os.close(outward[1])
+    opened = Tab(path.as_uri())
     try:
-        yield Tab(inward[1], outward[0], path.as_uri())
+        yield opened
     finally:
-        os.close(inward[1])
-        process.terminate()
-        process.wait(30)
-        os.close(outward[0])
+        opened.close()
+
+
+def found_at(folder, text, look, width):
+    """What a script leaves in `found` in a page in a window of this width; the console."""
+    path = folder / "page.html"
+    path.write_text(text, "utf-8")
+    with tab(path) as opened:
+        opened.show(width, 844, phone=False)
+        return opened.find(f"(() => {{ const found = {{}}; {look} return found; }})()"), opened.console

@@ -1,6 +1,7 @@
 """A state as results store it, made up."""
 
-from bem.scene.result import Certificate, ErrorEstimate, State
+from bem.audit.verdict import Certificate
+from bem.scene.result import ErrorEstimate, State
 
 
 def stored_state(**changes):

@@ -1,18 +1,15 @@
 """The page in a real browser: headless Chromium opens it, follows every link, sorts, prints; nothing is complained of.
 
-A script is added to a copy of the page and to its policy, looks at it from inside and writes what it found into the
-document, which the browser hands back; screens of two widths, typing and what a screen reader meets go through its
-DevTools.  The page forbids requests (its content security policy), and the browser puts every attempt on the console.
-Without Chromium these tests are skipped.
+Scripts that look at it from inside, screens of two widths, typing and what a screen reader meets go through the
+DevTools of the browser.  The page forbids requests (its content security policy), and the browser puts every attempt
+on the console.  Without Chromium these tests are skipped.
 """
 
-import json
 import re
-from html import unescape
 
 import pytest
-from browser import BROWSER, allowing, browse, console_of
-from devtools import tab
+from browser import BROWSER, allowing
+from devtools import found_at, tab
 from report_parts import figure, row
 
 from validation.harness.schema import (
@@ -28,7 +25,7 @@ from validation.report.render import render
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
 
 LOOK = """
-const found = {folded: [...document.querySelectorAll("main details")].filter((e) => !e.open).length};
+found.folded = [...document.querySelectorAll("main details")].filter((e) => !e.open).length;
 document.querySelectorAll("main details").forEach((folded) => { folded.open = true; });
 const inside = [...document.querySelectorAll("a[href]")].map((link) => link.getAttribute("href"));
 found.outside = inside.filter((target) => !target.startsWith("#") && !target.startsWith("https://doi.org/10."));
@@ -50,10 +47,6 @@ found.up = order();
 found.said = buttons[6].parentElement.getAttribute("aria-sort");
 buttons[6].click();
 found.down = order();
-const note = document.createElement("output");
-note.id = "found-by-test";
-note.textContent = JSON.stringify(found);
-document.body.append(note);
 """
 
 
@@ -93,12 +86,8 @@ def page():
 
 @pytest.fixture(scope="module")
 def seen(page, tmp_path_factory):
-    """The page opened with the looking script: what that found, and the console."""
-    text = allowing(page.replace("</body>", f"<script>{LOOK}</script></body>"))
-    done = browse(tmp_path_factory.mktemp("page"), text, "--dump-dom")
-    found = re.search(r'<output id="found-by-test">(.*?)</output>', done.stdout, re.DOTALL)
-    assert found, done.stderr[-2000:]
-    return json.loads(unescape(found[1])), console_of(done)
+    """What the looking script found, and the console."""
+    return found_at(tmp_path_factory.mktemp("page"), page, LOOK, 1280)
 
 
 def test_console_is_silent(seen):
@@ -245,5 +234,5 @@ COMPLAINTS = {
 
 @pytest.mark.parametrize("kind", COMPLAINTS)
 def test_what_must_not_be_there_would_be_seen(page, tmp_path, kind):
-    done = browse(tmp_path, allowing(page.replace("</body>", f"{COMPLAINTS[kind]}</body>")), "--dump-dom")
-    assert len(console_of(done)) == 1
+    _, console = found_at(tmp_path, allowing(page.replace("</body>", f"{COMPLAINTS[kind]}</body>")), "", 1280)
+    assert len(console) == 1

@@ -4,7 +4,8 @@ import json
 import math
 
 import pytest
-from browser import BROWSER, browse, console_of, found_at
+from browser import BROWSER
+from devtools import found_at
 from report_parts import row
 
 from validation.command_line.front_door import main
@@ -150,4 +151,3 @@ def test_the_page_shows_what_rose_and_fits_a_phone(tmp_path):
         found, console = found_at(tmp_path, text, look, width)
         assert found == {"wide": False, "verdict": True, "rises": 11, "drawn": 2, "dead": 0}
         assert console == []
-    assert console_of(browse(tmp_path, text, "--dump-dom")) == []

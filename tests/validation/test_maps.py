@@ -106,6 +106,7 @@ def test_events_on_the_thinnest_layers_do_not_depend_on_the_increment(theta, k):
     assert loops[0] == pytest.approx(loops[1], rel=3e-8)  # measured 1.1e-8, 2e-11 and 8e-12
 
 
+@pytest.mark.slow
 def test_a_small_snap_of_a_layer_is_an_event_at_any_increment():
     """Of its fold a finer tolerance changed more than what it releases; of five increments one had it as an event."""
     scene = corpus.member_of(corpus.Point(0.7, 100, 0.3, 0.01), 2).scene

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import BROWSER, found_at
+from browser import BROWSER
+from devtools import found_at
 
 from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main

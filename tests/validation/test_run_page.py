@@ -4,7 +4,8 @@ import json
 from dataclasses import replace
 
 import pytest
-from browser import BROWSER, found_at
+from browser import BROWSER
+from devtools import found_at
 from drawn_once import drawn_once
 from rough_scene import ROUGH
 

@@ -41,6 +41,7 @@ def test_crests_that_differ_by_1e_10_touch_one_after_the_other():
     assert sum(event.energy_released for event in result.events) == pytest.approx(0.19273687572, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_list_of_events_is_the_same_at_a_third_of_the_increment():
     coarse, fine = (solved("event-list", part)[0] for part in (1.0, 1 / 3))
     assert [event.kind for event in coarse.events] == [event.kind for event in fine.events]

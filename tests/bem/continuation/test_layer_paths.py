@@ -161,8 +161,10 @@ def test_no_thickness_overflows(q_d):
 
 @pytest.mark.parametrize(
     ("thickness", "theta", "targets"),
-    [(3e-4, 0.3, [2.5e-5, 4e-5]), (1e-4, 0.003, [2.8e-5, 3e-5])],
-    ids=["a jump that releases nothing", "back to the fold it left, weak adhesion"],
+    [
+        pytest.param(3e-4, 0.3, [2.5e-5, 4e-5], id="a jump that releases nothing"),
+        pytest.param(1e-4, 0.003, [2.8e-5, 3e-5], id="back to the fold it left, weak adhesion", marks=pytest.mark.slow),
+    ],
 )
 def test_path_on_a_thin_layer_does_not_jump_from_the_same_place_again(thickness, theta, targets):
     surface = {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 100}

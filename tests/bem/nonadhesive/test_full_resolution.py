@@ -80,7 +80,7 @@ def test_a_small_patch_of_a_steep_profile_is_certified_to_rounding():
     assert state.certificate.ok, state.certificate.reasons
 
 
-@pytest.mark.parametrize(("poisson_ratio", "thickness"), [(0.5, 0.25), (0.3, 0.05)])
+@pytest.mark.parametrize(("poisson_ratio", "thickness"), [(0.5, 0.25), pytest.param(0.3, 0.05, marks=pytest.mark.slow)])
 def test_many_contacts_of_a_layer(poisson_ratio, thickness):
     """A layer stiffens the contact: less area at the same load; and a scan on it is no matter of minutes."""
     profile = bem.Profile.self_affine(period=0.01, hurst=0.7, rms_height=1e-6, harmonics=1000, seed=20)

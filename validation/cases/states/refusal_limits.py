@@ -15,7 +15,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.fft import dct
 
-from bem.audit.certificate import Certificate, Demands, certify
+from bem.audit.certificate import Demands, certify
+from bem.audit.verdict import Certificate
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from validation.cases.shared.checks import Against, case
