@@ -23,8 +23,8 @@ from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Reference, Table
+from validation.references.paper_problem import RMS_HEIGHT
 from validation.replicate.evidence import Evidence, estimate, mean_and_error, scattered
-from validation.replicate.members import RMS_HEIGHT
 from validation.replicate.statements import Alternative, disagreement, statement
 
 BOUNDS = np.linspace(-3.5, 3.5, 36)  # of h_rms

@@ -24,8 +24,9 @@ from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, semilogx, trace
 from validation.harness.schema import Figure, Row, Series, Table
+from validation.references.paper_problem import HURST, MODULUS
 from validation.replicate.evidence import Evidence, Realisation, estimate, jackknife, scattered
-from validation.replicate.members import HURST, LOADS, MODULUS, SPECTRA_AT
+from validation.replicate.members import LOADS, SPECTRA_AT
 from validation.replicate.statements import Alternative, differs, statement
 
 Window = tuple[float, float]

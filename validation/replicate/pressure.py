@@ -22,6 +22,7 @@ from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, shaded, trace
 from validation.harness.rows import compared
 from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table
+from validation.references.paper_problem import MODULUS
 from validation.replicate.double_gaussian_fit import FACTOR, Sample, window_figure, window_table
 from validation.replicate.evidence import (
     Evidence,
@@ -32,7 +33,7 @@ from validation.replicate.evidence import (
     mean_and_error,
     theory_with_adhesion,
 )
-from validation.replicate.members import MODULUS, SPECTRA_AT
+from validation.replicate.members import SPECTRA_AT
 from validation.replicate.statements import Alternative, statement
 
 BOUNDS = np.linspace(-0.3, 0.7, 51)  # of E*

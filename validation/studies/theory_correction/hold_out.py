@@ -21,7 +21,7 @@ from persson.corrected_variance import LITERATURE, Correction
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.harness.execution import Note
-from validation.studies.theory_correction.correction_members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
+from validation.references.paper_problem import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
 from validation.studies.theory_correction.data import STRESSES, Observed
 
 PLAIN, CALIBRATED = "plain", "calibrated"
@@ -106,14 +106,14 @@ def judge(
     """
     found = []
     group = one.group
-    lines = DiscreteSpectrum(group.wavenumbers, group.amplitudes)
+    lines = group.lines
     for column, load in enumerate(group.loads):
         count = int(one.counts[column])
         if count == 0:
             continue
         said = {
-            PLAIN: _plain(lines, load, group.work_of_adhesion, group.rms_height),
-            CALIBRATED: _corrected(lines, load, group.work_of_adhesion, group.rms_height, correction),
+            PLAIN: _plain(lines, load, group.work_of_adhesion, lines.h_rms),
+            CALIBRATED: _corrected(lines, load, group.work_of_adhesion, lines.h_rms, correction),
         }
         if not plain_only:
             for name, other in LITERATURE.items():

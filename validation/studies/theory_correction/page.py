@@ -18,10 +18,10 @@ from persson.contact_slope import contact_fractions, data
 from persson.domain import in_words
 from validation.harness.case import Case, Outcome
 from validation.harness.schema import Reference, Row, Table, Tolerance
+from validation.references.paper_problem import RMS_SLOPE
 from validation.studies.adhesive_edges import areas_of
 from validation.studies.theory_correction.correction_figures import chosen, figures_of, known
-from validation.studies.theory_correction.correction_members import RMS_SLOPE, Group
-from validation.studies.theory_correction.fit import lines_of
+from validation.studies.theory_correction.correction_members import Group
 from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, rms, rms_of, theories_of
 
 CASE = "theory-correction"
@@ -134,7 +134,7 @@ def _areas_without_adhesion() -> Table:
     loads = np.array(SHOWN_LOADS) * RMS_SLOPE
     rows: list[list[str | float | int | None]] = []
     for hurst, bandwidth in product(SHOWN_HURSTS, SHOWN_BANDWIDTHS):
-        area, _ = contact_fractions(lines_of(Group("fit", "self-affine", hurst, bandwidth, 0.0, 1)), loads)
+        area, _ = contact_fractions(Group("fit", "self-affine", hurst, bandwidth, 0.0, 1).lines, loads)
         rows.append([hurst, bandwidth, *(round(float(value), 4) for value in area)])
     return Table(
         caption="Without adhesion, what to expect: contact fraction A/A0 by the slope over the contact "
@@ -174,7 +174,7 @@ def _areas() -> Table:
     rows: list[list[str | float | int | None]] = []
     for hurst, bandwidth in product(SHOWN_HURSTS, SHOWN_BANDWIDTHS):
         for theta in SHOWN_THETAS:
-            lines = lines_of(Group("fit", "self-affine", hurst, bandwidth, theta, 1))
+            lines = Group("fit", "self-affine", hurst, bandwidth, theta, 1).lines
             rows.append([theta, hurst, bandwidth, *(round(float(a), 4) for a in areas_of(lines, loads, theta))])
     rows.sort(key=lambda row: [float(value or 0) for value in row[:3]])
     return Table(
