@@ -81,7 +81,7 @@ class Group:
             "gaussian": [breadth, self.harmonics],
             "lines": [LINES, 1.1],
         }
-        return {"spectrum": self.kind, "parameters": given.get(self.kind)}
+        return {"spectrum": self.kind, "parameters": given.get(self.kind, [1])}
 
     @property
     def lines(self) -> DiscreteSpectrum:
