@@ -20,7 +20,7 @@ from markupsafe import Markup, escape
 from bem.scene.atomic_file import write_atomically
 from validation.harness.case import Case
 from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance
-from validation.harness.execution import Ended, run_in_processes
+from validation.harness.execution import answers_in_order
 from validation.harness.schema import CaseRecord, Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
 from validation.report.figures import svg_of
@@ -310,24 +310,18 @@ def _sorted_as(value: float | None) -> float | str:
 def _drawn(cases: Sequence[CaseRecord], jobs: int) -> dict[str, list[tuple[DrawnFigure, str | None]]]:
     """The figures of every case, each with its place on the first screen; many are drawn in processes of their own."""
     asked = [(case.id, figure) for case in cases for figure in case.figures]
-    found = dict[int, DrawnFigure | Exception]()
-    if jobs > 1 and len(asked) >= MANY:
-        for event in run_in_processes(_in_svg, enumerate(asked), jobs):
-            if isinstance(event, Ended):
-                found[event.item[0]] = event.answer
-    else:
-        found = dict(enumerate(map(_in_svg, enumerate(asked))))
+    processes = jobs if len(asked) >= MANY else 1
+    found = list(map(_in_svg, asked)) if processes == 1 else answers_in_order(_in_svg, asked, processes)
     given: dict[str, list[tuple[DrawnFigure, str | None]]] = {case.id: [] for case in cases}
-    for place, (case, figure) in enumerate(asked):
-        one = found[place]
+    for (case, figure), one in zip(asked, found, strict=True):
         if isinstance(one, Exception):
             raise one
         given[case].append((one, place_of(figure)))
     return given
 
 
-def _in_svg(asked: tuple[int, tuple[str, Figure]]) -> DrawnFigure:
-    _, (case, figure) = asked
+def _in_svg(asked: tuple[str, Figure]) -> DrawnFigure:
+    case, figure = asked
     return DrawnFigure(case, figure.id, figure.caption, svg_of(figure, f"{case}-{figure.id}"), figure.files)
 
 
