@@ -13,7 +13,6 @@ from validation.corpus.hard.hard_case_run import judged, missed, run_case
 from validation.corpus.hard.hard_case_scenes import (
     MODULUS,
     PEAK_PRESSURE,
-    PERIOD,
     WAVE_WORK,
     HardCase,
     Reached,
@@ -22,6 +21,7 @@ from validation.corpus.hard.hard_case_scenes import (
     waves,
 )
 from validation.corpus.hard.hard_cases import HARD_CASES
+from validation.references.paper_problem import PERIOD
 
 MOST_HARMONICS = 125
 ids = [case.id for case in HARD_CASES]

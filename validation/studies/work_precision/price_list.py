@@ -136,11 +136,11 @@ def _sloped() -> float:
 
 
 def _layer() -> Digits:
-    adhesion = {"work_of_adhesion": 0.5}
-    found = _solved({"solid": {"poisson_ratio": NU}, "layer": {"thickness": LAYER}, "adhesion": adhesion})
+    work, layer = 0.5, {"thickness": LAYER}
+    found = _solved({"solid": {"poisson_ratio": NU}, "layer": layer, "adhesion": {"work_of_adhesion": work}})
     reference = fem_reference.solve(
         youngs_modulus=1e6, poisson_ratio=NU, thickness=LAYER, period=0.01, harmonics=([1], [1e-4], [0.0]),
-        control="penetration", value=DEPTH, resolution=Resolution(4, 8, 18), **adhesion,
+        control="penetration", value=DEPTH, resolution=Resolution(4, 8, 18), work_of_adhesion=work,
     )  # fmt: skip
     error = abs(found.targets[-1].contact_fraction / reference.contact_fraction - 1)
     floor = float(np.max(reference.uncertainty["contact_fraction"])) / reference.contact_fraction
