@@ -187,6 +187,16 @@ def _outer(first: FloatArray, second: FloatArray) -> FloatArray:
 
 def _combined(order: int, shear_modulus: float, inverse_bulk_modulus: float, given: Coefficients) -> FloatArray:
     """Matrices (n_elements, k, k): sums of those of the reference triangle, each times one coefficient."""
+    parts = _parts(order, shear_modulus, inverse_bulk_modulus)
+    count = len(given.area)
+    each = (given.xx, given.yy, given.xy, given.x, given.y, given.area)
+    coefficients = np.concatenate([one.reshape(count, -1) for one in each], axis=1)
+    return np.asarray((coefficients @ parts.reshape(len(parts), -1)).reshape(count, *parts.shape[1:]))
+
+
+@lru_cache(maxsize=4)
+def _parts(order: int, shear_modulus: float, inverse_bulk_modulus: float) -> FloatArray:
+    """What every coefficient of an element is multiplied by, in the order of `Coefficients`, (17, k, k)."""
     products, divergence, masses = _reference_integrals(order)
     v, two_mu = products.shape[2], 2.0 * shear_modulus
     k = 2 * v + len(masses)
@@ -200,10 +210,7 @@ def _combined(order: int, shear_modulus: float, inverse_bulk_modulus: float, giv
     for block in (xy, x, y):
         block += block.swapaxes(-1, -2).copy()
     area[0, third, third] = -inverse_bulk_modulus * masses
-    count = len(given.area)
-    coefficients = [one.reshape(count, -1) for one in (given.xx, given.yy, given.xy, given.x, given.y, given.area)]
-    parts = [one.reshape(-1, k * k) for one in (xx, yy, xy, x, y, area)]
-    return np.asarray((np.concatenate(coefficients, axis=1) @ np.concatenate(parts)).reshape(count, k, k))
+    return np.concatenate([one.reshape(-1, k, k) for one in (xx, yy, xy, x, y, area)])
 
 
 def _representatives(basis: Any) -> IntArray:

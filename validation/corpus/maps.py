@@ -208,14 +208,10 @@ def maps_of(plane: Plane, runs: dict[tuple[Point, int], Run], seeds: int) -> Ite
     first, second = plane.axis
     rows = list(dict.fromkeys(getattr(point, first) for point in plane.points))
     columns = list(dict.fromkeys(getattr(point, second) for point in plane.points))
+    at = {(getattr(point, first), getattr(point, second)): point for point in plane.points}
+    found = {place: [runs[point, k] for k in range(seeds) if (point, k) in runs] for place, point in at.items()}
     for quantity, label in (("slope", SLOPE_TITLE), ("loop", LOOP_TITLE), ("tension", PULL_OFF_TITLE)):
-        cells = []
-        for row in rows:
-            line = []
-            for column in columns:
-                point = next(p for p in plane.points if (getattr(p, first), getattr(p, second)) == (row, column))
-                line.append(_cell([runs[point, k] for k in range(seeds) if (point, k) in runs], quantity))
-            cells.append(line)
+        cells = [[_cell(found[row, column], quantity) for column in columns] for row in rows]
         yield Map(
             name=f"{plane.name}-{quantity}",
             title=label,
@@ -231,14 +227,8 @@ def maps_of(plane: Plane, runs: dict[tuple[Point, int], Run], seeds: int) -> Ite
 
 def _cell(runs: Sequence[Run], quantity: str) -> tuple[float | None, float | None, str]:
     """Mean, standard error, and what is to be said of the realisations without a number."""
-    if quantity == "loop":
-        values = [
-            one.loop / one.work_of_adhesion if one.work_of_adhesion else one.loop
-            for one in runs
-            if one.loop is not None
-        ]
-    else:
-        values = [value for one in runs if (value := getattr(one, quantity)) is not None]
+    given = [(one, value) for one in runs if (value := getattr(one, quantity)) is not None]
+    values = [value / (one.work_of_adhesion or 1.0) if quantity == "loop" else value for one, value in given]
     without = [one.status for one in runs if getattr(one, quantity) is None]
     note = ", ".join(f"{without.count(status)} {status}" for status in dict.fromkeys(without))
     if not values:

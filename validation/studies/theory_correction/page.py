@@ -72,20 +72,10 @@ def outcome(calibration: Mapping[str, Any], judged: Sequence[HeldOut], planned: 
     short : bool
         The quick form, which shows that everything runs and judges nothing.
     """
-    rows = tuple(_rows(judged, short))
-    tables = (
-        _areas_without_adhesion(),
-        _uncertainties_without_adhesion(),
-        _areas(),
-        _uncertainties_with_adhesion(),
-        _uncertainties(judged),
-        _aims(judged),
-        _coefficients(calibration),
-        _by_kind(judged),
-        _all(judged),
-    )
+    made = (_areas_without_adhesion(), _uncertainties_without_adhesion(), _areas(), _uncertainties_with_adhesion())
+    of_judged = (_uncertainties(judged), _aims(judged), _coefficients(calibration), _by_kind(judged), _all(judged))
     counts = {"loads judged": len(judged), "loads planned": planned, "without a state": planned - len(judged)}
-    return Outcome(rows=rows, figures=tuple(figures_of(judged)), tables=tables, counts=counts)
+    return Outcome(tuple(_rows(judged, short)), tuple(figures_of(judged)), (*made, *of_judged), counts)
 
 
 def case_of(made: Outcome, domain: Mapping[str, Any]) -> Case:
@@ -108,6 +98,7 @@ JUDGED: dict[str, tuple[str, dict[bool, tuple[float, float]]]] = {
     ),
 }
 ADHESION = {False: "without adhesion", True: "with adhesion"}
+SHORT = {False: "without", True: "with adhesion"}
 
 
 def _rows(judged: Sequence[HeldOut], short: bool) -> Iterator[Row]:
@@ -191,19 +182,10 @@ def _uncertainties(judged: Sequence[HeldOut]) -> Table:
     for adhesive, (name, low, high) in product(ADHESION, RANGES):
         if some := chosen(judged, adhesive, low, high):
             found = [one.area[CALIBRATED] for one in some]
-            rows.append(
-                [
-                    "with adhesion" if adhesive else "without",
-                    f"{name}: {low / RMS_SLOPE:.3f} to {min(high, 0.05) / RMS_SLOPE:.3f}",
-                    len(some),
-                    rms_of(some, "area", PLAIN),
-                    rms(found),
-                    float(np.mean(found)),
-                    float(np.max(np.abs(found))),
-                    float(np.mean(np.abs(found) < AIM)),
-                    rms([one.area_noise for one in some]),
-                ]
-            )
+            over = f"{name}: {low / RMS_SLOPE:.3f} to {min(high, 0.05) / RMS_SLOPE:.3f}"
+            rows.append([SHORT[adhesive], over, len(some), rms_of(some, "area", PLAIN), rms(found),
+                         float(np.mean(found)), float(np.max(np.abs(found))), float(np.mean(np.abs(found) < AIM)),
+                         rms([one.area_noise for one in some])])  # fmt: skip
     return Table(
         caption="How certain: relative error of the contact fraction on the hold-out; the rms column is the standard "
         "uncertainty to be used. Part of it is the noise of the ensembles it was judged by, in the last column.",
@@ -252,7 +234,7 @@ def _by_kind(judged: Sequence[HeldOut]) -> Table:
     for adhesive, kind in sorted({(one.adhesive, one.kind) for one in judged}):
         some = [one for one in judged if (one.adhesive, one.kind) == (adhesive, kind)]
         rows += [
-            ["with adhesion" if adhesive else "without", kind, name, len(some), rms_of(some, "area", name),
+            [SHORT[adhesive], kind, name, len(some), rms_of(some, "area", name),
              known(rms_of(some, "separation", name)), known(rms_of(some, "pressure distribution", name)),
              rms([one.area_noise for one in some])]
             for name in theories_of(some)
