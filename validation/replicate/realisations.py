@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from validation.harness.case import Outcome
 from validation.harness.rows import Against
-from validation.harness.schema import Table
+from validation.harness.schema import Cells, Table
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import LOADS, PAPER
 
@@ -39,7 +39,7 @@ def compute(evidence: Evidence) -> Outcome:
               rows=[_line(one) for one in _all(evidence) if one not in everyone]),
     ]  # fmt: skip
     if evidence.missing:
-        missing: list[list[str | float | int | None]] = [[name, why] for name, why in evidence.missing.items()]
+        missing: list[Cells] = [[name, why] for name, why in evidence.missing.items()]
         tables.append(Table(caption="Realisations without a result.", columns=["name", "why"], rows=missing))
     return Outcome(rows=rows, tables=tuple(tables))
 
@@ -55,7 +55,7 @@ def _all(evidence: Evidence) -> list[Realisation]:
     return [*evidence.loading, *evidence.short, *single, *(one for group in evidence.hurst.values() for one in group)]
 
 
-def _line(one: Realisation) -> list[str | float | int | None]:
+def _line(one: Realisation) -> Cells:
     profile = one.result.scene["profile"]
     highest = max(one.result.states, key=lambda state: state.mean_pressure)
     return [

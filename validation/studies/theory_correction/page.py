@@ -17,7 +17,7 @@ from persson import adhesive_edges
 from persson.contact_slope import contact_fractions, data
 from persson.domain import in_words
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Reference, Row, Table, Tolerance
+from validation.harness.schema import Cells, Reference, Row, Table, Tolerance
 from validation.references.paper_problem import RMS_SLOPE
 from validation.studies.adhesive_edges import areas_of
 from validation.studies.theory_correction.correction_figures import chosen, figures_of, known
@@ -123,7 +123,7 @@ def _rows(judged: Sequence[HeldOut], short: bool) -> Iterator[Row]:
 
 def _areas_without_adhesion() -> Table:
     loads = np.array(SHOWN_LOADS) * RMS_SLOPE
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for hurst, bandwidth in product(SHOWN_HURSTS, SHOWN_BANDWIDTHS):
         area, _ = contact_fractions(Group("fit", "self-affine", hurst, bandwidth, 0.0, 1).lines, loads)
         rows.append([hurst, bandwidth, *(round(float(value), 4) for value in area)])
@@ -162,7 +162,7 @@ def _uncertainties_with_adhesion() -> Table:
 
 def _areas() -> Table:
     loads = np.array(SHOWN_LOADS)
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for hurst, bandwidth in product(SHOWN_HURSTS, SHOWN_BANDWIDTHS):
         for theta in SHOWN_THETAS:
             lines = Group("fit", "self-affine", hurst, bandwidth, theta, 1).lines
@@ -178,7 +178,7 @@ def _areas() -> Table:
 
 
 def _uncertainties(judged: Sequence[HeldOut]) -> Table:
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for adhesive, (name, low, high) in product(ADHESION, RANGES):
         if some := chosen(judged, adhesive, low, high):
             found = [one.area[CALIBRATED] for one in some]
@@ -196,7 +196,7 @@ def _uncertainties(judged: Sequence[HeldOut]) -> Table:
 
 
 def _aims(judged: Sequence[HeldOut]) -> Table:
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for adhesive, words in ADHESION.items():
         if not (some := chosen(judged, adhesive)):
             continue
@@ -216,7 +216,7 @@ def _aims(judged: Sequence[HeldOut]) -> Table:
     )
 
 
-def _aim(words: str, found: float, most: float) -> list[str | float | int | None]:
+def _aim(words: str, found: float, most: float) -> Cells:
     return [words, found, "met" if found <= most else "not met"]
 
 
@@ -230,7 +230,7 @@ def _coefficients(calibration: Mapping[str, Any]) -> Table:
 
 
 def _by_kind(judged: Sequence[HeldOut]) -> Table:
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for adhesive, kind in sorted({(one.adhesive, one.kind) for one in judged}):
         some = [one for one in judged if (one.adhesive, one.kind) == (adhesive, kind)]
         rows += [
